@@ -50,11 +50,6 @@ class DecodedText:
     encoding: str
     declared: str = ""
 
-    @property
-    def is_utf_8(self) -> bool:
-        """Whether the bytes are UTF-8, with or without a mark."""
-        return self.encoding in _UTF_8
-
 
 def decode_xml(data: bytes) -> DecodedText:
     """Return the text of an XML file: UTF-8 or UTF-16 by its mark, else UTF-8, else the single-byte codec that it declares.
@@ -101,6 +96,11 @@ def decode_text(data: bytes) -> DecodedText:
     return DecodedText(_decode(data, encoding), encoding)
 
 
+def is_utf_8(encoding: str) -> bool:
+    """Whether this is a name of UTF-8, with or without a mark."""
+    return _look_up(encoding) in _UTF_8
+
+
 def is_single_byte(encoding: str) -> bool:
     """Whether a codec reads each byte for itself, and ASCII as ASCII: ISO-8859-1, Windows-1252 and the like."""
     name = _look_up(encoding)
@@ -114,7 +114,7 @@ def is_single_byte(encoding: str) -> bool:
 
 def find_byte_beyond_utf_8(text: str, encoding: str) -> tuple[int, int] | None:
     """Return the first byte at which the bytes of a text in this encoding are not UTF-8: its offset in the text, and the byte."""
-    if encoding in _UTF_8:
+    if is_utf_8(encoding):
         return None
     data = text.encode(encoding)
     try:

@@ -16,7 +16,8 @@ from pathlib import Path
 from xml.parsers import expat
 
 from urdfcheck.core import NEWLINE, Location, Span
-from urdfcheck.system.encodings import UnreadableEncodingError, decode_text, decode_xml
+from urdfcheck.source.text.xml_mistakes import describe_mistake
+from urdfcheck.system.encodings import UnreadableEncodingError, decode_text, decode_xml, find_byte_beyond_utf_8
 from urdfcheck.system.files import FileTooLargeError, read_regular
 
 # In 366 XML files of published robots the maxima are 9 levels, 25 attributes of one element, 557 characters in an
@@ -36,8 +37,9 @@ _SUBSTITUTION = re.compile(r"\$[({]")
 class XmlError(Exception):
     """The text is not XML that may be read.
 
-    ``reason``: malformed | encoding | doctype | too-large. For too-large, ``data`` holds ``what`` exceeds the limit (bytes |
-    depth | attributes | value | parts), the ``limit`` and the number ``found``.
+    ``reason``: malformed | encoding | declared-encoding | xacro-encoding | doctype | too-large. For malformed, ``data`` holds
+    the ``repair``; for too-large, ``what`` exceeds the limit (bytes | depth | attributes | value | parts), the ``limit`` and
+    the number ``found``.
     """
 
     def __init__(self, reason: str, message: str, span: Span, data: Mapping[str, object] | None = None) -> None:
@@ -226,8 +228,18 @@ class SourceFile:
         except UnreadableEncodingError as error:
             broken = cls(path, name, error.before + error.wrong)
             at = broken.make_span(len(error.before), len(broken.text))
-            raise XmlError("encoding", str(error), at) from None
+            raise XmlError("declared-encoding" if error.wrong else "encoding", str(error), at) from None
         return cls(path, name, text=decoded.text, encoding=decoded.encoding, declared=decoded.declared)
+
+    def ensure_utf_8(self, reader: str) -> None:
+        """Refuse a file for a program that reads UTF-8 whatever the file declares.
+
+        :raises XmlError: at the first byte that is not UTF-8.
+        """
+        found = find_byte_beyond_utf_8(self.text, self.encoding)
+        if found is not None:
+            message = f"{reader} reads every file as UTF-8, and byte 0x{found[1]:02x} is none"
+            raise XmlError("xacro-encoding", message, self.make_span(found[0], min(found[0] + 1, len(self.text))))
 
     def locate_character(self, line: int, col: int) -> Span:
         """Return the span of the character at a line and column that a parser reports."""
@@ -309,11 +321,17 @@ class _Parser:
         try:
             self.expat.Parse(self.data, True)
         except expat.ExpatError as error:
-            at = min(self._find_offset(max(self.expat.ErrorByteIndex, 0)), len(self.text))
-            message = _describe_expat_error(error.code, self.open_elements, self.text)
-            raise XmlError("malformed", message, self.source.make_span(at, min(at + 1, len(self.text)))) from None
+            raise self._make_malformed_error(error.code) from None
         assert self.root is not None, "expat accepts no document without a root element"
         return self.root
+
+    def _make_malformed_error(self, code: int) -> XmlError:
+        at = min(self._find_offset(max(self.expat.ErrorByteIndex, 0)), len(self.text))
+        elements = self.open_elements or ([] if self.root is None else [self.root])
+        opened = [(element.tag, element.span.line if element.span is not None else 0) for element in elements]
+        mistake = describe_mistake(self.text, at, code, opened)
+        span = self.source.make_span(mistake.start, mistake.end)
+        return XmlError("malformed", mistake.message, span, data={"repair": mistake.repair})
 
     def _start_element(self, tag: str, values: dict[str, str]) -> None:
         begin = self._find_offset(self.expat.CurrentByteIndex)
@@ -403,22 +421,6 @@ class _Parser:
     ) -> XmlError:
         span = self.source.make_span(begin, begin + 1 if end is None else end)
         return _make_too_large_error(what, found, limit, message=message, span=span)
-
-
-def _describe_expat_error(code: int, stack: list[Element], text: str) -> str:
-    """Return expat's message for an error; if the error is about a missing end tag, with the element that is still open."""
-    message: str = expat.ErrorString(code)
-    if not text.strip():
-        return "the file is empty"
-    if not stack:
-        return message
-    line = stack[-1].span.line if stack[-1].span is not None else 0
-    opened = f"<{stack[-1].tag}>, opened in line {line}"
-    if message == expat.errors.XML_ERROR_TAG_MISMATCH:
-        return f"{message}: {opened}, has not been closed"
-    if message == expat.errors.XML_ERROR_NO_ELEMENTS:
-        return f"the file ends before {opened}, is closed"
-    return message
 
 
 def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, int], str]]]:

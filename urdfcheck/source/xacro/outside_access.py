@@ -76,6 +76,7 @@ class FileAccess:
         except OSError as error:
             xacro.filestack.pop()
             raise xacro.XacroException(f"{error.strerror}: {error.filename}", exc=error) from error
+        source.ensure_utf_8("xacro")
         tree = parse_xml(source)
         unbound = find_unbound_prefix(tree)
         if unbound is not None:
@@ -125,7 +126,9 @@ class FileAccess:
         name = format_path(path)
         xacro.filestack.append(filename)
         try:
-            return read_yaml(SourceFile.read(path, name), self.trace.record_read, evaluate_number)
+            source = SourceFile.read(path, name, declares=False)
+            source.ensure_utf_8("xacro")
+            return read_yaml(source, self.trace.record_read, evaluate_number)
         except YamlReadError as error:
             raise YamlFileError(name, str(error), error.span, tag=error.tag) from error
         except XmlError as error:
