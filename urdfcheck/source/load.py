@@ -12,7 +12,7 @@ from urdfcheck.core import Location, Span
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.text.problems import Problem, locate_start
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml, restore_breaks
 from urdfcheck.system.encodings import is_utf_8
 
 _USES_XACRO = re.compile(r"<xacro:|\$\{|\$\((?:find|arg|eval|env|optenv|dirname)\b")
@@ -102,6 +102,8 @@ def load_source(
         files.update(expansion.files)
         trees.update(expansion.trees)
         arguments_read = expansion.arguments_read
+    elif root is not None and not xacro:
+        restore_breaks(root)
     return Source(
         path=path,
         name=name,

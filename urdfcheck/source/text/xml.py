@@ -436,6 +436,30 @@ def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, in
     return (end + 1 if end >= 0 else len(text)), values
 
 
+_BREAKS = re.compile(r"(\r\n|[\r\n\t])")
+_ENTITIES = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(amp|lt|gt|quot|apos));")
+_CHARACTERS = {"amp": "&", "lt": "<", "gt": ">", "quot": '"', "apos": "'"}
+
+
+def restore_breaks(root: Element) -> None:
+    """Give each value the tabs and line breaks that were typed in it.
+
+    XML makes blanks of them, and xacro too; urdfdom and the engines (tinyxml2) read a plain URDF with them, so that the names
+    ``a⇥b`` and ``a b`` are two (checked with urdfdom 6).
+    """
+    for element in root.walk():
+        for attribute in element.attributes.values():
+            if attribute.typed != attribute.value and _BREAKS.search(attribute.typed):
+                parts = [_ENTITIES.sub(_decode_entity, part) for part in _BREAKS.split(attribute.typed)]
+                if attribute.value == "".join(" " if i % 2 else part for i, part in enumerate(parts)):
+                    attribute.value = "".join("\n" if i % 2 and part != "\t" else part for i, part in enumerate(parts))
+
+
+def _decode_entity(entity: re.Match[str]) -> str:
+    hexadecimal, decimal, name = entity.groups()
+    return _CHARACTERS[name] if name else chr(int(hexadecimal, 16) if hexadecimal else int(decimal))
+
+
 def find_unbound_prefix(root: Element) -> tuple[Element, str] | None:
     """Return the first element with a prefix (its own or an attribute's) that no ``xmlns:`` around declares, and the prefix."""
     bound: set[tuple[int, str]] = set()  # id of an element, and a prefix that is declared in or around it
