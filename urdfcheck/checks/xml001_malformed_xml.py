@@ -15,6 +15,7 @@ from urdfcheck.source.text.xml import SourceFile, find_unbound_prefix
 
 _KINDS = (
     *("malformed", "encoding", "declared-encoding", "xacro-encoding", "utf-16", "instruction", "doctype", "prefix"),
+    "instruction-copied",
     "unreadable",
 )
 # The reference parser reads another name than programs that heed the declaration.

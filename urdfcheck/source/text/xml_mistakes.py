@@ -11,7 +11,7 @@ _GENERAL_REPAIR = (
     " or a `&` that should be `&amp;` just before it"
 )
 # What XML has besides tab, line break and carriage return.
-_NO_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+NO_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _NAME = re.compile(r"[^\s<>/=\"'&]+")
 _ENTITY = re.compile(r"&([^\s;<>&\"'#][^\s;<>&\"']*);")
 _OPEN_ENTITY = re.compile(r"&[#\w.:-]{0,40}\Z")
@@ -63,7 +63,7 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> Mistak
         message = "a comment may not contain `--`"
         repair = "write one hyphen, or another character (`==`), and close the comment with `-->`"
         return Mistake(message, at - 2, at, repair)
-    if here and _NO_CHARACTER.match(here):
+    if here and NO_CHARACTER.match(here):
         return Mistake(f"the character U+{ord(here):04X} is not allowed in XML", at, at + 1, "delete it")
     if here == "\ufeff":
         message = "a byte order mark stands inside of the file"
