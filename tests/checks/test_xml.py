@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -35,7 +36,7 @@ class TestXML001:
             ("<html><body><p>not found</body></html>", "other", "web_page"),
             ("<!DOCTYPE html><html/>", "other", "web_page"),
             ('<robot name="r">\n<<<<<<< HEAD\n<link name="a"/>\n=======\n', "malformed", "merge_conflict"),
-            ('\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>', "malformed", "before_declaration"),
+            ('\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>', "malformed", None),
             ('<robot name="r"><link name="a></robot>', "malformed", None),
             ("", "empty", None),
             ("\x1f\0\0", "binary", None),
@@ -148,9 +149,16 @@ class TestXML003:
         assert not findings(tmp_path, text, "XML003")
 
 
-class TestUtf16:
+def declare(encoding: str, name: str = "a") -> str:
+    robot = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="{name}"/></robot>'
+    return f'<?xml version="1.0" encoding="{encoding}"?>{robot}'
+
+
+class TestEncodings:
+    """What is read is what urdfdom and xacro read; both are asked."""
+
     @pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be"])
-    def test_only_xacro_reads_it(self, tmp_path: Path, encoding: str) -> None:
+    def test_urdfdom_reads_no_utf_16(self, tmp_path: Path, encoding: str) -> None:
         pinocchio = pytest.importorskip("pinocchio")
         path = tmp_path / "robot.urdf"
         path.write_bytes('<robot name="r"><link name="a"/></robot>'.encode(encoding))
@@ -158,8 +166,98 @@ class TestUtf16:
             pinocchio.buildModelFromUrdf(str(path))
         (finding,) = check(path, codes={"XML001"}).findings
         assert (finding.message_id, finding.severity) == ("utf-16", Severity.ERROR)
-        path.rename(tmp_path / "robot.urdf.xacro")
-        assert not check(tmp_path / "robot.urdf.xacro", codes={"XML001"}).findings
+
+    @pytest.mark.parametrize(
+        ("data", "message"),
+        [
+            (declare("utf-8", "ä").encode(), None),
+            (declare("utf-8", "ä").encode("utf-8-sig"), None),
+            (declare("ISO-8859-1", "ä").encode(), None),
+            (declare("gb2312").encode(), None),
+            ('<robot name="r"><link name="a"/></robot>'.encode("utf-16-le"), None),
+            (declare("utf-16").encode("utf-16"), "xacro-encoding"),
+            (declare("ISO-8859-1", "ä").encode("latin-1"), "xacro-encoding"),
+            (declare("utf-8", "ä").encode("latin-1"), "encoding"),
+        ],
+    )
+    @pytest.mark.parametrize("place", ["robot.urdf.xacro", "part.xacro", "values.yaml"])
+    def test_xacro_reads_utf_8_alone(
+        self, tmp_path: Path, data: bytes, message: str | None, place: str, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        import xacro
+
+        monkeypatch.setattr(
+            xacro, "open", partial(open, encoding="utf-8"), raising=False
+        )  # as in every locale of today
+        start = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="l"/>'
+        uses = '<xacro:include filename="part.xacro"/></robot>'
+        if place == "values.yaml":
+            data = data.replace(declare("utf-8")[:10].encode(), b"")
+            uses = (
+                "<xacro:property name='v' value=\"${xacro.load_yaml('values.yaml')}\"/><link name='${len(v)}'/></robot>"
+            )
+        (tmp_path / "robot.urdf.xacro").write_text(start + uses)
+        (tmp_path / place).write_bytes(data)
+        refused = False
+        try:
+            xacro.process_file(str(tmp_path / "robot.urdf.xacro"))
+        except UnicodeDecodeError:
+            refused = True
+        except Exception:
+            assert place == "values.yaml"  # which is no yaml at all
+            return
+        found = check(tmp_path / "robot.urdf.xacro", codes={"XML001", "XAC001"}).findings
+        assert refused == (message is not None)
+        if place == "values.yaml":
+            assert [f.message_id for f in found] == ["yaml"] * refused
+        else:
+            assert [f.message_id for f in found] == [message] * refused
+
+    @pytest.mark.parametrize(
+        ("encoding", "hidden"),
+        [("utf-7", "+ADwAIQAtAC0-{}+AC0ALQA+-"), ("hz", "<!--~\n{}-->"), ("iso2022_jp", "\x1b$B!!\x1b(B{}")],
+    )
+    @pytest.mark.parametrize("name", ["robot.urdf", "robot.urdf.xacro"])
+    def test_a_declaration_hides_nothing(self, tmp_path: Path, encoding: str, hidden: str, name: str) -> None:
+        evil = '<link name="evil"/><joint name="j" type="fixed"><parent link="a"/><child link="evil"/></joint>'
+        text = declare(encoding).replace("</robot>", hidden.format(evil) + "</robot>")
+        (finding,) = findings(tmp_path, text, "XML001", name)
+        assert (finding.message_id, finding.severity) == ("declared-encoding", Severity.ERROR)
+        assert finding.location.span is not None
+        assert (finding.location.span.line, finding.location.span.col) == (1, 31)
+
+    @pytest.mark.parametrize("name", ["start.launch", "package.xml", "config/r.srdf"])
+    def test_it_hides_nothing_in_companions_either(self, tmp_path: Path, name: str) -> None:
+        (tmp_path / "config").mkdir()
+        (tmp_path / "package.xml").write_text("<package><name>p</name></package>")
+        (tmp_path / "r.urdf").write_text('<robot name="r"><link name="a"/></robot>')
+        root = {"start.launch": "launch", "package.xml": "package"}.get(name, "robot")
+        (tmp_path / name).write_text(f'<?xml version="1.0" encoding="utf-7"?><{root} name="r">+ADw-</{root}>')
+        (finding,) = check(tmp_path, codes={"XML001"}).findings
+        assert "utf-7" in finding.message
+        assert finding.severity == Severity.ERROR
+
+    @pytest.mark.parametrize(
+        ("data", "message", "other"),
+        [
+            (declare("ISO-8859-1", "ä").encode("latin-1"), "undecoded", "\\xe4"),
+            (declare("ISO-8859-1", "ä").encode(), "misdeclared", "Ã¤"),
+        ],
+    )
+    def test_a_name_that_is_another_for_the_reference_parser_is_named(
+        self, tmp_path: Path, data: bytes, message: str, other: str
+    ) -> None:
+        (tmp_path / "robot.urdf").write_bytes(data)
+        (finding,) = check(tmp_path / "robot.urdf", codes={"XML001"}).findings
+        assert (finding.message_id, finding.severity) == (message, Severity.WARNING)
+        assert other in finding.message
+        assert "ä" in finding.message
+
+    @pytest.mark.parametrize("encoding", ["ISO-8859-1", "utf-8"])
+    def test_letters_in_comments_matter_to_nobody(self, tmp_path: Path, encoding: str) -> None:
+        text = declare(encoding).replace("</robot>", "<!-- ä --></robot>")
+        (tmp_path / "robot.urdf").write_bytes(text.encode(encoding))
+        assert not check(tmp_path / "robot.urdf", codes={"XML001"}).findings
 
 
 class TestXML005:

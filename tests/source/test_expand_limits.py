@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from xml.parsers import expat
 
 import pytest
 
 from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.model.motion.pinocchio_model import capture_stderr
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem
@@ -259,3 +261,62 @@ def test_ros_and_what_is_named_is_read(tmp_path: Path, monkeypatch: pytest.Monke
     assert expansion.root is not None
     assert expansion.root.children[0].get("b") == "jazzy121"
     assert not expansion.problems
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("""<link name="a"><xacro:attribute name="value" value="${2*2.0}"/></link>""", "value of the type float"),
+        ("""<link name="a"><xacro:attribute name="value" value="${2}"/></link>""", "value of the type int"),
+        ("""<link name="a"><xacro:attribute name="value" value="${True}"/></link>""", "value of the type bool"),
+        ("""<link name="a"><xacro:attribute name="value" value="${[1]}"/></link>""", "value of the type list"),
+        ("""<link name="a"><xacro:attribute name="value" value="${dict(a=1)}"/></link>""", "value of the type dict"),
+        ("""<xacro:element xacro:name="1a"/>""", "no name of an element"),
+        ("""<xacro:element xacro:name="-"/>""", "no name of an element"),
+        ("""<link name="${'\\x01'}"/>""", "U+0001, which is not allowed"),
+        ("""<link name="${'\\0'}"/>""", "U+0000, which is not allowed"),
+        ("""<link name="a">${'\\ud800'}</link>""", "U+D800, which is not allowed"),
+        ("""<!-- xacro:eval-comments --><!-- ${'-' * 2} --><link name="a"/>""", "evaluates contains `--`"),
+    ],
+)
+def test_what_plain_xacro_cannot_write_is_told_at_its_place(tmp_path: Path, body: str, message: str) -> None:
+    import xacro
+
+    problem = problem_of(tmp_path, f"\n{body}", reach=tmp_path)
+    assert problem.kind == "expansion-failed"
+    assert message in problem.message
+    assert problem.location.span is not None
+    assert problem.location.span.line >= 1
+    with pytest.raises((AttributeError, ValueError, UnicodeError, TypeError, expat.ExpatError)):
+        expat.ParserCreate().Parse(xacro.process_file(str(tmp_path / "robot.xacro")).toxml("utf-8"), True)
+
+
+@pytest.mark.parametrize("value", ["0", "0.0", "False", "None", "[]", "dict()"])
+def test_an_attribute_that_plain_xacro_leaves_empty_is_told(tmp_path: Path, value: str) -> None:
+    import xacro
+
+    path = tmp_path / "robot.urdf.xacro"
+    path.write_text(f"""{HEAD}<link name="a"><xacro:attribute name="b" value="${{{value}}}"/></link></robot>""")
+    plain = xacro.process_file(str(path)).toxml()
+    found = expand_xacro(path, {}, PackageFinder(path, environment={}))
+    assert found.root is not None
+    assert 'b=""' in plain
+    assert found.root.children[0].get("b", "none") == ""
+    assert [p.kind for p in found.problems] == ["value-lost"]
+
+
+@pytest.mark.parametrize("place", ["<?a b?>{}", "{}", "<!-- --><?a b?>{}"])
+def test_an_instruction_ends_up_where_the_reference_parser_refuses_it(tmp_path: Path, place: str) -> None:
+    import xacro
+
+    pinocchio = pytest.importorskip("pinocchio")
+    path = tmp_path / "robot.urdf.xacro"
+    inner = "" if "?" in place else "<?a b?>"
+    path.write_text(place.format(f"""{HEAD}{inner}<link name="a"/></robot>"""))
+    with capture_stderr(), pytest.raises(ValueError, match="valid URDF"):
+        pinocchio.buildModelFromXML(xacro.process_file(str(path)).toprettyxml())
+    found = expand_xacro(path, {}, PackageFinder(path, environment={}))
+    (problem,) = found.problems
+    span = problem.location.span
+    assert span is not None
+    assert (problem.kind, path.read_text()[span.start : span.end]) == ("instruction-copied", "<?a b?>")

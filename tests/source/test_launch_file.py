@@ -552,3 +552,25 @@ def test_a_pipe_beside_a_launch_file_is_not_waited_for(package: Path) -> None:
 def test_a_launch_file_that_is_nested_too_deeply_is_a_problem_with_what_it_is(package: Path) -> None:
     (problem,) = launch(package, "<launch>" + "<group>" * 300).problems
     assert (problem.kind, problem.data["what"]) == ("too-large", "depth")
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"# -*- coding: utf-7 -*-\n# +AAo-p = 'robot.urdf'\n", "it declares the encoding 'utf-7', in which"),
+        (
+            b"#" + b" " * 1_000 + b"\n# coding: utf-7\n# +AAo-p = 'robot.urdf'\n",
+            "it declares the encoding 'utf-7', in which",
+        ),
+        (b"# coding: klingon\n", "unknown encoding: klingon"),
+        ("# coding: latin-1\np = 'ä'\n".encode("latin-1"), None),
+        ("# coding: gbk\np = 'a'\n".encode("gbk"), None),
+        ("p = 'ä'\n".encode("latin-1"), "can't decode byte"),
+    ],
+)
+def test_a_python_file_is_read_as_python_reads_it(package: Path, data: bytes, message: str | None) -> None:
+    loaded = launch(package, data, "car.launch.py")
+    assert loaded.python is not None
+    problem = loaded.python.syntax_problem
+    assert (problem is None) == (message is None)
+    assert problem is None or message in problem.message

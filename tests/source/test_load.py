@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import FIXTURES
 
+from urdfcheck.model.motion.pinocchio_model import capture_stderr
 from urdfcheck.source.discover import discover_targets
 from urdfcheck.source.launch.launch_file import load_launch
 from urdfcheck.source.launch.python_launch_file import read_python_launch
@@ -185,3 +186,48 @@ def test_a_missing_include_is_among_what_the_outcome_rests_on(tmp_path: Path) ->
     with record_reads() as reads:
         loaded(tmp_path, "a.xacro", f'<robot name="r" {XMLNS}><xacro:include filename="arm.xacro"/></robot>')
     assert reads[str(tmp_path / "arm.xacro")] is None
+
+
+@pytest.mark.parametrize(
+    ("link", "parent"),
+    [
+        ("a\tx", "a x"),
+        ("a\tx", "a\tx"),
+        ("a\nx", "a\nx"),
+        ("a\r\nx", "a\nx"),
+        ("a\rx", "a\nx"),
+        ("a\n&amp;&#65;x", "a&#10;&#x26;Ax"),
+        ("a&#9;x", "a\tx"),
+        ("a&#9;x", "a x"),
+        ("a x", "a\tx"),
+        ("a&#32;x", "a x"),
+    ],
+)
+def test_a_name_has_the_tabs_and_line_breaks_that_urdfdom_reads(tmp_path: Path, link: str, parent: str) -> None:
+    """urdfdom refuses a joint whose parent it does not find."""
+    pinocchio = pytest.importorskip("pinocchio")
+    text = (
+        f'<robot name="r"><link name="{link}"/><link name="b"/><joint name="j" type="fixed">'
+        f'<parent link="{parent}"/><child link="b"/></joint></robot>'
+    )
+    path = tmp_path / "robot.urdf"
+    path.write_bytes(text.encode())
+    root = load_source(path, {}, PackageFinder(path, environment={})).root
+    assert root is not None
+    names = [element.get("name") for element in root.find_children("link")]
+    known = root.children[2].children[0].get("link") in names
+    with capture_stderr():
+        try:
+            frames = [frame.name for frame in pinocchio.buildModelFromXML(text).frames]
+        except ValueError:
+            frames = []
+    assert known == bool(frames)
+    assert not frames or names[0] in frames
+
+
+def test_for_xacro_tabs_and_line_breaks_are_blanks(tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf.xacro"
+    path.write_text('<robot name="r"><link name="a\tx"/></robot>')
+    root = load_source(path, {}, PackageFinder(path, environment={})).root
+    assert root is not None
+    assert root.children[0].get("name") == "a x"

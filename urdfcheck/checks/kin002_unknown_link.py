@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_literal
@@ -32,14 +32,14 @@ def _build_finding(rule: Rule, graph: KinematicGraph, places: list[tuple[Joint, 
     attributes = [attribute for _, attribute in places]
     called = attributes[0].value
     related = [*(a.location for a in attributes[1:10]), *(d.location for d in attributes[0].collect_definitions())]
-    data: dict[str, Any] = {"called": called, "where": _describe_places(places)}
+    data: dict[str, Any] = {"called": spell_breaks(called), "where": _describe_places(places)}
     near = graph.guess_link(attributes[0].owner.tag, called)
     if near is None:
         links = join_names(graph.links) or "none"
         finding = rule.finding("unknown", at=attributes[0], related=related, links=links, **data)
     else:
         edits = [edit for attribute in attributes for edit in edit_literal(attribute, near)]
-        finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=near, **data)
+        finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=spell_breaks(near), **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 
 

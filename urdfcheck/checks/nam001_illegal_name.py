@@ -6,13 +6,23 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Link, Model
+
+
+def _has_break(name: str) -> bool:
+    return any(c in "\t\n\r" for c in name)
+
+
+def _has_space(name: str) -> bool:
+    return any(c.isspace() for c in name)
+
 
 # Each kind of mistake: its message, its severity, and whether a name makes it (the flag: the name of a link, not a joint).
 _KINDS: tuple[tuple[str, Severity, Callable[[str, bool], bool]], ...] = (
     ("empty", Severity.WARNING, lambda name, _: not name.strip()),
-    ("space", Severity.WARNING, lambda name, _: bool(name.strip()) and any(c.isspace() for c in name)),
+    ("break", Severity.WARNING, lambda name, _: bool(name.strip()) and _has_break(name)),
+    ("space", Severity.WARNING, lambda name, _: bool(name.strip()) and _has_space(name) and not _has_break(name)),
     ("leading_slash", Severity.WARNING, lambda name, link: link and name.startswith("/")),
     ("scope", Severity.WARNING, lambda name, _: "::" in name),
     ("reserved", Severity.WARNING, lambda name, _: len(name) > 3 and name.startswith("__") and name.endswith("__")),
@@ -42,7 +52,7 @@ def _build_findings(
             at=_locate_name(parts[0]),
             severity=severity,
             related=[_locate_name(part) for part in parts[1:10]],
-            names=join_names(f"'{name}'" for name in dict.fromkeys(names)),
+            names=join_names(f"'{spell_breaks(name)}'" for name in dict.fromkeys(names)),
             count=len(names),
         )
         yield replace(finding, subjects=tuple(_locate_name(part).subject for part in parts))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Finding, Location, Rule
+from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, format_name_hint, join_names
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
@@ -52,6 +52,9 @@ class _FailureReport:
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
+    for problem in source.find_problems("value-lost"):
+        data = {key: problem.data[key] for key in ("name", "value")}
+        yield rule.finding("value-lost", at=problem.location, severity=Severity.WARNING, **data)
     for problem in source.find_problems("expansion-failed"):
         reason, *expressions = problem.message.split(_EXPRESSIONS)
         typed = expressions[0].rstrip().removesuffix("'") if expressions else ""
@@ -261,6 +264,10 @@ def _explain_syntax_error(failure: _ExpansionFailure, _match: re.Match[str]) -> 
     reason = re.sub(r" \(<(?:expression|string)>, line \d+\)", "", failure.reason)
     shown = f"`{failure.expression}`" if failure.expression else "this"
     return _build_report_at_expression(failure, "syntax", shown=shown, reason=reason)
+
+
+def _explain_value_without_text(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
+    return _build_report(failure, "not-text", name=match.group(1), kind=match.group(2))
 
 
 _EXPLANATIONS: tuple[tuple[str, Callable[[_ExpansionFailure, re.Match[str]], _FailureReport]], ...] = (

@@ -13,7 +13,14 @@ from urdfcheck.source.ros.srdf import find_broken_srdfs
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import SourceFile, find_unbound_prefix
 
-_KINDS = ("malformed", "encoding", "utf-16", "instruction", "doctype", "prefix", "unreadable")
+_KINDS = (
+    *("malformed", "encoding", "declared-encoding", "xacro-encoding", "utf-16", "instruction", "doctype", "prefix"),
+    "instruction-copied",
+    "unreadable",
+)
+# The reference parser reads another name than programs that heed the declaration.
+_MISREAD = ("misdeclared", "undecoded")
+_REPAIR_OF_COMPANION = "mend the XML at this place, or just before it, and save the file as UTF-8"
 # How a file that was never XML begins, and the cause.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
 # We reject this, and ROS may read it.
@@ -42,9 +49,16 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             if not _is_xacro_prefix(source):
                 yield rule.finding("prefix", at=location, severity=Severity.WARNING, error=problem.message)
         else:
-            cause = _classify_cause(problem, file)
+            cause = _classify_cause(file)
             message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
-            yield rule.finding(message, at=location, cause=cause, error=problem.message)
+            repair = problem.data.get("repair", "")
+            yield rule.finding(message, at=location, cause=cause, error=problem.message, repair=repair)
+    for problem in source.find_problems(*_MISREAD):
+        data = {**problem.data, "count": len(problem.data["places"])}
+        first, *others = data.pop("places")
+        listed = f"the value {problem.message!r}"
+        listed += f" and {len(others)} more" if others else ""
+        yield rule.finding(problem.kind, at=first, related=others[:9], severity=Severity.WARNING, listed=listed, **data)
 
 
 def _check_companion_file(
@@ -54,11 +68,12 @@ def _check_companion_file(
     for problem in problems:
         if problem.kind not in _KINDS:
             continue
-        at, cause = problem.location, _classify_cause(problem, _find_source_file(problem, files))
+        at, cause = problem.location, _classify_cause(_find_source_file(problem, files))
         if problem.kind == _OUR_CHOICE and cause is None:
             yield rule.finding("unread", at=at, severity=Severity.WARNING, error=problem.message)
         else:
-            yield rule.finding(message, at=at, cause=cause, error=problem.message)
+            repair = problem.data.get("repair", _REPAIR_OF_COMPANION)
+            yield rule.finding(message, at=at, cause=cause, error=problem.message, repair=repair)
 
 
 def _find_source_file(problem: Problem, files: Mapping[str, SourceFile]) -> SourceFile | None:
@@ -78,7 +93,7 @@ def _is_xacro_prefix(source: Source) -> bool:
     return unbound is not None and unbound[1] == "xacro"
 
 
-def _classify_cause(problem: Problem, file: SourceFile | None) -> str | None:
+def _classify_cause(file: SourceFile | None) -> str | None:
     if file is None:
         return None
     text = file.text.lstrip("\ufeff \t\r\n")
@@ -87,6 +102,4 @@ def _classify_cause(problem: Problem, file: SourceFile | None) -> str | None:
             return cause
     if "\n<<<<<<< " in "\n" + file.text:
         return "merge_conflict"
-    if problem.kind == "malformed" and "declaration not at start" in problem.message:
-        return "before_declaration"
     return None

@@ -43,6 +43,11 @@ def join_names(names: Iterable[str], most: int = 6) -> str:
     return f"{shown} and {len(names) - most} more" if len(names) > most else shown
 
 
+def spell_breaks(name: str) -> str:
+    """Return a name with its tabs and line breaks spelled ``\\t`` and ``\\n``: shown as they are, they look like blanks."""
+    return name.replace("\t", r"\t").replace("\n", r"\n").replace("\r", r"\r")
+
+
 def split_name_words(name: str) -> list[str]:
     """Split ``LShoulder_pitch2`` into L, Shoulder, pitch, 2: at camel case, digits and punctuation."""
     return _WORD.findall(name)

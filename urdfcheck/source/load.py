@@ -12,7 +12,8 @@ from urdfcheck.core import Location, Span
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.text.problems import Problem, locate_start
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml, restore_breaks
+from urdfcheck.system.encodings import is_utf_8
 
 _USES_XACRO = re.compile(r"<xacro:|\$\{|\$\((?:find|arg|eval|env|optenv|dirname)\b")
 
@@ -101,6 +102,8 @@ def load_source(
         files.update(expansion.files)
         trees.update(expansion.trees)
         arguments_read = expansion.arguments_read
+    elif root is not None and not xacro:
+        restore_breaks(root)
     return Source(
         path=path,
         name=name,
@@ -123,6 +126,13 @@ def _find_plain_text_problems(file: SourceFile, root: Element, *, is_xacro: bool
     problems: list[Problem] = []
     if file.encoding.startswith("utf-16") and not for_xacro:
         problems.append(Problem(kind="utf-16", message="the text is UTF-16", location=root.location))
+    elif not for_xacro:
+        problems += _find_misread_values(file, root)
+    elif not is_xacro:
+        try:
+            file.ensure_utf_8("xacro")
+        except XmlError as error:
+            problems.append(Problem.from_read_error(error, root.subject, file.name))
     if file.instruction is not None and not for_xacro:
         message = "a processing instruction (<?…?>) does not stand first"
         at = Location(root.subject, file.instruction)
@@ -133,6 +143,22 @@ def _find_plain_text_problems(file: SourceFile, root: Element, *, is_xacro: bool
         message = f"the prefix {prefix!r} is not declared (xmlns:{prefix}=…)"
         problems.append(Problem(kind="prefix", message=message, location=element.location))
     return problems
+
+
+def _find_misread_values(file: SourceFile, root: Element) -> list[Problem]:
+    """Return the values that are one text in the encoding that the file declares, and another for parsers that heed none."""
+    if not file.declared or file.text.isascii():
+        return []
+    misread = [a for e in root.walk() for a in e.attributes.values() if not a.value.isascii()]
+    if not misread or is_utf_8(file.declared):
+        return []
+    value = misread[0].value
+    if is_utf_8(file.encoding):
+        kind, other = "misdeclared", value.encode("utf-8", "replace").decode(file.declared, "replace")
+    else:
+        kind, other = "undecoded", ascii(value.encode(file.encoding, "replace"))[2:-1]
+    data = {"value": value, "other": other, "declared": file.declared, "places": [a.location for a in misread]}
+    return [Problem(kind=kind, message=value, location=misread[0].location, data=data)]
 
 
 def select_own_trees(source: Source) -> dict[str, Element]:

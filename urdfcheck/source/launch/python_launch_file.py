@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import io
 import itertools
 import os
 import re
@@ -11,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tokenize import detect_encoding
 
 from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
@@ -19,6 +21,7 @@ from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfold
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import SourceFile
+from urdfcheck.system.encodings import is_single_byte
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 MODEL_SUFFIXES = (".urdf", ".xacro")
@@ -81,10 +84,9 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Python's warnings about a stranger's code do not belong on the terminal
-            if (
-                "\ufffd" in file.text or b"coding" in data[:400]
-            ):  # Python may refuse the bytes: no UTF-8, or no such encoding
+            if "\ufffd" in file.text:  # Python may refuse the bytes
                 ast.parse(data)
+            file = _decode_as_python(file, data)
             tree = ast.parse(file.text)
             return PythonLaunchReader(tree, file, path=path, finder=finder).read()
     except SyntaxError as error:
@@ -97,6 +99,19 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
             file=file,
             syntax_problem=Problem(kind="syntax", message="it is no text or nested too deeply", location=start),
         )
+
+
+def _decode_as_python(file: SourceFile, data: bytes) -> SourceFile:
+    """Return the file as Python reads it: in the encoding that one of its first two lines names.
+
+    :raises SyntaxError: if it is another text then; a codec of one byte may differ beyond ASCII.
+    """
+    encoding, _ = detect_encoding(io.BytesIO(data).readline)
+    if encoding in {"utf-8", "utf-8-sig"}:
+        return file
+    if not is_single_byte(encoding) and data.decode(encoding, "replace") != file.text:
+        raise SyntaxError(f"it declares the encoding {encoding!r}, in which its bytes are another text than in UTF-8")
+    return SourceFile(file.path, file.name, text=data.decode(encoding, "replace"), encoding=encoding)
 
 
 def _find_line_starts(text: str) -> list[int]:

@@ -13,14 +13,16 @@ from urdfcheck.source.text.yaml import YamlReadError, YamlValue, parse_located_y
 def read_located_yaml(path: Path, finder: PackageFinder) -> YamlValue | None:
     """Return the content of a file; None if it is empty, cannot be read or may not be opened.
 
-    :raises YamlReadError: as :func:`~urdfcheck.source.text.yaml.parse_located_yaml`.
+    :raises YamlReadError: as :func:`~urdfcheck.source.text.yaml.parse_located_yaml`, and if its bytes are no text.
     """
     if not finder.can_open(path) or not os.path.isfile(path):
         return None
     try:
-        return parse_located_yaml(SourceFile.read(path, format_path(path)))
-    except (OSError, XmlError):  # XmlError: its encoding or size
+        return parse_located_yaml(SourceFile.read(path, format_path(path), declares=False))
+    except OSError:
         return None
+    except XmlError as error:  # its encoding or size
+        raise YamlReadError(str(error), error.span) from error
 
 
 def find_yaml_error(path: Path, finder: PackageFinder) -> YamlReadError | None:

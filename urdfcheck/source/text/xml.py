@@ -6,7 +6,6 @@ positions that expat reports for start tags are refined by reading the text of t
 
 from __future__ import annotations
 
-import codecs
 import re
 from array import array
 from bisect import bisect_right
@@ -17,6 +16,8 @@ from pathlib import Path
 from xml.parsers import expat
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.source.text.xml_mistakes import describe_mistake
+from urdfcheck.system.encodings import UnreadableEncodingError, decode_text, decode_xml, find_byte_beyond_utf_8
 from urdfcheck.system.files import FileTooLargeError, read_regular
 
 # In 366 XML files of published robots the maxima are 9 levels, 25 attributes of one element, 557 characters in an
@@ -27,9 +28,6 @@ MAX_VALUE = 1024**2
 # Elements, attributes and comments; each takes up to 500 bytes of memory.
 MAX_PARTS = 2_000_000
 
-_DECLARED = re.compile(rb"""^\s*<\?xml[^>\x80-\xff]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
-# Codecs of Python that are not a character encoding of a file.
-_NO_CHARSETS = frozenset({"idna", "punycode", "raw-unicode-escape", "undefined", "unicode-escape"})
 _BREAK = re.compile(r"\r\n|[\r\n\t]")
 _TAG = re.compile(r"[^ \t\r\n/>]+")
 _ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
@@ -39,8 +37,9 @@ _SUBSTITUTION = re.compile(r"\$[({]")
 class XmlError(Exception):
     """The text is not XML that may be read.
 
-    ``reason``: malformed | encoding | doctype | too-large. For too-large, ``data`` holds ``what`` exceeds the limit (bytes |
-    depth | attributes | value | parts), the ``limit`` and the number ``found``.
+    ``reason``: malformed | encoding | declared-encoding | xacro-encoding | doctype | too-large. For malformed, ``data`` holds
+    the ``repair``; for too-large, ``what`` exceeds the limit (bytes | depth | attributes | value | parts), the ``limit`` and
+    the number ``found``.
     """
 
     def __init__(self, reason: str, message: str, span: Span, data: Mapping[str, object] | None = None) -> None:
@@ -194,50 +193,53 @@ class Comment:
 class SourceFile:
     """The decoded text of one file.
 
-    ``name`` is its name in findings, ``path`` its place, and ``encoding`` the codec of its bytes. ``instruction`` is the
-    first processing instruction (``<?…?>``) that comes after an element or a comment.
+    ``name`` is its name in findings, ``path`` its place, and ``encoding`` the codec of its bytes, ``declared`` the
+    encoding that it states (empty without one). ``instruction`` is the first processing instruction (``<?…?>``) that comes
+    after an element or a comment.
     """
 
-    __slots__ = ("_starts", "comments", "encoding", "instruction", "name", "path", "text")
+    __slots__ = ("_starts", "comments", "declared", "encoding", "instruction", "name", "path", "text")
 
-    def __init__(self, path: Path, name: str, text: str, encoding: str = "utf-8") -> None:
+    def __init__(self, path: Path, name: str, text: str, encoding: str = "utf-8", declared: str = "") -> None:
         self.path = path
         self.name = name
         self.text = text
         self.encoding = encoding
+        self.declared = declared
         self.comments: list[Comment] = []
         self.instruction: Span | None = None
         self._starts = array("q", (0,))  # a list would take forty bytes for each line
         self._starts.extend(m.end() for m in NEWLINE.finditer(text))
 
     @classmethod
-    def read(cls, path: Path, name: str) -> SourceFile:
-        """Read and decode a file by its byte order mark or its XML declaration, else UTF-8.
+    def read(cls, path: Path, name: str, *, declares: bool = True) -> SourceFile:
+        """Read and decode a file. ``declares``: it is XML, which may declare its encoding; yaml cannot.
 
         :raises OSError: if it cannot be read.
-        :raises XmlError: if it is too large, or its bytes are not text in the declared encoding.
+        :raises XmlError: if it is too large, or its bytes are no text, or not the same for all.
         """
         try:
             data = read_regular(path)
         except FileTooLargeError as error:
             start = cls(path, name, "").make_span(0, 0)
             raise _make_too_large_error("bytes", error.found, error.limit, message=error.message, span=start) from None
-        encoding = _detect_encoding(data)
-        declared = _DECLARED.match(data[:400]) if encoding is None else None
-        if declared is not None:
-            encoding = declared.group(1).decode("ascii")
-            if not _can_decode(encoding, declared.group(0)):
-                at = cls(path, name, declared.group(0).decode("ascii")).make_span(*declared.span(1))
-                raise XmlError("encoding", f"the text is not in the encoding {encoding!r} that it declares", at)
-        encoding = encoding or "utf-8"
         try:
-            return cls(path, name, text=data.decode(encoding), encoding=encoding)
-        except UnicodeDecodeError as error:
-            # error.object is the data without the byte order mark.
-            valid, wrong = error.object[: error.start], error.object[error.start]
-            broken = cls(path, name, valid.decode(encoding, "replace"))
-            at = broken.make_span(len(broken.text), len(broken.text))
-            raise XmlError("encoding", f"byte 0x{wrong:02x} is not valid {encoding}", at) from None
+            decoded = decode_xml(data) if declares else decode_text(data)
+        except UnreadableEncodingError as error:
+            broken = cls(path, name, error.before + error.wrong)
+            at = broken.make_span(len(error.before), len(broken.text))
+            raise XmlError("declared-encoding" if error.wrong else "encoding", str(error), at) from None
+        return cls(path, name, text=decoded.text, encoding=decoded.encoding, declared=decoded.declared)
+
+    def ensure_utf_8(self, reader: str) -> None:
+        """Refuse a file for a program that reads UTF-8 whatever the file declares.
+
+        :raises XmlError: at the first byte that is not UTF-8.
+        """
+        found = find_byte_beyond_utf_8(self.text, self.encoding)
+        if found is not None:
+            message = f"{reader} reads every file as UTF-8, and byte 0x{found[1]:02x} is none"
+            raise XmlError("xacro-encoding", message, self.make_span(found[0], min(found[0] + 1, len(self.text))))
 
     def locate_character(self, line: int, col: int) -> Span:
         """Return the span of the character at a line and column that a parser reports."""
@@ -262,29 +264,6 @@ class SourceFile:
 
 def _make_too_large_error(what: str, found: int, limit: int, *, message: str, span: Span) -> XmlError:
     return XmlError("too-large", message, span, data={"what": what, "limit": limit, "found": found})
-
-
-def _detect_encoding(data: bytes) -> str | None:
-    """Return the encoding that the first bytes show: by a byte order mark, or the zero bytes of UTF-16."""
-    for mark, name in (
-        (codecs.BOM_UTF8, "utf-8-sig"),
-        (codecs.BOM_UTF16_LE, "utf-16"),
-        (codecs.BOM_UTF16_BE, "utf-16"),
-        (b"<\0", "utf-16-le"),
-        (b"\0<", "utf-16-be"),
-    ):
-        if data.startswith(mark):
-            return name
-    return None
-
-
-def _can_decode(encoding: str, declaration: bytes) -> bool:
-    """Whether an encoding exists and can decode its own declaration (UTF-16 decodes ASCII bytes to other text)."""
-    try:
-        known = codecs.lookup(encoding).name not in _NO_CHARSETS
-        return known and declaration.decode(encoding, "replace") == declaration.decode("ascii", "replace")
-    except (LookupError, UnicodeError):
-        return False
 
 
 def parse_xml(source: SourceFile) -> Element:
@@ -342,11 +321,17 @@ class _Parser:
         try:
             self.expat.Parse(self.data, True)
         except expat.ExpatError as error:
-            at = min(self._find_offset(max(self.expat.ErrorByteIndex, 0)), len(self.text))
-            message = _describe_expat_error(error.code, self.open_elements, self.text)
-            raise XmlError("malformed", message, self.source.make_span(at, min(at + 1, len(self.text)))) from None
+            raise self._make_malformed_error(error.code) from None
         assert self.root is not None, "expat accepts no document without a root element"
         return self.root
+
+    def _make_malformed_error(self, code: int) -> XmlError:
+        at = min(self._find_offset(max(self.expat.ErrorByteIndex, 0)), len(self.text))
+        elements = self.open_elements or ([] if self.root is None else [self.root])
+        opened = [(element.tag, element.span.line if element.span is not None else 0) for element in elements]
+        mistake = describe_mistake(self.text, at, code, opened)
+        span = self.source.make_span(mistake.start, mistake.end)
+        return XmlError("malformed", mistake.message, span, data={"repair": mistake.repair})
 
     def _start_element(self, tag: str, values: dict[str, str]) -> None:
         begin = self._find_offset(self.expat.CurrentByteIndex)
@@ -438,22 +423,6 @@ class _Parser:
         return _make_too_large_error(what, found, limit, message=message, span=span)
 
 
-def _describe_expat_error(code: int, stack: list[Element], text: str) -> str:
-    """Return expat's message for an error; if the error is about a missing end tag, with the element that is still open."""
-    message: str = expat.ErrorString(code)
-    if not text.strip():
-        return "the file is empty"
-    if not stack:
-        return message
-    line = stack[-1].span.line if stack[-1].span is not None else 0
-    opened = f"<{stack[-1].tag}>, opened in line {line}"
-    if message == expat.errors.XML_ERROR_TAG_MISMATCH:
-        return f"{message}: {opened}, has not been closed"
-    if message == expat.errors.XML_ERROR_NO_ELEMENTS:
-        return f"the file ends before {opened}, is closed"
-    return message
-
-
 def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, int], str]]]:
     """Return the end of the start tag at ``begin`` and, per attribute, the offsets and text of its value."""
     values: dict[str, tuple[tuple[int, int], str]] = {}
@@ -465,6 +434,30 @@ def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, in
         at = match.end()
     end = text.find(">", at)
     return (end + 1 if end >= 0 else len(text)), values
+
+
+_BREAKS = re.compile(r"(\r\n|[\r\n\t])")
+_ENTITIES = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(amp|lt|gt|quot|apos));")
+_CHARACTERS = {"amp": "&", "lt": "<", "gt": ">", "quot": '"', "apos": "'"}
+
+
+def restore_breaks(root: Element) -> None:
+    """Give each value the tabs and line breaks that were typed in it.
+
+    XML makes blanks of them, and xacro too; urdfdom and the engines (tinyxml2) read a plain URDF with them, so that the names
+    ``a⇥b`` and ``a b`` are two (checked with urdfdom 6).
+    """
+    for element in root.walk():
+        for attribute in element.attributes.values():
+            if attribute.typed != attribute.value and _BREAKS.search(attribute.typed):
+                parts = [_ENTITIES.sub(_decode_entity, part) for part in _BREAKS.split(attribute.typed)]
+                if attribute.value == "".join(" " if i % 2 else part for i, part in enumerate(parts)):
+                    attribute.value = "".join("\n" if i % 2 and part != "\t" else part for i, part in enumerate(parts))
+
+
+def _decode_entity(entity: re.Match[str]) -> str:
+    hexadecimal, decimal, name = entity.groups()
+    return _CHARACTERS[name] if name else chr(int(hexadecimal, 16) if hexadecimal else int(decimal))
 
 
 def find_unbound_prefix(root: Element) -> tuple[Element, str] | None:

@@ -374,7 +374,7 @@ def _read_keys(text: str, folder: Path, finder: PackageFinder) -> list[str]:
     if path is None or "$" in path or not finder.can_open(Path(path)):
         return []
     try:
-        content = parse_located_yaml(SourceFile.read(Path(path), format_path(Path(path))))
+        content = parse_located_yaml(SourceFile.read(Path(path), format_path(Path(path)), declares=False))
         return [] if content is None else [key.text for key, _ in content.entries]
     except (OSError, XmlError, YamlReadError):
         return []

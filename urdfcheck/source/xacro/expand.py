@@ -19,7 +19,7 @@ from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.expansion_state import ExpansionTrace
-from urdfcheck.source.xacro.origins import InvalidOutputError, convert_node
+from urdfcheck.source.xacro.origins import InvalidOutputError, OutputDefect, convert_document
 from urdfcheck.source.xacro.outside_access import FileAccess
 from urdfcheck.source.xacro.patches import TracedArguments
 from urdfcheck.source.xacro.tracer import Tracer
@@ -62,8 +62,10 @@ def expand_xacro(
         try:
             document = xacro.process_file(str(path), mappings=TracedArguments(arguments, trace.record_argument_read))
             assert document is not None  # the reference implementation raises for a text that is not a document
-            assert document.documentElement is not None  # expat accepts no document without a root element
-            root = convert_node(document.documentElement, None)
+            defects: list[OutputDefect] = []
+            root = convert_document(document, defects)
+            for defect in defects:
+                trace.report_problem(defect.kind, defect.message, access.locate_defect(defect), **defect.data)
         except ModelTimeout:
             trace.report_limit("time-limit")
         except InvalidOutputError as error:

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 from xml.dom import UserDataHandler, minidom
+from xml.parsers import expat
 
 from urdfcheck.core import Location, Span
 from urdfcheck.source.text.xml import Attribute, Definition, Element
+from urdfcheck.source.text.xml_mistakes import NO_CHARACTER
 
 _USER_DATA_KEY = "urdfcheck"
 # Characters that end a name when a document is read again.
 _INVALID_NAME = re.compile(r"""[\s<>&"'=/]""")
+_PLAIN = frozenset({bool, int, float, type(None)})
+_MOST_SHOWN = 60
 
 
 @dataclass(slots=True, eq=False)
@@ -65,30 +70,102 @@ def get_origin(node: Any) -> Origin | None:
     return None if node is None else node.getUserData(_USER_DATA_KEY)
 
 
-def convert_node(node: minidom.Element, parent: Element | None) -> Element:
-    """Return the expanded document as located elements.
+@dataclass(frozen=True, slots=True)
+class OutputDefect:
+    """Something that xacro writes without a word, and that is not what the author typed. ``kind``: that of the problem."""
 
-    :raises InvalidOutputError: if a tag or attribute has a name that is not XML.
+    kind: str
+    message: str
+    location: Location
+    data: dict[str, Any] = field(default_factory=dict)
+
+
+def convert_document(document: minidom.Document, defects: list[OutputDefect]) -> Element:
+    """Return the expanded document as located elements; what is lost in writing is added to ``defects``.
+
+    :raises InvalidOutputError: if xacro cannot write the document as XML.
     """
+    root = document.documentElement
+    assert root is not None  # expat accepts no document without a root element
+    for node in document.childNodes:
+        _note_instruction(node, get_origin(root), defects)
+    return _convert_node(root, None, defects)
+
+
+def _convert_node(node: minidom.Element, parent: Element | None, defects: list[OutputDefect]) -> Element:
     origin = get_origin(node)
     via = (origin.via or ()) if origin is not None else ()
-    element = Element(node.tagName, None if origin is None else origin.raw.span, parent, via=via)
+    element = Element(str(node.tagName), None if origin is None else origin.raw.span, parent, via=via)
+
+    def locate(attribute: Attribute | None = None) -> Location:
+        subject = "robot" if origin is None else origin.raw.subject
+        if attribute is None:
+            return Location(subject, element.span, via)
+        return Location(f"{subject}@{attribute.name}", attribute.span or element.span, via)
+
     for name in (node.tagName, *node.attributes.keys()):
-        if _INVALID_NAME.search(name) or not name:  # xacro:element and xacro:attribute take any text as a name
-            place = Location("robot" if parent is None else parent.subject, element.span, via)
+        if not isinstance(name, str) or not _is_name(name):  # xacro:element and xacro:attribute take any value
             message = f"{name!r} is no name of an element or attribute: what xacro writes is no XML"
-            raise InvalidOutputError(message, place)
+            raise InvalidOutputError(message, locate())
     for name, value in node.attributes.items():
-        element.attributes[name] = _convert_attribute(name, value, owner=element, origin=origin)
+        attribute = element.attributes[name] = _convert_attribute(name, value, owner=element, origin=origin)
+        if not isinstance(value, str):
+            defects.append(_find_lost_value(name, value, locate(attribute)))
+        elif (found := NO_CHARACTER.search(value)) is not None:
+            raise InvalidOutputError(_describe_character(found[0], f"the attribute {name}"), locate(attribute))
     for child in node.childNodes:
         if child.nodeType == child.ELEMENT_NODE:
-            element.children.append(convert_node(child, element))
+            element.children.append(_convert_node(child, element, defects))
         elif child.nodeType in (child.TEXT_NODE, child.CDATA_SECTION_NODE):
             element.text += child.data
+        elif child.nodeType == child.COMMENT_NODE and "--" in child.data:  # it was evaluated (xacro:eval-comments)
+            message = "a comment that xacro evaluates contains `--`, and xacro crashes when it writes it"
+            raise InvalidOutputError(message, locate())
+        else:
+            _note_instruction(child, origin, defects)
+    if (found := NO_CHARACTER.search(element.text)) is not None:
+        raise InvalidOutputError(_describe_character(found[0], "the text of an element"), locate())
     return element
 
 
-def _convert_attribute(name: str, value: str, *, owner: Element, origin: Origin | None) -> Attribute:
+@lru_cache(maxsize=4096)
+def _is_name(name: str) -> bool:
+    """Whether a text is a name of XML."""
+    try:
+        expat.ParserCreate("utf-8").Parse(f"<{name}/>".encode(), True)
+    except (expat.ExpatError, UnicodeEncodeError):
+        return False
+    return not _INVALID_NAME.search(name)
+
+
+def _find_lost_value(name: str, value: Any, at: Location) -> OutputDefect:
+    """Return what xacro makes of the value of an ``<xacro:attribute>`` that is no text: it leaves it as it was computed.
+
+    :raises InvalidOutputError: if it crashes when it writes it.
+    """
+    kind = type(value).__name__
+    if value:
+        message = f"<xacro:attribute> gives {name} a value of the type {kind}, and xacro crashes when it writes it"
+        raise InvalidOutputError(message, at)
+    message = f"<xacro:attribute> gives {name} an empty value"
+    data = {"name": name, "value": repr(value) if type(value) in _PLAIN else f"of the type {kind}"}
+    return OutputDefect("value-lost", message, at, data)
+
+
+def _describe_character(character: str, where: str) -> str:
+    return f"{where} contains the character U+{ord(character):04X}, which is not allowed in XML"
+
+
+def _note_instruction(node: Any, origin: Origin | None, defects: list[OutputDefect]) -> None:
+    if node.nodeType == node.PROCESSING_INSTRUCTION_NODE:
+        span = None if origin is None else origin.raw.span
+        subject = "robot" if origin is None else origin.raw.subject
+        message = f"the processing instruction <?{node.target[:_MOST_SHOWN]} …?>"
+        defects.append(OutputDefect("instruction-copied", message, Location(subject, span), {"target": node.target}))
+
+
+def _convert_attribute(name: str, value: Any, *, owner: Element, origin: Origin | None) -> Attribute:
+    value = value if isinstance(value, str) else ""  # minidom writes nothing for 0, None and the like
     typed: Attribute | None = None
     reads: tuple[Definition, ...] = ()
     if origin is not None:

@@ -22,7 +22,7 @@ from urdfcheck.source.xacro.expansion_state import (
     YamlFileError,
 )
 from urdfcheck.source.xacro.expressions import ExpressionRefusedError
-from urdfcheck.source.xacro.origins import attach_origins
+from urdfcheck.source.xacro.origins import OutputDefect, attach_origins
 
 # The variables that any file may read: they are the same for all who build it for one distribution of ROS.
 READABLE_ENVIRONMENT = frozenset({"ROS_DISTRO", "ROS_PYTHON_VERSION", "ROS_VERSION"})
@@ -77,6 +77,7 @@ class FileAccess:
         except OSError as error:
             xacro.filestack.pop()
             raise xacro.XacroException(f"{error.strerror}: {error.filename}", exc=error) from error
+        source.ensure_utf_8("xacro")
         tree = parse_xml(source)
         unbound = find_unbound_prefix(tree)
         if unbound is not None:
@@ -93,6 +94,16 @@ class FileAccess:
         assert document.documentElement is not None  # expat accepts no document without a root element
         attach_origins(document.documentElement, tree)
         return document
+
+    def locate_defect(self, defect: OutputDefect) -> Location:
+        """Return the place of what xacro writes wrongly; of a processing instruction, its text in the file that it is from."""
+        at, target = defect.location, defect.data.get("target")
+        if target is None or at.span is None:
+            return at
+        file = self.files[at.span.file]
+        start = file.text.find(f"<?{target}")
+        end = file.text.find("?>", start)
+        return at if start < 0 or end < 0 else Location(at.subject, file.make_span(start, end + 2))
 
     def find_matching_files(self, pattern: str) -> list[str]:
         """Return the files that a pattern matches, as glob does, without listing a folder out of reach."""
@@ -128,7 +139,9 @@ class FileAccess:
         name = format_path(path)
         xacro.filestack.append(filename)
         try:
-            return read_yaml(SourceFile.read(path, name), self.trace.record_read, evaluate_number)
+            source = SourceFile.read(path, name, declares=False)
+            source.ensure_utf_8("xacro")
+            return read_yaml(source, self.trace.record_read, evaluate_number)
         except YamlReadError as error:
             raise YamlFileError(name, str(error), error.span, tag=error.tag) from error
         except XmlError as error:
