@@ -87,7 +87,7 @@ def commands(tmp_path: Path) -> Path:
     """A folder with the commands that an installation of urdfcheck has."""
     folder = tmp_path / "installed/bin"
     folder.mkdir(parents=True)
-    for name, words in (("python", ""), ("urdfcheck", "-m urdfcheck")):
+    for name, words in (("python", ""), ("urdfcheck", "-I -m urdfcheck")):
         (folder / name).write_text(f'#!/bin/sh\nexec "{sys.executable}" {words} "$@"\n')
         (folder / name).chmod(0o755)
     return folder
@@ -192,6 +192,12 @@ def test_code_scanning_does_not_get_what_is_known_already(tmp_path: Path, comman
         ("auto", "pull_request", "own/robots", True),
         ("auto", "pull_request", "stranger/robots", False),
         ("auto", "pull_request_target", "", False),  # the repository that it came from was deleted
+        ("auto", "schedule", "", True),
+        ("auto", "workflow_dispatch", "", True),
+        ("auto", "issue_comment", "", False),  # it may check out what a stranger wrote, and so may those below
+        ("auto", "workflow_run", "", False),
+        ("auto", "merge_group", "", False),
+        ("auto", "", "", False),
         ("true", "push", "", False),
         ("false", "pull_request", "stranger/robots", True),
     ],
@@ -199,7 +205,8 @@ def test_code_scanning_does_not_get_what_is_known_already(tmp_path: Path, comman
 def test_the_configuration_of_a_stranger_is_not_heeded(
     tmp_path: Path, commands: Path, isolated: str, event: str, origin: str, heeded: bool
 ) -> None:
-    (commands / "urdfcheck").write_text(f'#!/bin/sh\nprintf "%s\\n" "$@" > "{tmp_path}/words"\nexit 3\n')
+    other = f'if [ "$2" = - ]; then exec "{sys.executable}" "$@"; fi'
+    (commands / "python").write_text(f'#!/bin/sh\n{other}\nprintf "%s\\n" "$@" > "{tmp_path}/words"\nexit 3\n')
     head = {"event.pull_request.head.repo.full_name": origin} if origin else {}
     runner = Runner(tmp_path, {"isolated": isolated, "html": ""}, event_name=event, repository="own/robots", **head)
     runner.check(commands, tmp_path)
@@ -256,39 +263,47 @@ def test_the_gitlab_job_writes_its_reports(tmp_path: Path, commands: Path, check
     (checkout / "a.urdf").write_text(BROKEN)
     (checkout / "urdfcheck.toml").write_text('fail-on = "never"')
     job = yaml.safe_load(GITLAB.read_text(encoding="utf-8"))["urdfcheck"]
-    shutil.copytree(commands.parent, tmp_path / "urdfcheck")
+    shutil.copytree(commands.parent, tmp_path / "own/python")
     script = "set -e\n" + "\n".join(job["script"])
 
-    def run(**variables: str) -> int:
-        environment = {**os.environ, **job["variables"], "TMPDIR": str(tmp_path), **variables}
+    def run(source: str, **variables: str) -> int:
+        environment = {**os.environ, **job["variables"], "own": str(tmp_path / "own"), **variables}
+        environment["CI_PIPELINE_SOURCE"] = source
         return subprocess.run(["sh", "-c", script], cwd=checkout, env=environment, capture_output=True).returncode
 
-    assert run(CI_MERGE_REQUEST_SOURCE_PROJECT_ID="1", CI_MERGE_REQUEST_PROJECT_ID="1") == 0
+    merge = "merge_request_event"
+    assert run(merge, CI_MERGE_REQUEST_SOURCE_PROJECT_ID="1", CI_MERGE_REQUEST_PROJECT_ID="1") == 0
     written = [*job["artifacts"]["paths"], *job["artifacts"]["reports"].values()]
     assert all((checkout / name).stat().st_size for name in written)
     quality = json.loads((checkout / job["artifacts"]["reports"]["codequality"]).read_text(encoding="utf-8"))
     assert [entry["location"]["path"] for entry in quality if entry["check_name"].startswith("INR003")] == ["a.urdf"]
-    assert run(CI_MERGE_REQUEST_SOURCE_PROJECT_ID="2", CI_MERGE_REQUEST_PROJECT_ID="1") == 1, "a fork's configuration"
+    assert run(merge, CI_MERGE_REQUEST_SOURCE_PROJECT_ID="2", CI_MERGE_REQUEST_PROJECT_ID="1") == 1, (
+        "a fork's configuration"
+    )
+    assert run("push") == 0
+    assert run("external_pull_request_event") == 1
 
 
 def test_the_jenkins_step_fails_for_what_could_not_be_checked_only(commands: Path, checkout: Path) -> None:
     text = JENKINS.read_text(encoding="utf-8")
     (script,) = (step for step in re.findall(r"sh '''(.*?)'''", text, re.DOTALL) if "urdfcheck check" in step)
-    shutil.copytree(commands, checkout / ".urdfcheck/bin")
+    shutil.copytree(commands, checkout.parent / "urdfcheck/bin")
+    (checkout / "urdfcheck-reports").symlink_to(checkout.parent)  # planted
     (checkout / "a.urdf").write_text(BROKEN)
     # In a string of Groovy a backslash at the end of a line joins it with the next.
     script = script.replace("\\\n", "")
 
     def run(options: str) -> int:
         environment = {**os.environ, "URDFCHECK_PATHS": "a.urdf", "URDFCHECK_OPTIONS": options}
+        environment["WORKSPACE_TMP"] = str(checkout.parent)
         return subprocess.run(["sh", "-e", "-c", script], cwd=checkout, env=environment, capture_output=True).returncode
 
     assert run("--select INR003") == 0
-    (failure,) = ElementTree.parse(checkout / "reports/urdfcheck.xml").iter("failure")
+    (failure,) = ElementTree.parse(checkout / "urdfcheck-reports/urdfcheck.xml").iter("failure")
     assert "triangle inequality" in (failure.get("message") or "") + (failure.text or "")
-    assert (checkout / "reports/urdfcheck/index.html").stat().st_size
+    assert (checkout / "urdfcheck-reports/index.html").stat().st_size
     assert run("--select NONSENSE") == 2
-    for used in ("reports/urdfcheck.xml", "reportDir: 'reports/urdfcheck'", "reportFiles: 'index.html'"):
+    for used in ("urdfcheck-reports/urdfcheck.xml", "reportDir: 'urdfcheck-reports'", "reportFiles: 'index.html'"):
         assert used in text
 
 

@@ -39,8 +39,8 @@ def hooks(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("hooks")
     manifest = (REPOSITORY / ".pre-commit-hooks.yaml").read_text()
     manifest = manifest.replace("language: python", "language: system")
-    command = f"{sys.executable} -m urdfcheck"
-    manifest = manifest.replace("entry: urdfcheck", f"entry: {command}")
+    assert manifest.count("entry: python -I") == 2
+    manifest = manifest.replace("entry: python", f"entry: {sys.executable}")
     (folder / ".pre-commit-hooks.yaml").write_text(manifest)
     git("init", "-q", cwd=folder)
     git("add", ".", cwd=folder)

@@ -1,4 +1,4 @@
-"""The command, also as ``python -m urdfcheck``."""
+"""The command, also as ``python -I -m urdfcheck``; without ``-I``, Python takes modules from the working directory."""
 
 import os
 import sys
@@ -6,16 +6,34 @@ import sys
 
 def main() -> int:
     """Run the command as a process of its own, and return its exit code."""
-    # Python puts the working directory first for -m, and for an empty entry of PYTHONPATH (a ROS shell often ends it with a
-    # colon); what lies there is checked, and never imported.
-    sys.path[:] = [path for path in sys.path if path not in {"", os.getcwd()}]
+    # First of all: until then, any import may be of a file that is to be checked.
+    folders = _drop_working_folders()
 
     import signal
 
     from urdfcheck import cli
 
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(cli.FAILED))  # and clean up on the way out
-    return cli.main()
+    return cli.main(working_folders=folders)
+
+
+def _drop_working_folders() -> list[str]:
+    """Take the working directory, and what PYTHONPATH names relative to it, out of ``sys.path``.
+
+    Return the folders among them from which Python may have imported something already, which nothing can undo.
+    """
+    try:
+        here = os.getcwd()
+    except OSError:  # it was deleted
+        return []
+    entries = [] if sys.flags.ignore_environment else os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    used = [os.path.join(here, entry).rstrip(os.sep) for entry in entries if not os.path.isabs(entry)]
+    if entries == [""]:  # as if it were not set
+        used = []
+    if __name__ == "__main__" and not (sys.flags.isolated or getattr(sys.flags, "safe_path", False)):
+        used.append(here)  # -m puts it first
+    sys.path[:] = [path for path in sys.path if path not in {"", here, *used}]
+    return list(dict.fromkeys(used))
 
 
 if __name__ == "__main__":

@@ -50,8 +50,8 @@ def test_a_repository_is_set_up(repository: Path, capsys: pytest.CaptureFixture[
     filled = text.replace('# arguments = { side = "left", n = "" }', 'arguments = { side = "left", n = "1" }')
     assert tomli.loads(filled)["models"][0]["arguments"] == {"side": "left", "n": "1"}
     job = yaml.safe_load((repository / ".github/workflows/urdfcheck.yml").read_text(encoding="utf-8"))
-    runs = [step.get("run") for step in job["jobs"]["urdfcheck"]["steps"]]
-    assert "urdfcheck . --format github -o html=urdfcheck.html\n" in runs
+    checks = [step for step in job["jobs"]["urdfcheck"]["steps"] if "-m urdfcheck check" in step.get("run", "")]
+    assert [step["env"]["CHECKED"] for step in checks] == ["."]
     done = subprocess.run(
         [sys.executable, "-m", "pre_commit", "validate-config", str(repository / ".pre-commit-config.yaml")]
     )
@@ -64,6 +64,8 @@ def test_the_hooks_are_those_of_the_manifest() -> None:
     manifest = yaml.safe_load((REPOSITORY / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
     (entry,) = yaml.safe_load(LOCAL_HOOKS)
     same = ("id", "name", "entry", "types_or", "files", "require_serial")
+    for hook in manifest:  # which Python has the urdfcheck that is installed, only its own command knows
+        hook["entry"] = hook["entry"].removeprefix("python -I -m ")
     assert [{k: h.get(k) for k in same} for h in entry["hooks"]] == [{k: h.get(k) for k in same} for h in manifest]
     (entry,) = yaml.safe_load(HOOKS.format(address="https://example.org/urdfcheck", revision="abc"))
     assert [hook["id"] for hook in entry["hooks"]] == [hook["id"] for hook in manifest]
@@ -131,7 +133,7 @@ def test_what_is_written_for_a_service_is_valid_whatever_the_folder_is_called(
     repository: Path, monkeypatch: pytest.MonkeyPatch, address: str, ci: str | None
 ) -> None:
     monkeypatch.setattr(init, "find_install_origin", lambda: (address, "abc" if address else ""))
-    strange = "it's a # robot: $(touch broken)"
+    strange = """  it's "a" \\ # robot: $(touch broken) %s -x: [é😀] &a *b """
     (repository / "urdf").rename(repository / strange)
     if ci is not None:
         (repository / ".gitlab-ci.yml").write_text(ci)
@@ -140,16 +142,41 @@ def test_what_is_written_for_a_service_is_valid_whatever_the_folder_is_called(
         text = (repository / ".gitlab-ci.yml").read_text()
         assert accepts("gitlab-ci", text)
         script = yaml.safe_load(text)["urdfcheck"]["script"]
-        assert shlex.split(script[-1])[1] == strange
+        assert shlex.split(script[-1], comments=False)[-1] == strange
         return
     text = (repository / ".github/workflows/urdfcheck.yml").read_text()
     assert accepts("github-workflows", text)
     steps = yaml.safe_load(text)["jobs"]["urdfcheck"]["steps"]
     if "github.com" in address:
         assert steps[-1]["uses"] == "some-one/urdfcheck@abc"
-        assert steps[-1]["with"]["paths"].strip() == strange
+        assert steps[-1]["with"]["paths"] == strange
     else:
-        assert shlex.split(steps[-2]["run"])[1] == strange
+        assert [step["env"]["CHECKED"] for step in steps if "CHECKED" in step.get("env", {})] == [strange]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["m\n      - run: echo pwned", "a\tb", "b ${{ secrets.X }}", "c\u2028d", "e\x85f", "\x1b[31mg", "h\u202ei"],
+    ids=ascii,
+)
+@pytest.mark.parametrize("address", ["", "https://github.com/some-one/urdfcheck"])
+def test_a_folder_whose_name_would_be_syntax_is_refused(
+    repository: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str, address: str
+) -> None:
+    monkeypatch.setattr(init, "find_install_origin", lambda: (address, "abc" if address else ""))
+    (repository / "urdf").rename(repository / name)
+    before = set(repository.rglob("*"))
+    assert cli.main(["init", name]) == cli.FAILED
+    assert "rename the folder" in capsys.readouterr().err
+    assert set(repository.rglob("*")) == before
+
+
+def test_names_of_models_and_arguments_are_text_in_the_configuration(repository: Path) -> None:
+    name = 'é😀"\\\n[[models]]\u2028\x7f\t.urdf.xacro'
+    (repository / "urdf/arm.urdf.xacro").rename(repository / "urdf" / name)
+    assert cli.main(["init"]) == cli.OK
+    text = (repository / "urdfcheck.toml").read_text(encoding="utf-8")
+    assert [model["path"] for model in tomli.loads(text)["models"]] == [f"urdf/{name}"]
 
 
 def test_a_link_is_not_written_through(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
@@ -164,7 +191,7 @@ def test_models_further_down_and_what_is_run_for_them(repository: Path) -> None:
     (repository / "urdf").rename(repository / "src/urdf")
     assert cli.main(["init", "src"]) == cli.OK
     assert (repository / "src/urdfcheck.toml").exists()
-    assert "urdfcheck src --format github -o" in (repository / ".github/workflows/urdfcheck.yml").read_text()
+    assert 'CHECKED: "src"' in (repository / ".github/workflows/urdfcheck.yml").read_text()
 
 
 @pytest.mark.parametrize(

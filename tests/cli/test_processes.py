@@ -73,11 +73,18 @@ def test_an_interrupted_run_leaves_neither_words_nor_files_nor_processes(
 
 
 def test_an_empty_entry_of_the_python_path_is_not_the_checked_folder(tmp_path: Path) -> None:
-    for name in ("multiprocessing", "struct", "numpy", "rich", "platformdirs", "coal", "signal", "argparse"):
-        (tmp_path / f"{name}.py").write_text("raise SystemExit('planted')")
     script = Path(sys.executable).with_name("urdfcheck")
     if not script.exists():
         pytest.skip("urdfcheck is not installed as a command")
+    # What Python itself imports at its start is beyond us: the command warns of it.
+    early = subprocess.run(
+        [sys.executable, "-c", "import sys; print(*sys.modules)"], capture_output=True, text=True
+    ).stdout
+    others = ("numpy", "rich", "platformdirs", "coal", "tomli", "yaml", "xacro", "xml", "py_landlock")
+    early += " re _winapi nt"  # the script imports re, and .pth files ask for those of Windows
+    names = {*sys.stdlib_module_names, *others} - {name.partition(".")[0] for name in early.split()}
+    for name in names:
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'a').write(__name__ + ' ')")
     done = subprocess.run(
         [script, CAR, "--fail-on", "never"],
         cwd=tmp_path,
@@ -85,7 +92,76 @@ def test_an_empty_entry_of_the_python_path_is_not_the_checked_folder(tmp_path: P
         capture_output=True,
         text=True,
     )
+    assert not (tmp_path / "ran").exists(), (tmp_path / "ran").read_text()
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("start", "path"),
+    [
+        (["urdfcheck"], os.pathsep),
+        (["urdfcheck"], f"/opt/ros/lib{os.pathsep}"),
+        (["urdfcheck"], "lib"),
+        (["-m", "urdfcheck"], None),
+        (["-P", "-m", "urdfcheck"], os.pathsep),
+    ],
+    ids=str,
+)
+def test_modules_that_python_may_have_run_are_told_and_refused_by_a_gate(
+    tmp_path: Path, start: list[str], path: str | None
+) -> None:
+    if "-P" in start and sys.version_info < (3, 11):
+        pytest.skip("this Python has no -P")
+    folder = tmp_path / "lib" if path == "lib" else tmp_path
+    folder.mkdir(exist_ok=True)
+    (tmp_path / "robot.urdf").write_text('<robot name="r"><link name="base"/></robot>')
+    for name in ("sitecustomize.py", "setup.py", "robot.py"):
+        (folder / name).write_text("")
+    (folder / "hashlib").mkdir()
+    (folder / "hashlib/__init__.py").write_text("from _sha2 import *")
+
+    def check(*words: str) -> subprocess.CompletedProcess[str]:
+        script = (
+            [str(Path(sys.executable).with_name("urdfcheck"))] if start == ["urdfcheck"] else [sys.executable, *start]
+        )
+        environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        environment |= {} if path is None else {"PYTHONPATH": path}
+        return subprocess.run([*script, *words], cwd=tmp_path, env=environment, capture_output=True, text=True)
+
+    said = "Python may have run hashlib, sitecustomize.py of the working directory before urdfcheck began"
+    done = check("robot.urdf", "--tier", "source")
+    assert (done.returncode, said in done.stderr) == (0, True), done.stderr
+    assert "start it as python -I -m urdfcheck" in done.stderr
+    done = check("robot.urdf", "--isolated")
+    assert (done.returncode, said in done.stderr, done.stdout) == (2, True, "")
+    # What is checked lies elsewhere: the working directory is the user's own.
+    elsewhere = tmp_path.parent / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "robot.urdf").write_text('<robot name="r"><link name="base"/></robot>')
+    done = check(str(elsewhere / "robot.urdf"), "--tier", "source", "--isolated")
+    assert (done.returncode, done.stderr) == (0, "")
+    (folder / "sitecustomize.py").unlink()
+    (folder / "hashlib/__init__.py").unlink()
+    done = check("robot.urdf", "--tier", "source", "--isolated")
+    assert (done.returncode, done.stderr) == (0, ""), "nothing there that Python would take for its own"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a signal of Linux")
+def test_workers_end_with_a_parent_that_is_killed(tmp_path: Path) -> None:
+    words = [str(many_models(tmp_path)), "--no-cache", "--jobs", "2", "--timeout", "0"]
+    process = subprocess.Popen(
+        [*COMMAND, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    )
+    for _ in range(100):
+        time.sleep(0.1)
+        listed = subprocess.run(["ps", "-o", "pid=", "-g", str(process.pid)], capture_output=True, text=True).stdout
+        if len(listed.split()) >= 3:  # the parent and its workers
+            break
+    else:
+        pytest.fail("it has no workers")
+    process.kill()
+    process.wait()
+    assert ended(process.pid)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")

@@ -25,7 +25,7 @@ from markdown_it.token import Token
 from output.runs import FILE, MODEL, SOURCE, a_run, chain, finding, info, rule, scene, span, span_of, star
 
 from urdfcheck.cli.commands import job_summary
-from urdfcheck.cli.options import parse_outputs
+from urdfcheck.cli.output_files import parse_outputs
 from urdfcheck.core import (
     Applicability,
     Cause,

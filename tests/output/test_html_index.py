@@ -9,9 +9,8 @@ import pytest
 from output.documents import read
 from output.runs import a_run, finding, info, scene
 
-from urdfcheck.cli import terminal
-from urdfcheck.cli.options import is_folder_output
-from urdfcheck.cli.terminal import write_report
+from urdfcheck.cli import output_files
+from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, write_report
 from urdfcheck.core import Severity
 from urdfcheck.output.html import iter_report_pages, make_unique_file_names
 from urdfcheck.output.html.index_page import iter_audit_page
@@ -165,10 +164,10 @@ def test_a_report_that_browsers_are_slow_with_says_what_to_do(
 ) -> None:
     models = (info(id="1"), info(id="2"))
     run = a_run(finding(model="1"), finding(model="2"), models=models, scenes=())
-    write_report(run, "html", tmp_path / "small.html")
+    write_report(run, "html", tmp_path / "small.html", checked=CheckedFolders())
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr(terminal, "LARGEST", 1000)
-    write_report(run, "html", tmp_path / "all.html")
+    monkeypatch.setattr(output_files, "LARGEST", 1000)
+    write_report(run, "html", tmp_path / "all.html", checked=CheckedFolders())
     assert "-o html=FOLDER/ gives each model a page" in capsys.readouterr().err
-    write_report(run, "html", tmp_path / "pages", as_pages=True)
+    write_report(run, "html", tmp_path / "pages", as_pages=True, checked=CheckedFolders())
     assert sorted(p.name for p in (tmp_path / "pages").iterdir()) == ["index.html", "rover-2.html", "rover.html"]

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from output.documents import read
 from output.runs import IDENTITY, a_run, info, make_link, scene
 
-from urdfcheck.cli.options import parse_outputs
-from urdfcheck.cli.terminal import write_report
+from urdfcheck.cli.output_files import CheckedFolders, parse_outputs, write_report
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.core.scene import Scene, SceneDrawing, SceneMesh, SceneShape
 from urdfcheck.facts.mesh.codec import pack_mesh
@@ -219,7 +218,7 @@ def test_a_run_of_one_model_has_a_picture_and_any_other_says_why_not() -> None:
 
 def test_the_command_writes_it_as_it_is(tmp_path: Path) -> None:
     ((name, file),) = parse_outputs([f"png={tmp_path / 'robot.png'}"], [])
-    write_report(a_run(scenes=(make_scene((sphere(RED),)),)), name, file)
+    write_report(a_run(scenes=(make_scene((sphere(RED),)),)), name, file, checked=CheckedFolders())
     assert decoded(file.read_bytes()).shape == (900, 1200, 4)
 
 

@@ -17,12 +17,17 @@ COMMANDS = ("check", "audit", "rule", "srdf", "cache", "baseline", "engines", "d
 RESERVED = ("diff", "lsp")
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command and return its exit code."""
+def main(argv: Sequence[str] | None = None, *, working_folders: Sequence[str] = ()) -> int:
+    """Run the command and return its exit code.
+
+    ``working_folders``: from which Python may have taken modules although they may be a stranger's.
+    """
     words = list(sys.argv[1:] if argv is None else argv)
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
+        if working_folders:
+            _report_planted_modules(working_folders, words)
         code = _run_command(words)
         sys.stdout.flush()
         return code
@@ -52,3 +57,27 @@ def _run_command(words: list[str]) -> int:
     command, rest = (name, words[1:]) if name in COMMANDS else ("check", words)
     code: int = importlib.import_module(f"urdfcheck.cli.commands.{command}").main(rest)
     return code
+
+
+def _report_planted_modules(folders: Sequence[str], words: Sequence[str]) -> None:
+    """Say which files of what is checked Python may have run before urdfcheck began.
+
+    :raises UrdfcheckError: for a gate (``--isolated``), whose answer could not be trusted.
+    """
+    from pathlib import Path
+
+    from urdfcheck.source.reach import find_project_folder
+    from urdfcheck.system.python_path import find_planted_modules
+
+    paths = [word for word in words if not word.startswith("-") and os.path.lexists(word)]
+    found = find_planted_modules(folders, [find_project_folder(Path(path)) for path in paths or [os.curdir]])
+    if not found:
+        return
+    names = ", ".join(found[:3]) + (f" and {len(found) - 3} more" if len(found) > 3 else "")
+    text = (
+        f"Python may have run {names} of the working directory before urdfcheck began, because of python -m or of an empty or "
+        "relative entry in PYTHONPATH; start it as python -I -m urdfcheck"
+    )
+    if "--isolated" in words:
+        raise UrdfcheckError(text)
+    say(f"urdfcheck: warning: {text}", sys.stderr)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -22,8 +21,6 @@ _SPELLING = {
     "package_paths": "--package-path",
     "allow_read": "--allow-read",
 }
-# Suffixes that no report has.
-MODELS = frozenset({".urdf", ".xacro", ".srdf", ".sdf", ".launch"})
 EPILOG = """\
 exit codes: 0 nothing at or above --fail-on, 1 findings, 2 urdfcheck or its configuration failed, 3 nothing to check
 urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
@@ -91,48 +88,6 @@ def ensure_paths(options: argparse.Namespace) -> None:
         raise UrdfcheckError("name at least one model, launch file, package or folder (urdfcheck . for this folder)")
     if "" in options.paths:
         raise UrdfcheckError("a path is empty (urdfcheck . for this folder)")
-
-
-def parse_output(text: str) -> tuple[str, Path]:
-    """Split an ``--output`` into format and file."""
-    from urdfcheck.output import FORMATS, PICTURE_FORMAT
-
-    output_format, assigned, file = text.partition("=")
-    if not assigned or not file or output_format not in (*FORMATS, PICTURE_FORMAT):
-        formats = ", ".join((*FORMATS, PICTURE_FORMAT))
-        raise UrdfcheckError(f"--output {text}: write FORMAT=FILE with one of the formats {formats}")
-    return output_format, Path(file)
-
-
-def is_folder_output(text: str) -> bool:
-    """Whether an ``--output`` means a folder of pages: an existing one, or a name that ends with a slash or has no suffix."""
-    output_format, _, file = text.partition("=")
-    if output_format != "html":
-        return False
-    path = Path(file)
-    return file.endswith(("/", os.sep)) or path.is_dir() or not (path.suffix or path.exists())
-
-
-def parse_outputs(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, Path]]:
-    """Split each ``--output`` into format and file.
-
-    :raises UrdfcheckError: if two reports would share a file, or one would replace a model.
-    """
-    outputs = [parse_output(text) for text in texts]
-    text_by_path: dict[str, str] = {}
-    inputs = {os.path.realpath(path) for path in paths}
-    for text, (_, file) in zip(texts, outputs, strict=True):
-        real = os.path.realpath(file)
-        if os.path.exists(real) and not os.path.isfile(real) and not os.path.isdir(real):
-            continue  # /dev/null takes any number of reports
-        if real in text_by_path:
-            raise UrdfcheckError(f"--output {text}: {text_by_path[real]} goes into the same file")
-        if (real in inputs and os.path.isfile(real)) or file.suffix.lower() in MODELS:
-            raise UrdfcheckError(
-                f"--output {text}: that is the file of a model, and a report would be put in its place"
-            )
-        text_by_path[real] = text
-    return outputs
 
 
 def read_options(options: argparse.Namespace, paths: Sequence[str]) -> RunOptions:

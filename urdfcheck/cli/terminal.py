@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable
-from pathlib import Path
+from collections.abc import Callable
 from typing import TYPE_CHECKING, TextIO
-
-from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
     from urdfcheck.core import Run, Severity
     from urdfcheck.output.text import DetailLevel
 
 OK, FINDINGS, FAILED, NOTHING = 0, 1, 2, 3
-# Characters of an HTML document above which browsers become slow.
-LARGEST = 8_000_000
 # Seconds after which the progress bar appears, seconds between its updates, and its columns.
 PROGRESS_FROM, PROGRESS_EVERY, BAR = 1.0, 0.2, 30
 
@@ -81,58 +76,6 @@ def print_document(text: str) -> None:
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(encoding="utf-8")
     sys.stdout.write(text)
-
-
-def write_file(content: str | bytes, file: Path) -> None:
-    """Write a file atomically; a device or pipe (``/dev/null``) is written to instead of replaced.
-
-    :raises UrdfcheckError: when it cannot be written.
-    """
-    import tempfile
-
-    data = content if isinstance(content, bytes) else content.encode()
-    try:
-        if file.exists() and not file.is_file() and not file.is_dir():
-            with open(file, "wb") as out:
-                out.write(data)
-            return
-        file.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
-        try:
-            with os.fdopen(handle, "wb") as out:
-                out.write(data)
-            mask = os.umask(0)
-            os.umask(mask)
-            os.chmod(temporary, 0o666 & ~mask)
-            os.replace(temporary, file)
-        except BaseException:
-            os.unlink(temporary)
-            raise
-    except OSError as error:
-        raise UrdfcheckError(f"cannot write {file}: {error.strerror or error}") from None
-
-
-def write_report(run: Run, output_format: str, file: Path, *, as_pages: bool = False) -> None:
-    """Write a run in a format; ``as_pages``: as a folder of HTML pages, one per model."""
-    from urdfcheck import output
-
-    if output_format == output.PICTURE_FORMAT:
-        write_file(output.render_picture(run), file)
-        return
-    documents: Iterable[tuple[str, Path]]
-    if as_pages:
-        from urdfcheck.output import html
-
-        documents = ((text, file / name) for name, text in html.iter_report_pages(run))
-    else:
-        documents = [(output.render(run, output_format), file)]
-    for text, path in documents:
-        write_file(text, path)
-        # The large parts of a document are ASCII, so characters count its bytes.
-        if output_format == "html" and len(text) > LARGEST:
-            many = not as_pages and len(run.models) > 1
-            advice = "-o html=FOLDER/ gives each model a page" if many else "fewer rules (--select) make it smaller"
-            say(f"{path}: {len(text) / 1e6:.1f} MB, browsers will be slow with it; {advice}", sys.stderr)
 
 
 def make_progress_printer() -> Callable[[int, int], None] | None:

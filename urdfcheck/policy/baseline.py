@@ -19,7 +19,7 @@ from typing import Any
 from urdfcheck.core import Finding, Location, ModelInfo, SkippedCheck, Span, UrdfcheckError
 from urdfcheck.rules import load_rules
 from urdfcheck.source.package.finder import format_path
-from urdfcheck.source.reach import is_below, resolve_real_path
+from urdfcheck.source.reach import OUT_OF_REACH, FileReach, is_below, resolve_real_path
 from urdfcheck.system.files import read_regular
 
 # Its default name, beside the configuration.
@@ -82,6 +82,18 @@ def read_baseline(path: Path, root: Path) -> Baseline:
         )
     except (AttributeError, KeyError, TypeError, ValueError):
         raise UrdfcheckError(f"{name}: no baseline: write it anew with urdfcheck baseline write") from None
+
+
+def read_found_baseline(path: Path, root: Path) -> Baseline | None:
+    """Read a baseline that nobody named on the command line, which may be a stranger's; None where there is none.
+
+    :raises UrdfcheckError: as `read_baseline`, and for one that a link leads to from the folder ``root`` or its repository.
+    """
+    if not path.is_file():
+        return None
+    if not FileReach.from_paths([root], []).can_open(path):
+        raise UrdfcheckError(f"{format_path(path)}: {OUT_OF_REACH}, or is named with --baseline")
+    return read_baseline(path, root)
 
 
 def _parse_entries(rows: Any) -> Counter[EntryKey]:

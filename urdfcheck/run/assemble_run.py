@@ -118,8 +118,10 @@ def _read_baselines(
     for home, names in unit_names.items():
         if home is None and request.baseline is not None:
             yield request.baseline, names
-        elif home is not None and request.options.heed_comments and os.path.isfile(home[0]):
-            yield baseline.read_baseline(Path(home[0]), Path(home[1])), names
+        elif home is not None and request.options.heed_comments:
+            found = baseline.read_found_baseline(Path(home[0]), Path(home[1]))
+            if found is not None:
+                yield found, names
 
 
 def _report_outdated(

@@ -317,7 +317,7 @@ def _make_baseline_lookup(request: Request) -> _BaselineLookup:
 
     @functools.cache
     def read(file: Path, root: Path) -> Baseline | None:
-        return baseline.read_baseline(file, root) if file.is_file() else None
+        return baseline.read_found_baseline(file, root)
 
     def find_baseline(config: Config | None) -> tuple[tuple[str, str] | None, Baseline | None]:
         resolver = request.config_resolver

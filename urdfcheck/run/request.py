@@ -179,8 +179,8 @@ def read_baseline(options: RunOptions, config: Config) -> Baseline | None:
     file = find_baseline_file(options, config)
     if not file.is_file() and (options.baseline is None or options.may_lack_baseline):
         return None
-    if options.baseline is None and options.isolated:
-        return None
+    if options.baseline is None:
+        return None if options.isolated else baseline.read_found_baseline(file, config.root)
     return baseline.read_baseline(file, config.root)
 
 

@@ -15,14 +15,19 @@ from pathlib import Path
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_srdf
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.reach import find_project_folder
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import can_stand_alone, has_only_macros, has_parts
 from urdfcheck.system.files import read_regular
+from urdfcheck.system.programs import find_program, make_program_environment
 
 # Limits on the includes of one file that are followed, and on the file names that are compared with their patterns: beyond
 # them a file counts as not included, and is checked as a model. In a hundred robots no file has more than 40 includes.
 MAX_INCLUDES = 2_000
 MAX_COMPARED = 500_000
+# Seconds for git to list what it ignores: a pipe in the place of one of its files keeps it waiting. It takes 0.3 s for 80,000
+# files.
+_GIT_PATIENCE = 5.0
 _SKIPPED = BUILD_FOLDERS | {"node_modules", "__pycache__"}
 _INCLUDE = re.compile(r"""<xacro:include\s[^<>]*?filename\s*=\s*["']([^"']+)["']""")
 _EXPRESSION = re.compile(r"\$[({][^)}$]*[)}]")
@@ -276,14 +281,23 @@ def _list_git_ignored(root: Path) -> set[str]:
     """Return the files and folders below ``root`` that git ignores; none outside of a work tree or without git."""
     import subprocess
 
-    # The folder may be a stranger's: whatever its own git configuration would start is switched off. In a clone that lacks
-    # an object, git would fetch it with any command that this configuration names.
+    # The folder may be a stranger's: git itself is this machine's, and whatever the folder's own git configuration would start is
+    # switched off. In a clone that lacks an object, git would fetch it with any command that this configuration names.
+    git = find_program("git", outside=[find_project_folder(root)])
+    if git is None:
+        return set()
     safe = ["-c", "core.fsmonitor=false", "-c", "safe.bareRepository=explicit", "-c", "fetch.bundleURI="]
-    alone = {**os.environ, "GIT_ALLOW_PROTOCOL": "", "GIT_NO_LAZY_FETCH": "1", "GIT_TERMINAL_PROMPT": "0"}
+    alone = make_program_environment(GIT_ALLOW_PROTOCOL="", GIT_NO_LAZY_FETCH="1", GIT_TERMINAL_PROMPT="0")
     listing = ["ls-files", "-z", "--others", "--ignored", "--exclude-standard", "--directory"]
     try:
         done = subprocess.run(
-            ["git", *safe, "-C", str(root), *listing], capture_output=True, timeout=20, check=True, env=alone
+            [git, *safe, "-C", os.path.abspath(root), *listing],
+            cwd=os.path.dirname(git),
+            env=alone,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=_GIT_PATIENCE,
+            check=True,
         )
     except (OSError, subprocess.SubprocessError):
         return set()

@@ -149,6 +149,11 @@ def walk(root: Path) -> Iterator[tuple[str, list[str], list[str]]]:
         below += [place for name in reversed(folders) if not os.path.islink(place := os.path.join(folder, name))]
 
 
+def is_inside(real: str, folder: str) -> bool:
+    """Whether a real path is this real folder, or lies in it."""
+    return real == folder or real.startswith(folder.rstrip(os.sep) + os.sep)
+
+
 def _ensure_regular(status: os.stat_result, path: Path) -> None:
     if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))

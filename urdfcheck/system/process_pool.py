@@ -15,6 +15,7 @@ import os
 import pickle
 import signal
 import struct
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass
@@ -30,6 +31,8 @@ WORKER_VARIABLES = (*_THREAD_VARIABLES, "PYTHONSAFEPATH")
 # With at most this many jobs, the warm worker may finish them before another has loaded its libraries, which takes about this
 # many seconds.
 _FEW, _PATIENCE = 4, 0.3
+# From linux/prctl.h: the signal that a process gets when its parent ends.
+_PR_SET_PDEATHSIG = 1
 # Seconds that a worker has to exit after it closed its pipe.
 _GRACE = 10.0
 
@@ -154,7 +157,8 @@ class Worker:
         context = _make_context()
         ours, its = context.Pipe()
         # A forked process inherits our end of the pipe and would never see that we closed it.
-        process = context.Process(target=_serve_jobs, args=(its, prepare, ours if FORKS else None), daemon=True)
+        arguments = (its, prepare, ours if FORKS else None, os.getpid())
+        process = context.Process(target=_serve_jobs, args=arguments, daemon=True)
         with block_ending_signals():
             process.start()
         its.close()
@@ -273,7 +277,10 @@ def block_ending_signals() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _serve_jobs(pipe: Connection, prepare: Callable[[], object] | None, inherited: Connection | None) -> None:
+def _serve_jobs(
+    pipe: Connection, prepare: Callable[[], object] | None, inherited: Connection | None, parent: int
+) -> None:
+    _end_with_parent(parent)
     # An interrupt from the keyboard reaches every process of the terminal; the parent ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -290,6 +297,18 @@ def _serve_jobs(pipe: Connection, prepare: Callable[[], object] | None, inherite
             function, arguments = pipe.recv()
             gc.collect()  # the garbage of the previous job
             pipe.send(function(*arguments))
+
+
+def _end_with_parent(parent: int) -> None:
+    """Let the kernel kill this process when its parent ends, however that ends. Linux only: elsewhere a worker whose parent was
+    killed ends after its job."""
+    if sys.platform != "linux":
+        return
+    import ctypes
+
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:  # it has ended already
+        os._exit(0)
 
 
 def _make_context() -> Any:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, ensure_paths
+from urdfcheck.cli.output_files import CheckedFolders
 from urdfcheck.cli.terminal import NOTHING, OK, combine_exit_code, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.run.preload import start_warm_worker
@@ -51,6 +52,7 @@ def main(words: Sequence[str]) -> int:
         or (backend == "dask" and not address)
     ):
         raise UrdfcheckError(f"--backend {options.backend}: write local, dask=ADDRESS, ray or ray=ADDRESS")
+    CheckedFolders.around(options.paths).ensure_own(options.output / "any")
     warm_worker = start_warm_worker() if backend == "local" else None
 
     from urdfcheck.dataset import cluster

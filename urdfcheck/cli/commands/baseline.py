@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, read_options
+from urdfcheck.cli.output_files import CheckedFolders, write_file
 from urdfcheck.cli.terminal import (
     FAILED,
     NOTHING,
@@ -18,7 +19,6 @@ from urdfcheck.cli.terminal import (
     make_progress_printer,
     print_run,
     say,
-    write_file,
 )
 from urdfcheck.core.errors import UrdfcheckError
 
@@ -70,7 +70,12 @@ def main(words: Sequence[str]) -> int:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
     _update_baselines(
-        outcome, previous=request.baseline, file=file, root=settings.root, prune=options.action == "prune"
+        outcome,
+        previous=request.baseline,
+        file=file,
+        root=settings.root,
+        prune=options.action == "prune",
+        checked=CheckedFolders.around(options.paths),
     )
     return FAILED if outcome.failures else OK
 
@@ -80,7 +85,7 @@ def _add_previous_baseline(options: argparse.Namespace, request: Request, settin
 
     :raises UrdfcheckError: if the action needs a baseline and there is none.
     """
-    from urdfcheck.policy.baseline import read_baseline
+    from urdfcheck.policy.baseline import read_baseline, read_found_baseline
     from urdfcheck.run.request import find_baseline_file
     from urdfcheck.source.package.finder import format_path
 
@@ -88,13 +93,16 @@ def _add_previous_baseline(options: argparse.Namespace, request: Request, settin
     if options.action == "check" and options.isolated and options.baseline is None:
         raise UrdfcheckError("--isolated heeds no baseline that lies in the repository: name one with --baseline")
     if request.baseline is None and file.is_file():
-        request = replace(request, baseline=read_baseline(file, settings.root))
+        read = read_found_baseline if options.baseline is None else read_baseline
+        request = replace(request, baseline=read(file, settings.root))
     if request.baseline is None and options.action != "write":
         raise UrdfcheckError(f"{format_path(file)}: there is no baseline; urdfcheck baseline write makes one")
     return file, request
 
 
-def _update_baselines(outcome: Run, *, previous: Baseline | None, file: Path, root: Path, prune: bool) -> None:
+def _update_baselines(
+    outcome: Run, *, previous: Baseline | None, file: Path, root: Path, prune: bool, checked: CheckedFolders
+) -> None:
     """Write the baseline of the run (``previous``, ``file`` and ``root``) and those of folders with a configuration."""
     from urdfcheck.policy import baseline
 
@@ -108,34 +116,34 @@ def _update_baselines(outcome: Run, *, previous: Baseline | None, file: Path, ro
     for home, names in sorted(outcome.baseline_unit_names.items(), key=lambda item: item[0] or ("", "")):
         unit_view = view.select_models(names)
         at, folder = (file, root) if home is None else (Path(home[0]), Path(home[1]))
-        old = previous if home is None else baseline.read_baseline(at, folder) if at.is_file() else None
+        old = previous if home is None else baseline.read_found_baseline(at, folder)
         if not prune:
-            _renew_baseline(old or baseline.Baseline(path=at, root=folder), unit_view, at)
+            _renew_baseline(old or baseline.Baseline(path=at, root=folder), unit_view, checked)
         elif old is not None:
-            _prune_baseline(old, unit_view, at)
+            _prune_baseline(old, unit_view, checked)
 
 
-def _renew_baseline(old: Baseline, view: BaselineView, file: Path) -> None:
+def _renew_baseline(old: Baseline, view: BaselineView, checked: CheckedFolders) -> None:
     """Write a baseline that accepts all findings of today."""
     from urdfcheck.policy import baseline
     from urdfcheck.source.package.finder import format_path
 
-    write_file(baseline.render_baseline(baseline.renew_entries(old, view)), file)
+    write_file(baseline.render_baseline(baseline.renew_entries(old, view)), old.path, checked)
     count = sum(baseline.is_baseline_candidate(finding) for finding in view.findings)
-    say(f"{format_path(file)}: {count:,} {'finding is' if count == 1 else 'findings are'} known from now on")
+    say(f"{format_path(old.path)}: {count:,} {'finding is' if count == 1 else 'findings are'} known from now on")
 
 
-def _prune_baseline(old: Baseline, view: BaselineView, file: Path) -> None:
+def _prune_baseline(old: Baseline, view: BaselineView, checked: CheckedFolders) -> None:
     """Write a baseline without the entries that no finding matches any more."""
     from urdfcheck.policy import baseline
     from urdfcheck.source.package.finder import format_path
 
     stale = baseline.find_stale_entries(old, view)
-    write_file(baseline.render_baseline(baseline.remove_stale_entries(old, stale)), file)
+    write_file(baseline.render_baseline(baseline.remove_stale_entries(old, stale)), old.path, checked)
     count = sum(sum(entries.values()) for entries in stale.values())
     done = f"took out {_format_entry_count(count, 'stale ')}" if count else "no entry is stale"
     rest = old.size - count
-    say(f"{format_path(file)}: {done}, {_format_entry_count(rest)} remain{'s' * (rest == 1)}")
+    say(f"{format_path(old.path)}: {done}, {_format_entry_count(rest)} remain{'s' * (rest == 1)}")
 
 
 def _format_entry_count(number: int, kind: str = "") -> str:

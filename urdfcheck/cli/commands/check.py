@@ -12,15 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.cli.commands.job_summary import append_summary, find_summary_file
-from urdfcheck.cli.options import (
-    EPILOG,
-    CommandParser,
-    add_options,
-    build_request,
-    ensure_paths,
-    is_folder_output,
-    parse_outputs,
-)
+from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, ensure_paths
+from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, parse_outputs, write_report
 from urdfcheck.cli.terminal import (
     FINDINGS,
     OK,
@@ -29,7 +22,6 @@ from urdfcheck.cli.terminal import (
     print_run,
     print_statistics,
     say,
-    write_report,
 )
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output import DRAWING_FORMATS, FORMATS
@@ -169,6 +161,7 @@ class ReportPlan:
     """Format and file of each ``--output``."""
     page_folders: frozenset[Path]
     """Those of `files` that are folders with a page per model."""
+    checked: CheckedFolders
     job_summary: Path | None
     """The file of GitHub's job summary; None outside of a job."""
 
@@ -185,6 +178,7 @@ class ReportPlan:
             printed_format=options.format,
             files=tuple(files),
             page_folders=frozenset(pages),
+            checked=CheckedFolders.around(options.paths),
             job_summary=find_summary_file() if for_github else None,
         )
 
@@ -218,7 +212,7 @@ def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, s
     errors = []
     for output_format, file in reports.files:
         try:
-            write_report(outcome, output_format, file, as_pages=file in reports.page_folders)
+            write_report(outcome, output_format, file, checked=reports.checked, as_pages=file in reports.page_folders)
         except UrdfcheckError as error:
             errors.append(str(error))
     if reports.job_summary is not None:

@@ -7,8 +7,9 @@ import importlib.util
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from urdfcheck.cli.options import CommandParser, add_access_options, add_options, build_request, parse_outputs
-from urdfcheck.cli.terminal import compute_exit_code, make_progress_printer, print_run, write_file
+from urdfcheck.cli.options import CommandParser, add_access_options, add_options, build_request
+from urdfcheck.cli.output_files import CheckedFolders, parse_outputs, write_file
+from urdfcheck.cli.terminal import compute_exit_code, make_progress_printer, print_run
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.run.preload import start_warm_worker
 
@@ -78,8 +79,9 @@ def main(words: Sequence[str]) -> int:
     findings = (f for f in outcome.findings if f.code == RULE or (f.code in wanted and f.severity == Severity.ERROR))
     drop_outcome = replace(outcome, findings=tuple(findings), scenes=())
     print_run(outcome if options.format == "html" else drop_outcome, options.format, options.color)
+    checked = CheckedFolders.around(options.paths)
     for output_format, file in outputs:
-        write_file(output.render(outcome if output_format == "html" else drop_outcome, output_format), file)
+        write_file(output.render(outcome if output_format == "html" else drop_outcome, output_format), file, checked)
     return compute_exit_code(drop_outcome, options.fail_on or settings.fail_on)
 
 

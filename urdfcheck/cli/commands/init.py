@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.cli.options import CommandParser
-from urdfcheck.cli.terminal import NOTHING, OK, make_progress_printer, say, write_file
+from urdfcheck.cli.output_files import CheckedFolders, write_file
+from urdfcheck.cli.terminal import NOTHING, OK, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 PRE_COMMIT, GITHUB, GITLAB = ".pre-commit-config.yaml", ".github/workflows/urdfcheck.yml", ".gitlab-ci.yml"
 # The placeholder that the README uses; it is filled in where urdfcheck was installed from an address.
 UNKNOWN = "…"
-_WHAT_TO_INSTALL = "the address or a checkout of urdfcheck"
+_WHAT_TO_INSTALL = "the address of urdfcheck, or the absolute path of a checkout"
 
 CONFIGURATION = """\
 # What holds for the models below this folder: urdfcheck config PATH shows it, urdfcheck rule lists the rules.
@@ -47,33 +48,57 @@ jobs:
         with:
           persist-credentials: false
 {steps}"""
-# A GitHub address is used as an action; from any other address urdfcheck is installed.
+# A GitHub address is used as an action; from any other address urdfcheck is installed. What stands in braces is quoted YAML.
 ACTION = """\
       - uses: {action}
         with:
-          paths: |
-            {folder}
+          paths: {folder}
 """
+# Python lies outside of the checkout, and -I keeps it from taking modules there.
 INSTALLED = """\
       - uses: actions/setup-python@v6
         with:
           python-version: "3.12"
-      - run: pip install {install}
-      - run: |
-          urdfcheck {path} --format github -o html=urdfcheck.html
+      - shell: bash
+        working-directory: ${{{{ runner.temp }}}}
+        env:
+          URDFCHECK: {install}
+        run: |
+          python -I -m venv urdfcheck
+          urdfcheck/bin/python -I -m pip install --quiet "$URDFCHECK"
+      - shell: bash
+        env:
+          CHECKED: {folder}
+          FROM: ${{{{ github.event_name == 'push' && github.repository || github.event.pull_request.head.repo.full_name }}}}
+        run: |
+          isolated=--isolated # the configuration of another repository is a stranger's
+          if [ "$FROM" = "$GITHUB_REPOSITORY" ]; then isolated=""; fi
+          "$RUNNER_TEMP/urdfcheck/bin/python" -I -m urdfcheck check $isolated \\
+            --format github -o html="$RUNNER_TEMP/urdfcheck.html" -- "$CHECKED"
       - uses: actions/upload-artifact@v7
         if: always()
         with:
-          path: urdfcheck.html
+          path: ${{{{ runner.temp }}}}/urdfcheck.html
           archive: false
 """
 GITLAB_JOB = """\
 urdfcheck:
   image: python:3.12
 {stage}  script:
-    - pip install {install}
     - |
-      urdfcheck {path} -o gitlab=urdfcheck.codequality.json -o junit=urdfcheck.junit.xml -o html=urdfcheck.html
+      own="$(mktemp -d)"
+      python -I -m venv "$own/python"
+      URDFCHECK={install}
+      (cd "$own" && python/bin/python -I -m pip install --quiet "$URDFCHECK")
+    - |
+      isolated=--isolated # the configuration of another project is a stranger's
+      case "${{CI_PIPELINE_SOURCE:-}}" in
+        push|schedule|web) isolated="" ;;
+      esac
+      if [ "${{CI_MERGE_REQUEST_SOURCE_PROJECT_ID:-}}" = "${{CI_MERGE_REQUEST_PROJECT_ID:-none}}" ]; then isolated=""; fi
+    - |
+      "$own/python/bin/python" -I -m urdfcheck check $isolated -o gitlab=urdfcheck.codequality.json \\
+        -o junit=urdfcheck.junit.xml -o html=urdfcheck.html -- {folder}
   artifacts:
     when: always
     expose_as: urdfcheck report
@@ -156,7 +181,8 @@ def main(words: Sequence[str]) -> int:
     address, revision = find_install_origin()
     root = _find_repository(folder)
     inside = Path(os.path.relpath(folder.resolve(), root)).as_posix()
-    install = f'"git+{address}@{revision}"' if address else f"{UNKNOWN} # {_WHAT_TO_INSTALL}"
+    _ensure_writable_name(inside)
+    install = f"git+{address}@{revision}" if address else UNKNOWN
     action = _format_github_action(address, revision)
     needing = _collect_needed_arguments(outcome, folder)
     steps = [
@@ -169,6 +195,18 @@ def main(words: Sequence[str]) -> int:
         _run_step(step, root, dry=options.dry_run)
     _report_next_steps(steps, needing, known=bool(address), dry=options.dry_run)
     return OK
+
+
+def _ensure_writable_name(name: str) -> None:
+    """Reject a folder whose name a CI service would not take as text: it may be a stranger's.
+
+    :raises UrdfcheckError: for a line break, a tab or another invisible character, and for an expression of GitHub, which is
+        evaluated wherever it stands in a workflow.
+    """
+    if not name.isprintable():
+        raise UrdfcheckError(f"{name}: the name has a character that no line of a CI job can hold; rename the folder")
+    if "${{" in name:
+        raise UrdfcheckError(f"{name}: GitHub would evaluate what follows ${{{{ in the name; rename the folder")
 
 
 # -- what is there -----------------------------------------------------------------------------------------------------
@@ -278,8 +316,21 @@ def _format_models(needing: Mapping[Path, Mapping[str, Sequence[str]]], folder: 
 
 
 def _quote_toml(text: str) -> str:
-    # A JSON string is a TOML string, except for DEL.
-    return json.dumps(text, ensure_ascii=True).replace("\x7f", "\\u007f")
+    # A JSON string is a TOML string, except for DEL, and for surrogates, in pairs or alone.
+    escaped = json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return "".join(c if c.isprintable() else _escape_character(c) for c in escaped)
+
+
+def _escape_character(character: str) -> str:
+    """Return the escape of an invisible character for TOML; a byte that is not UTF-8 has none, and is replaced."""
+    if "\ud800" <= character <= "\udfff":
+        return "\ufffd"
+    return f"\\U{ord(character):08x}"
+
+
+def _quote_yaml(text: str) -> str:
+    """Return a printable text as YAML takes it whatever it holds: a double-quoted scalar."""
+    return json.dumps(text, ensure_ascii=False)
 
 
 def _format_toml_key(name: str) -> str:
@@ -340,12 +391,16 @@ def _format_github_action(address: str, revision: str) -> str:
 
 
 def _plan_job(root: Path, install: str, *, action: str, folder: str) -> SetupStep:
-    word = shlex.quote(folder)
     if not (root / GITLAB).exists():
         path = root / GITHUB
         if path.exists():
             return SetupStep(path=path, verb="kept", reason="it is there already")
-        steps = ACTION.format(action=action, folder=folder) if action else INSTALLED.format(install=install, path=word)
+        note = f" # {_WHAT_TO_INSTALL}" if install == UNKNOWN else ""
+        steps = (
+            ACTION.format(action=action, folder=_quote_yaml(folder))
+            if action
+            else INSTALLED.format(install=_quote_yaml(install) + note, folder=_quote_yaml(folder))
+        )
         text = JOB.format(steps=steps)
         return SetupStep(path=path, verb="wrote", text=text, added=text)
     import yaml
@@ -359,9 +414,11 @@ def _plan_job(root: Path, install: str, *, action: str, folder: str) -> SetupSte
     except yaml.YAMLError:
         tree = None
     keys = {key.value: value for key, value in tree.value} if isinstance(tree, yaml.MappingNode) else {}
-    stages = [stage.value for stage in keys["stages"].value] if "stages" in keys else ["test"]
-    stage = "" if "test" in stages or not stages else f"  stage: {stages[0]}\n"
-    job = GITLAB_JOB.format(stage=stage, install=install, path=word)
+    stages = [str(stage.value) for stage in keys["stages"].value] if "stages" in keys else ["test"]
+    is_needed = stages and "test" not in stages and stages[0].isprintable()
+    stage = f"  stage: {_quote_yaml(stages[0])}\n" if is_needed else ""
+    note = f" # {_WHAT_TO_INSTALL}" if install == UNKNOWN else ""
+    job = GITLAB_JOB.format(stage=stage, install=shlex.quote(install) + note, folder=shlex.quote(folder))
     if tree is None or not isinstance(tree, yaml.MappingNode) or tree.flow_style:
         return SetupStep(path=path, verb="kept", reason="it cannot be added to: add what follows", added=job)
     return SetupStep(path=path, verb="extended", text=_append_text(before, job), added=job)
@@ -409,7 +466,7 @@ def _run_step(step: SetupStep, root: Path, *, dry: bool) -> None:
             f"  {'would write' if step.verb == 'wrote' else 'would add to'} {name}:\n{_indent_lines(step.added, 6).rstrip()}"
         )
         return
-    write_file(text, step.path)
+    write_file(text, step.path, CheckedFolders.around([root]))
     say(f"  {step.verb:<9} {name}")
 
 
@@ -433,9 +490,7 @@ def _report_next_steps(steps: Sequence[SetupStep], needing: Mapping[Path, object
         steps_left.append(
             f"give {', '.join(map(format_path, sorted(needing)))} arguments in {format_path(configuration.path)}"
         )
-    if not known and (
-        job.text is not None or (job.path.is_file() and f"pip install {UNKNOWN}" in _read_text(job.path))
-    ):
+    if not known and (job.text is not None or (job.path.is_file() and UNKNOWN in _read_text(job.path))):
         steps_left.append(
             f"write in {format_path(job.path)} how urdfcheck is installed ({UNKNOWN}): {_WHAT_TO_INSTALL}"
         )

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from urdfcheck.cli.options import CommandParser, add_access_options, build_access_request
-from urdfcheck.cli.terminal import NOTHING, OK, print_document, say, write_file
+from urdfcheck.cli.output_files import CheckedFolders, write_file
+from urdfcheck.cli.terminal import NOTHING, OK, print_document, say
 from urdfcheck.core.errors import UrdfcheckError
 
 
@@ -59,7 +60,7 @@ def main(words: Sequence[str]) -> int:
 
     document = escape_for_xml(render_srdf(report.pairs))
     if options.output is not None:
-        write_file(document, options.output)
+        write_file(document, options.output, CheckedFolders.around([path]))
     else:
         print_document(document)
     return OK
