@@ -13,14 +13,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
-from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
+from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES
 from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
-MODEL_SUFFIXES = (".urdf", ".xacro")
 # A longer text is not a path: it comes from names that multiply each other.
 MAX_LENGTH = 4000
 # The syntax tree takes a few hundred times as much memory. The limit is about 25,000 lines.
@@ -52,6 +51,8 @@ class PythonLaunch:
     """Paths of launch files in a known package that do not exist."""
     unknown_models: tuple[LocatedPath, ...] = ()
     """Relative paths of models that are not found in any of these packages."""
+    runs_xacro: bool = False
+    """Whether it starts xacro or imports it."""
     description_location: Location | None = None
     """Where it passes robot_description on."""
     syntax_problem: Problem | None = None
@@ -148,7 +149,7 @@ class PythonLaunchReader:
                 literal = "/".join(str(p.value) for p in pieces)
                 if (
                     literal not in by_literal
-                    and literal.strip().endswith(MODEL_SUFFIXES)
+                    and literal.strip().lower().endswith(MODEL_SUFFIXES)
                     and len(by_literal) < MAX_PATHS
                 ):
                     by_literal[literal] = _find_model_file(literal, folders, self.finder)
@@ -171,6 +172,7 @@ class PythonLaunchReader:
             missing_models=self.locate_paths(missing),
             missing_includes=includes,
             unknown_models=self.locate_paths(unknown),
+            runs_xacro=any(map(_names_xacro, self.nodes)),
             description_location=self.find_description_key(),
         )
 
@@ -205,7 +207,7 @@ class PythonLaunchReader:
         if not isinstance(node, (ast.Call, ast.BinOp, ast.JoinedStr)):
             return None
         text = self.evaluate_text(node)
-        if text is None or not text.endswith(suffixes) or "\0" in text:
+        if text is None or not text.lower().endswith(suffixes) or "\0" in text:
             return None
         for folder in self.named_folders:
             # A folder that only has the package's name may not be the package.
@@ -310,6 +312,13 @@ def get_function_name(call: ast.Call) -> str:
     return call.func.attr if isinstance(call.func, ast.Attribute) else str(getattr(call.func, "id", ""))
 
 
+def _names_xacro(node: ast.AST) -> bool:
+    """Whether a node is the program xacro (alone or first in a command) or Python's module of that name."""
+    if isinstance(node, ast.Constant):
+        return isinstance(node.value, str) and node.value.split()[:1] == ["xacro"]
+    return isinstance(node, ast.Name) and node.id == "xacro"
+
+
 def _join_paths(parts: list[str]) -> str:
     return os.path.normpath(os.path.join(*parts))
 
@@ -340,7 +349,7 @@ def _collect_path_pieces(node: ast.AST) -> list[ast.Constant]:
 def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinder) -> Path | None:
     """Return the file that a literal path names, below one of these folders or in one of their subfolders."""
     tail = literal.strip().lstrip("/")
-    if not tail.endswith(MODEL_SUFFIXES) or len(tail) > MAX_LENGTH or any(c in tail for c in "*?[\0"):
+    if not tail.lower().endswith(MODEL_SUFFIXES) or len(tail) > MAX_LENGTH or any(c in tail for c in "*?[\0"):
         return None
     for base in folders:
         beside = [folder / Path(tail).name for folder in list_subfolders(base) if folder.name not in BUILD_FOLDERS]
@@ -365,9 +374,9 @@ def _collect_partial_texts(nodes: Sequence[ast.AST]) -> set[int]:
 
 def _is_model_path(text: object) -> bool:
     """Whether a literal is a relative path of a model, with a name and without placeholders."""
-    if not isinstance(text, str) or not text.endswith(MODEL_SUFFIXES) or len(text) > MAX_LENGTH:
+    if not isinstance(text, str) or not text.lower().endswith(MODEL_SUFFIXES) or len(text) > MAX_LENGTH:
         return False
-    return re.fullmatch(r"(?:\w[\w.-]*/)*\w[\w.-]*\.(?:urdf|xacro)", text) is not None
+    return re.fullmatch(r"(?:\w[\w.-]*/)*\w[\w.-]*\.(?i:urdf|xacro)", text) is not None
 
 
 def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> bool:
@@ -378,7 +387,7 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SU
     stem = path.name.partition(".")[0]
     for _, names, files in walk(package):
         names[:] = [n for n in names if not n.startswith(".")]
-        alike = [file for file in files if any(suffix in file for suffix in suffixes)]
+        alike = [file for file in files if any(suffix in file.lower() for suffix in suffixes)]
         if any(file.partition(".")[0] == stem for file in alike):
             return True
     reach = FileReach.from_paths([package], [])
