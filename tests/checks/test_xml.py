@@ -106,9 +106,24 @@ class TestXML001:
         (xacro,) = findings(tmp_path, text, "XML001", "robot.urdf.xacro")
         assert (plain.severity, xacro.severity) == (Severity.WARNING, Severity.ERROR)
 
-    def test_xacro_prefix_in_a_urdf_is_left_to_xml009(self, tmp_path: Path) -> None:
-        run = check_text(tmp_path, '<robot name="r"><xacro:arm/></robot>', codes={"XML001", "XML009", "KIN007"})
-        assert [f.code for f in run.findings] == ["XML009"]
+    def test_an_undeclared_xacro_prefix_in_a_urdf_is_the_defect(self, tmp_path: Path) -> None:
+        text = '<robot name="r"><xacro:arm/><link name="${l}"/></robot>'
+        (found,) = check_text(tmp_path, text, codes={"XML001", "XML009"}).findings
+        assert (found.code, found.message_id, found.severity.name) == ("XML001", "xacro-prefix", "ERROR")
+        assert "xmlns:xacro" in found.message
+
+
+class TestXML009:
+    @pytest.mark.parametrize(
+        ("body", "held"),
+        [
+            ('<link name="${l}"/>', "1 substitution of"),
+            ('<link name="${l}"/><joint name="$(arg j)"/>', "2 substitutions of"),
+        ],
+    )
+    def test_what_is_left_is_counted(self, tmp_path: Path, body: str, held: str) -> None:
+        (found,) = check_text(tmp_path, f'<robot name="r">{body}</robot>', codes={"XML009"}).findings
+        assert f"holds {held} xacro" in found.message
 
 
 class TestXML002:

@@ -255,7 +255,14 @@ def test_a_urdf_that_the_launch_file_hands_to_xacro_is_expanded(tmp_path: Path) 
     outcome = check(launch)
     assert [(m.status, m.links) for m in outcome.models] == [("checked", 1)]
     assert "XML009" not in {f.code for f in outcome.findings}
-    assert "XML009" in {f.code for f in check(tmp_path / "r.urdf").findings}
+    assert "XML009" not in {f.code for f in check(tmp_path / "r.urdf").findings}  # it declares the prefix
+    for command, is_read_as_it_is in (
+        ('textfile="$(dirname)/r.urdf"', True),
+        ('command="cat $(dirname)/r.urdf"', True),
+        ('command="rosrun xacro xacro $(dirname)/r.urdf"', False),
+    ):
+        launch.write_text(f'<launch><param name="robot_description" {command}/></launch>')
+        assert ("XML009" in {f.code for f in check(launch).findings}) is is_read_as_it_is
 
 
 def test_a_macro_line_with_another_value_for_each_link_is_told_for_each_call(tmp_path: Path) -> None:

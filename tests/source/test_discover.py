@@ -51,6 +51,11 @@ def models(*paths: str) -> list[str]:
     return [t.path.as_posix() for t in planned(*paths).models]
 
 
+def candidates(*paths: str) -> list[tuple[str, bool]]:
+    """The files whose expansion decides what they are, and whether they are only expanded if no model is made of them."""
+    return [(t.path.as_posix(), t.is_spare) for t in planned(*paths).candidates]
+
+
 def manifest(name: str) -> str:
     return f"<package><name>{name}</name></package>"
 
@@ -212,7 +217,9 @@ def test_an_include_in_a_comment_makes_a_part_of_a_file_that_has_no_name(workspa
             "robot.xacro": xacro(LINK),
         },
     )
-    assert models(".") == ["robot.xacro", "top.xacro"]
+    assert models(".") == ["top.xacro"]
+    # Only its expansion shows whether `robot.xacro` is a robot of its own; the other is looked at if no model is made of it.
+    assert candidates(".") == [("part.xacro", True), ("robot.xacro", False)]
 
 
 def test_a_xacro_of_includes_alone_is_a_model_only_if_its_expansion_says_so(workspace: Path) -> None:
@@ -460,7 +467,11 @@ def test_a_mesh_or_macro_file_that_no_model_uses_is_said(car: Path) -> None:
     write(car, {"car/urdf/lonely.xacro": xacro(MACRO)})
     found = planned("car/meshes/unused.stl", "car/urdf/lonely.xacro")
     assert found.models == ()
-    assert [path for path, _ in found.unused] == ["car/meshes/unused.stl", "car/urdf/lonely.xacro"]
+    assert [path for path, _ in found.unused] == ["car/meshes/unused.stl"]
+    # A file that was named is expanded, whatever its text looks like.
+    assert [(t.path.as_posix(), t.tentative, t.is_part) for t in found.candidates] == [
+        ("car/urdf/lonely.xacro", True, False)
+    ]
 
 
 ARM = {

@@ -9,7 +9,7 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.reach import FileReach, find_project_folder
+from urdfcheck.source.reach import FileReach, find_project_folder, list_project_folders
 
 BOX = '<robot name="r"><link name="l"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
 
@@ -33,11 +33,58 @@ class TestHome:
     def test_is_the_package_where_there_is_no_repository(self, tmp_path: Path) -> None:
         assert find_project_folder(package(tmp_path / "car", "car") / "urdf" / "car.urdf") == tmp_path / "car"
 
-    def test_is_the_folder_itself_otherwise_and_the_one_above_a_folder_of_models(self, tmp_path: Path) -> None:
-        (tmp_path / "robot" / "urdf").mkdir(parents=True)
-        assert find_project_folder(tmp_path / "robot" / "car.urdf") == tmp_path / "robot"
-        assert find_project_folder(tmp_path / "robot" / "urdf" / "car.urdf") == tmp_path / "robot"
-        assert find_project_folder(tmp_path / "robot" / "urdf") == tmp_path / "robot"
+    @pytest.mark.parametrize("name", ["robot", "urdf", "config", "launch"])
+    def test_is_the_folder_itself_otherwise_whatever_its_name(self, tmp_path: Path, name: str) -> None:
+        folder = tmp_path / "downloads" / name
+        folder.mkdir(parents=True)
+        (tmp_path / "downloads" / "creds").mkdir()
+        for path in (folder, folder / "car.urdf"):
+            assert find_project_folder(path) == folder
+            assert list_project_folders(path) == [folder]
+
+    def test_brings_the_other_parts_of_a_robot_one_by_one(self, tmp_path: Path) -> None:
+        for name in ("urdf", "meshes", "config", ".hidden"):
+            (tmp_path / "robot" / name).mkdir(parents=True)
+        (tmp_path / "robot" / "readme.md").write_text("")
+        (tmp_path / "textures").mkdir()
+        (tmp_path / "robot" / "textures").symlink_to(tmp_path / "textures")
+        beside = [tmp_path / "robot" / name for name in ("urdf", "config", "meshes")]
+        assert list_project_folders(tmp_path / "robot" / "urdf" / "car.urdf") == beside
+        reach = FileReach.from_paths([tmp_path / "robot" / "urdf" / "car.urdf"], [])
+        assert reach.can_open(tmp_path / "robot" / "meshes" / "base.stl")
+        assert not reach.can_open(tmp_path / "robot" / "readme.md")
+        assert not reach.can_open(tmp_path / "robot" / "textures" / "a.png")  # a link may lead anywhere
+
+    @pytest.mark.skipif(os.name != "posix", reason="rights of a folder")
+    def test_brings_nothing_from_a_folder_that_others_may_write_to(self, tmp_path: Path) -> None:
+        for name in ("urdf", "meshes"):
+            (tmp_path / "shared" / name).mkdir(parents=True)
+        (tmp_path / "shared").chmod(0o777)
+        assert list_project_folders(tmp_path / "shared" / "urdf") == [tmp_path / "shared" / "urdf"]
+
+    def test_of_a_file_in_the_root_or_the_home_folder_is_the_file(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setenv("HOME", str(tmp_path))
+        (tmp_path / "urdf").mkdir()
+        root = Path(tmp_path.anchor)
+        assert FileReach.from_paths([root / "car.urdf", tmp_path / "car.urdf", root, tmp_path], []).roots == (
+            str(root / "car.urdf"),
+            str(tmp_path / "car.urdf"),
+        )
+        # A folder of that name in the home folder (or in the root, as `docker run -v $PWD:/urdf` has it) brings nothing else.
+        assert FileReach.from_paths([tmp_path / "urdf"], []).roots == (str(tmp_path / "urdf"),)
+        assert FileReach.from_paths([root / "urdf" / "car.urdf"], []).roots == (str(root / "urdf"),)
+        assert FileReach.from_paths([], [tmp_path]).can_open(tmp_path / "car.urdf")  # --allow-read
+
+    def test_the_home_folder_is_not_checked_as_a_whole(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setenv("HOME", str(tmp_path))
+        (tmp_path / "car.urdf").write_text('<robot name="car"><link name="l"/></robot>')
+        run = check(tmp_path)
+        assert (run.models, len(run.failures)) == ((), 1)
+        assert "--allow-read" in run.failures[0]
+        assert [m.robot for m in check(tmp_path / "car.urdf").models] == ["car"]
+        assert [m.robot for m in check(tmp_path, allowed=(tmp_path,)).models] == ["car"]
 
     def test_of_a_link_is_where_it_lies(self, tmp_path: Path) -> None:
         for name in ("in", "out"):
@@ -115,6 +162,20 @@ class TestModels:
         (car / "link.stl").symlink_to(tmp_path / "out" / "a.stl")
         (car / "car.urdf").write_text(BOX.format(path))
         assert codes(car / "car.urdf") == ["PKG012"]
+
+    def test_a_neighbour_of_a_folder_called_urdf_is_not_read(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        for name in ("urdf", "other"):
+            (tmp_path / name).mkdir()
+        (tmp_path / "other" / "creds.yaml").write_text("token: hidden")
+        text = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+            <xacro:property name="y" value="${xacro.load_yaml('../other/creds.yaml')}"/><link name="${y['token']}"/></robot>"""
+        monkeypatch.chdir(tmp_path / "urdf")
+        (tmp_path / "urdf" / "r.urdf.xacro").write_text(text)
+        (found,) = [f for f in check(Path("r.urdf.xacro")).findings if f.code == "PKG012"]
+        assert found.fix is not None
+        assert found.fix.title.endswith("--allow-read ../other")
 
     def test_the_folder_can_be_allowed(self, tmp_path: Path) -> None:
         (tmp_path / "out").mkdir()

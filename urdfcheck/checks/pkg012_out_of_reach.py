@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
+from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source, locate_expression
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, find_machine_path, is_misspelt, list_resource_uses
 from urdfcheck.source.text.problems import Problem
+
+# How far above the working directory a folder is proposed.
+MOST_LEVELS_UP = 3
 
 
 def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
@@ -29,6 +35,7 @@ def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
                 amount=format_count(len(files), "file lies", "files lie"),
                 files=files,
                 listed=join_names(files, 3),
+                folder=_name_folder(uses[0].resource.path),
             )
 
 
@@ -37,9 +44,17 @@ def _is_outside(use: ResourceUse, source: Source) -> bool:
 
 
 def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:
+    path = problem.data["path"]
+    folder = _name_folder(Path(path))
     if isinstance(subject, Launch):
-        return rule.finding("launch", at=problem.location, path=problem.data["path"])
+        return rule.finding("launch", at=problem.location, path=path, folder=folder)
     at = locate_expression(subject, problem, "load_yaml")  # xacro evaluates a property where it is first read
     others = [] if at is problem.location else [problem.location]
     related = [*others, *(r for r in problem.related if r.span != at.span)]
-    return rule.finding("read", at=at, related=related, path=problem.data["path"])
+    return rule.finding("read", at=at, related=related, path=path, folder=folder)
+
+
+def _name_folder(path: Path | None) -> str:
+    """Return the folder of a file as the command line takes it; ``DIR`` where it is far off, as folders of the system are."""
+    shown = "" if path is None else format_path(path.parent)
+    return shown if shown and Path(shown).parts.count("..") <= MOST_LEVELS_UP and not os.path.isabs(shown) else "DIR"

@@ -6,11 +6,13 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model.likeness.repeated_blocks import NumberColumn, classify_columns
 from urdfcheck.source.load import Source, select_own_trees
+from urdfcheck.source.package.file_kinds import is_xacro
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -42,7 +44,7 @@ def check(source: Source, rule: Rule, *, blocks: int, attributes: int, share: fl
     if not source.is_xacro:
         return
     for name, tree in select_own_trees(source).items():
-        if name.endswith(".urdf"):
+        if not is_xacro(Path(name)):
             continue  # written by a program, and included unchanged
         for parent in tree.walk():
             candidates = [b for b in _collect_blocks(parent) if len(b.columns) >= attributes]

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.ros.srdf import find_broken_srdfs
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.text.xml import SourceFile, find_unbound_prefix
+from urdfcheck.source.text.xml import SourceFile
 
 _KINDS = (
     *("malformed", "encoding", "declared-encoding", "xacro-encoding", "utf-16", "instruction", "doctype", "prefix"),
@@ -46,8 +46,10 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         location = replace(problem.location, subject=problem.location.subject or "robot")
         file = _find_source_file(problem, source.files)
         if problem.kind == "prefix" and not source.is_xacro:
-            if not _is_xacro_prefix(source):
-                yield rule.finding("prefix", at=location, severity=Severity.WARNING, error=problem.message)
+            is_of_xacro = has_unbound_xacro(source)
+            severity = None if is_of_xacro else Severity.WARNING
+            message = "xacro-prefix" if is_of_xacro else "prefix"
+            yield rule.finding(message, at=location, severity=severity, error=problem.message)
         else:
             cause = _classify_cause(file)
             message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
@@ -85,12 +87,6 @@ def _choose_message(problem: Problem, file: SourceFile | None) -> str:
     if problem.kind != "malformed" or file is None:
         return problem.kind
     return "empty" if not file.text.strip() else "binary" if "\0" in file.text else "malformed"
-
-
-def _is_xacro_prefix(source: Source) -> bool:
-    """Whether the unbound prefix of a plain URDF is that of xacro: XML009 reports that it was not expanded."""
-    unbound = find_unbound_prefix(source.main_tree) if source.main_tree is not None else None
-    return unbound is not None and unbound[1] == "xacro"
 
 
 def _classify_cause(file: SourceFile | None) -> str | None:

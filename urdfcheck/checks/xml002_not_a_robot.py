@@ -7,21 +7,9 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.text.tokens import build_rename_edits
-
-_FORMATS = {
-    "sdf": "an SDF model",
-    "gazebo": "an old SDF model",
-    "mujoco": "a MuJoCo model",
-    "mujocoinclude": "a part of a MuJoCo model",
-    "COLLADA": "a COLLADA mesh",
-    "launch": "a launch file",
-    "package": "a package manifest",
-    "html": "a web page",
-    "svg": "a drawing",
-    "Robot": "URDF with a capital letter: names in XML distinguish upper and lower case",
-}
 
 
 def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Finding]:
@@ -38,7 +26,7 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
     if root is None:
         return
     if root.tag != "robot":
-        known = _FORMATS.get(root.tag)
+        known = FORMATS_BY_ROOT.get(root.tag)
         if known is None:
             yield rule.finding("root", at=root, tag=root.tag)
         else:
@@ -48,8 +36,9 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         return
     name = root.attributes.get("name")
     if name is None:
-        # A xacro file without a name that was found in a folder is a part of the model that includes it.
-        if source.explicit or not source.is_xacro:
+        # A file without a name that others include is a part of theirs, and so is a xacro file that was found in a folder.
+        # Of one that cannot be expanded nobody knows whether it is a model.
+        if not source.is_part and (source.root is not None) and (source.explicit or not source.is_xacro):
             yield rule.finding("unnamed", at=root)
     elif not name.value.strip():
         yield rule.finding("empty", at=name, severity=Severity.WARNING)

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule
-from urdfcheck.core.text import truncate_text
-from urdfcheck.source.load import Source
+from urdfcheck.core.text import format_count, truncate_text
+from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
 
@@ -29,16 +29,18 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             for where, text, number in _find_unexpanded_xacro(element):
                 yield rule.finding("left", at=where, consequences=CONSEQUENCES[number], text=text)
         return
+    if has_unbound_xacro(source):
+        return  # XML001: xacro cannot read it either
     left = [place for element in root.walk() for place in _find_unexpanded_xacro(element)]
     if left:
         tags = sum(text.startswith("<") for _, text, _ in left)
+        counts = ((tags, "xacro element"), (len(left) - tags, "substitution"))
         yield rule.finding(
             "not_expanded",
             at=left[0][0],
             consequences=CONSEQUENCES[any(number for *_, number in left)],
             text=left[0][1],
-            elements=tags,
-            values=len(left) - tags,
+            held=" and ".join(format_count(count, what) for count, what in counts if count),
         )
 
 

@@ -23,8 +23,9 @@ from urdfcheck.output.shared.audit import unit_lines
 from urdfcheck.rules import has_check, load_rules
 from urdfcheck.run.assemble_run import collect_versions, report_foreign_libraries
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
-from urdfcheck.run.pipeline import audit_session, is_empty_candidate, plan_units
+from urdfcheck.run.pipeline import audit_session, plan_units
 from urdfcheck.source.discover import Plan
+from urdfcheck.source.model_role import MODEL
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.version import __version__
 
@@ -83,7 +84,7 @@ def audit_dataset(
             with contextlib.closing(stream([units[i] for i in todo], settings)) as reports:
                 for place, report in reports:
                     unit = units[todo[place]]
-                    text = b"" if is_empty_candidate(unit, report, plan) else encode_unit_line(unit, report)
+                    text = b"" if report.role != MODEL else encode_unit_line(unit, report)
                     # A failure is not kept: it is tried again next time.
                     journal.add(keys[todo[place]], text, {} if report.failures else report.reads)
                     checked += 1

@@ -65,7 +65,7 @@ class _ModelCollector:
                 self.files.setdefault(home, []).append((number, unit["arguments"]))
 
     def pytest_collect_file(self, file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-        units = self.files.get(os.path.realpath(file_path)) if file_path.name.endswith(_KNOWN) else None
+        units = self.files.get(os.path.realpath(file_path)) if file_path.name.lower().endswith(_KNOWN) else None
         return _ModelTestFile.from_parent(parent, path=file_path, units=units, checker=self.checker) if units else None
 
     def pytest_unconfigure(self) -> None:

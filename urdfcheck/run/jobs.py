@@ -11,6 +11,7 @@ from urdfcheck.core import Finding, ModelInfo, SkippedCheck
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.suppression import BaselineEntries, CommentUsage
+from urdfcheck.source.model_role import MODEL, ModelRole
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import FileReach
 from urdfcheck.system.files import Stamp
@@ -110,7 +111,11 @@ class Unit:
     launches: tuple[str, ...] = ()
     is_explicit: bool = True
     """Whether the file was named, not discovered."""
-    is_xacro: bool = False
+    is_tentative: bool = False
+    is_part: bool = False
+    is_spare: bool = False
+    """For these three see :class:`urdfcheck.source.discover.ModelTarget`."""
+    is_xacro: bool | None = None
     """See :func:`urdfcheck.source.load.load_source`."""
     baseline_entries: BaselineEntries = field(default_factory=dict)
     """What the baseline accepts in this unit."""
@@ -176,3 +181,9 @@ class UnitReport:
     """Comments that suppress findings, or would."""
     files: tuple[str, ...] = ()
     """Files that make up the model, as findings call them."""
+    expanded_files: frozenset[str] = frozenset()
+    """Those of them that are XML."""
+    robot_files: frozenset[str] = frozenset()
+    """Those of them of which a link or joint was made."""
+    role: ModelRole = MODEL
+    """What the file is: where it is no model of its own, the report holds nothing else but `robot_files`."""

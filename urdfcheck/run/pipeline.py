@@ -12,7 +12,7 @@ import signal
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,10 @@ from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, Uni
 from urdfcheck.run.unit_audit import audit_unit, report_stopped_unit
 from urdfcheck.run.variants import format_arguments, propose_smaller_variants
 from urdfcheck.source.discover import Plan, discover_targets
-from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.model_role import MODEL
+from urdfcheck.source.package.file_kinds import is_srdf
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import FileReach
 from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.array_cache import ArrayCache
@@ -91,7 +94,8 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     plan, units = plan_units(request, in_process=execution.audit is not None)
     reports = {} if previous is None else _reuse_reports(previous, units, request.options.texts)
     with audit_session(request, units, plan) as settings:
-        while missing := [index for index in range(len(units)) if index not in reports]:
+        while missing := list_next_units(units, reports):
+            total = len(reports) + len(missing)
             stream = stream_reports(
                 [units[index] for index in missing], settings, jobs=request.jobs, execution=execution
             )
@@ -99,18 +103,24 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
                 for place, report in stream:
                     reports[missing[place]] = report
                     if execution.on_progress is not None:
-                        execution.on_progress(len(reports), len(units))
-            if len(reports) < len(units) or not request.all_arguments:
+                        execution.on_progress(len(reports), total)
+            if any(index not in reports for index in missing):
                 break
-            units += propose_smaller_variants(units, reports)
             execution = execution.without_start()
+            if request.all_arguments and not list_next_units(units, reports):
+                units += propose_smaller_variants(units, reports)
+    spared = find_read_spares(units, reports)
     audited_units = [(u, reports[i]) for i, u in enumerate(units) if i in reports]
-    audited_units = [(u, report) for u, report in audited_units if not is_empty_candidate(u, report, plan)]
+    plan = replace(plan, unused=(*plan.unused, *explain_unchecked_parts(audited_units)))
+    audited_units = [(u, report) for u, report in audited_units if report.role == MODEL]
     outcome = build_run(request, plan, audited_units=audited_units, seconds=time.perf_counter() - start)
-    if len(reports) < len(units):
+    if len(reports) + len(spared) < len(units):
         if execution.on_progress is not None:
             execution.on_progress(len(units), len(units))  # nothing else will be finished
-        reason = f"interrupted: {len(reports)} of {len(units)} models and files were checked, and nothing is known of the others"
+        count = len(units) - len(spared)
+        reason = (
+            f"interrupted: {len(reports)} of {count} models and files were checked, and nothing is known of the others"
+        )
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
     outcome = strip_volatile_values(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
     return AuditedRun(request=request, units=units, reports=reports, outcome=outcome)
@@ -138,7 +148,8 @@ def audit_single_model(request: Request, execution: Execution = IN_WORKERS) -> U
     plan, units = plan_units(request, in_process=execution.audit is not None)
     for path, reason in (*plan.missing, *plan.unused):
         raise UrdfcheckError(f"{path}: {reason}")
-    models = [unit for unit in units if unit.kind == "model"]
+    models = [unit for unit in units if unit.kind == "model" and not unit.is_part]
+    models = models or [unit for unit in units if unit.kind == "model" and unit.is_explicit]
     if len(models) != 1:
         names = f"{len(models)} models, name one of them: {', '.join(m.id for m in models)}" if models else "no model"
         raise UrdfcheckError(f"{', '.join(map(str, request.paths))}: {names}")
@@ -170,7 +181,10 @@ def plan_units(request: Request, *, in_process: bool = False) -> tuple[Plan, lis
             plan = discover_targets(**search)
         return plan, _build_units(plan, request)
     longest = max(PLANNING_TIME_RATIO * limits.seconds, MIN_PLANNING_SECONDS) if limits.seconds else None
-    ((_, plan),) = map_in_processes(_discover_bounded, [(limits.memory, texts, search)], 1, timeout=longest)
+    # The search ends by itself in time; it is killed where it hangs.
+    killed = longest and longest + limits.seconds + sandbox.PATIENCE
+    work = (limits.memory, longest or 0.0, limits.seconds, texts, search)
+    ((_, plan),) = map_in_processes(_discover_bounded, [work], 1, timeout=killed)
     if isinstance(plan, WorkerTimeoutError):
         raise UrdfcheckError(f"looking for models took more than {longest:g} s (--timeout)")
     if isinstance(plan, WorkerDiedError):
@@ -180,12 +194,14 @@ def plan_units(request: Request, *, in_process: bool = False) -> tuple[Plan, lis
     return plan, _build_units(plan, request)
 
 
-def _discover_bounded(memory: int, texts: Mapping[str, bytes], search: Mapping[str, Any]) -> Plan | MemoryError:
+def _discover_bounded(
+    memory: int, seconds: float, seconds_per_file: float, texts: Mapping[str, bytes], search: Mapping[str, Any]
+) -> Plan | MemoryError:
     """Do the search of `plan_units` with at most ``memory`` MiB; ``search``: arguments of `discover_targets`."""
     sandbox.limit_memory(memory)
     try:
         with overlay_files(texts):
-            return discover_targets(**search)
+            return discover_targets(**search, budget=PlanningBudget(seconds, seconds_per_file))
     except MemoryError as error:
         return error.with_traceback(None)
 
@@ -277,10 +293,13 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
             arguments=dict(target.arguments),
             launches=tuple(map(str, target.launches)),
             is_explicit=target.explicit,
+            is_tentative=target.tentative,
+            is_part=target.is_part,
+            is_spare=target.is_spare,
             is_xacro=target.xacro,
             varied_arguments=target.varied,
         )
-        for target in plan.models
+        for target in (*plan.models, *plan.candidates)
     ]
     units += [
         Unit(kind="launch", path=str(path), id=make_model_id(path, {}, root=find_root(path))) for path in plan.launches
@@ -356,12 +375,47 @@ def _apply_config(
     )
 
 
-def is_empty_candidate(unit: Unit, report: UnitReport, plan: Plan) -> bool:
-    """Whether the file turned out not to be a model when it was expanded: it makes neither link nor joint."""
-    info = report.info
-    if info is None or info.status != "checked" or info.links or info.joints:
-        return False
-    return any(target.tentative and str(target.path) == unit.path for target in plan.models)
+def list_next_units(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> list[int]:
+    """Return the units to audit now: all but the spare ones, and after those the spare ones of which no model is made."""
+    missing = [index for index in range(len(units)) if index not in reports]
+    first = [index for index in missing if not units[index].is_spare]
+    if first or not missing:
+        return first
+    spared = find_read_spares(units, reports)
+    return [index for index in missing if index not in spared]
+
+
+def find_read_spares(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> frozenset[int]:
+    """Return the spare units that need no audit: the links and joints of their files are in a model that was audited."""
+    used = _collect_robot_files((units[index], report) for index, report in reports.items())
+    return frozenset(
+        index
+        for index, unit in enumerate(units)
+        if unit.is_spare and index not in reports and format_path(Path(unit.path)) in used
+    )
+
+
+def _collect_robot_files(audited_units: Iterable[tuple[Unit, UnitReport]]) -> set[str]:
+    """Return the names of all files of which links or joints of models were made."""
+    return {name for _, report in audited_units if report.role == MODEL for name in report.robot_files}
+
+
+def explain_unchecked_parts(audited_units: Sequence[tuple[Unit, UnitReport]]) -> list[tuple[str, str]]:
+    """Return the files that were expanded, are no models and belong to no model that was audited, each with the reason.
+
+    A library that is part of something is left out: there is nothing in it to check.
+    """
+    used = _collect_robot_files(audited_units)
+    read = {name for _, report in audited_units if report.role == MODEL for name in report.expanded_files}
+    reasons: dict[str, str] = {}
+    for unit, report in audited_units:
+        name = format_path(Path(unit.path))
+        is_seen = name in (used if report.role.is_doubtful else read)
+        if report.role.kind == "part" and not is_seen and not is_srdf(Path(unit.path)):
+            reasons[name] = f"is a part that no checked model includes, and no model itself: {report.role.reason}"
+        elif report.role.kind == "library" and unit.is_explicit and not unit.is_part:
+            reasons[name] = "only defines macros, and no model of its package or repository includes it"
+    return sorted(reasons.items())
 
 
 # -- worker processes ------------------------------------------------------------------------------------------------

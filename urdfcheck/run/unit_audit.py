@@ -28,6 +28,7 @@ from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.source.launch.launch_file import Launch, load_launch
 from urdfcheck.source.load import Source, load_source
+from urdfcheck.source.model_role import MODEL, collect_robot_files, find_model_role
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.resources import find_uninstalled_files
@@ -104,6 +105,7 @@ class _UnitAudit:
         self.outline: ModelOutline | None = None
         self.findings_cache: FindingsCache | None = None
         self.source: Source | None = None
+        self.role = MODEL
         self.rules = {c: r for c, r in load_rules().items() if c in self.policy.codes and has_check(r)}
 
     def make_finder(self, start: Path) -> PackageFinder:
@@ -121,9 +123,13 @@ class _UnitAudit:
     def audit_model(self) -> None:
         """Expand a model, check its text, then the robot, then the launch files that lead to it."""
         source = self.source = self.load_source()
+        self.role = find_model_role(source, is_part=self.unit.is_part, is_tentative=self.unit.is_tentative)
+        if self.role != MODEL:
+            return
         self.run_checks("file", source)
         model: Model | None = None
-        if source.root is not None and source.root.tag == "robot":
+        is_readable = not (source.is_part and source.find_problems("prefix"))
+        if source.root is not None and source.root.tag == "robot" and is_readable:
             model = self.build_model(source, source.root)
             self.check_model(model)
         else:
@@ -142,6 +148,7 @@ class _UnitAudit:
             self.unit.arguments,
             self.make_finder(path),
             explicit=self.unit.is_explicit,
+            is_part=self.unit.is_part,
             xacro=self.unit.is_xacro,
             environment=frozenset(self.options.environment),
         )
@@ -331,6 +338,9 @@ class _UnitAudit:
             failures=tuple(self.failures),
             comments=usages,
             files=() if self.source is None else tuple(self.source.files),
+            expanded_files=frozenset() if self.source is None else frozenset(self.source.trees),
+            robot_files=frozenset() if self.source is None else collect_robot_files(self.source),
+            role=self.role,
         )
 
     def read_named_files(self) -> set[str]:

@@ -7,18 +7,28 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.source.folder_index import FolderIndex, ModelFile, resolve_path
+from urdfcheck.source.folder_index import FolderIndex, FoundModel, resolve_path
 from urdfcheck.source.launch.launch_file import load_launch
 from urdfcheck.source.launch.python_launch_file import read_python_launch
-from urdfcheck.source.package.file_kinds import MESH_SUFFIXES, is_launch, is_srdf
+from urdfcheck.source.package.file_kinds import (
+    FORMATS_BY_ROOT,
+    find_other_format,
+    is_launch,
+    is_mesh,
+    is_model,
+    is_srdf,
+    is_xacro,
+    is_yaml,
+)
 from urdfcheck.source.package.finder import PackageFinder, format_path
-from urdfcheck.source.reach import OUT_OF_REACH, FileReach
+from urdfcheck.source.planning_budget import PlanningBudget
+from urdfcheck.source.reach import OUT_OF_REACH, FileReach, explain_unreachable
 
 
 class ConfiguredModel(Protocol):
@@ -55,9 +65,13 @@ class ModelTarget:
     explicit: bool = False
     """Whether the user named the file."""
     tentative: bool = False
-    """Whether only its expansion shows that the file is a model."""
-    xacro: bool = False
-    """Whether a launch file hands the file to xacro, whatever its suffix."""
+    """Whether only its expansion shows that the file is a model: it makes a link or a joint."""
+    is_part: bool = False
+    """Whether another file includes it, or may: then only its expansion shows whether it is a model of its own."""
+    is_spare: bool = False
+    """Whether it is expanded only if no model turns out to be made of it."""
+    xacro: bool | None = None
+    """Whether a launch file hands the file to xacro (True) or to a parser as it is (False); None where none says so."""
     name: str | None = None
     """The configuration's name for the model with these arguments; empty if it names the arguments only."""
     varied: tuple[str, ...] = ()
@@ -77,6 +91,10 @@ class Plan:
     launches: tuple[Path, ...]
     """Launch files that are not checked with a model."""
     packages: tuple[Path, ...]
+    candidates: tuple[ModelTarget, ...] = ()
+    """Files that other files include: models only if their expansion shows that they are."""
+    libraries: tuple[Path, ...] = ()
+    """The xacro files in the given folders that only define macros and properties."""
     missing: tuple[tuple[str, str], ...]
     """Paths that do not exist or cannot be checked, each with the reason."""
     unused: tuple[tuple[str, str], ...] = ()
@@ -102,12 +120,14 @@ def discover_targets(
     reach: FileReach | None = None,
     find_config: Callable[[Path], DiscoveryConfig] | None = None,
     all_arguments: bool = False,
+    budget: PlanningBudget | None = None,
 ) -> Plan:
     """Return everything that the given paths mean, each model once, in a stable order.
 
     ``reach``: which files may be opened; ``find_config``: returns the configuration for a path, over which the other
     arguments take precedence; ``all_arguments``: expand each xacro with all known values of its arguments
-    (:mod:`urdfcheck.source.xacro.argument_values`).
+    (:mod:`urdfcheck.source.xacro.argument_values`); ``budget``: the time that it may take. What cannot be looked at in that time
+    is listed as missing.
     """
     planner = _Planner(
         arguments=arguments,
@@ -116,6 +136,7 @@ def discover_targets(
         reach=reach,
         find_config=find_config,
         all_arguments=all_arguments,
+        budget=PlanningBudget() if budget is None else budget,
     )
     planner.index_packages(paths)
     for path in paths:
@@ -135,10 +156,12 @@ class _Planner:
         reach: FileReach | None,
         find_config: Callable[[Path], DiscoveryConfig] | None,
         all_arguments: bool,
+        budget: PlanningBudget,
     ) -> None:
         self.reach = reach
         self.find_config = find_config
         self.all_arguments = all_arguments
+        self.budget = budget
         self.arguments = dict(arguments)
         self.packages = packages
         self.package_paths = package_paths
@@ -148,14 +171,24 @@ class _Planner:
         self.config_errors: dict[str, None] = {}
         self.unused: list[tuple[str, str]] = []
         self.folders: dict[Path, FolderIndex] = {}
+        self.found: dict[Path, FoundModel] = {}
+        self.finders: dict[Path, PackageFinder] = {}
         self.given_folders: list[Path] = []
         self.known_packages: dict[str, list[Path]] = {}
+        self.libraries: dict[Path, Path] = {}
 
-    def make_finder(self, start: Path) -> PackageFinder:
-        config = self.get_config(start)
-        packages = {**config.packages, **self.packages} if config else self.packages
-        paths = (*self.package_paths, *config.package_path) if config else self.package_paths
-        return PackageFinder(start.absolute(), packages, paths, reach=self.reach, known=self.known_packages)
+    def get_finder(self, start: Path) -> PackageFinder:
+        """Return the finder of packages around a file or folder: one for all files of a folder, which searches once."""
+        place = start.absolute()
+        folder = place if os.path.isdir(place) else place.parent
+        finder = self.finders.get(folder)
+        if finder is None or finder.reach != self.reach:
+            config = self.get_config(start)
+            packages = {**config.packages, **self.packages} if config else self.packages
+            paths = (*self.package_paths, *config.package_path) if config else self.package_paths
+            finder = PackageFinder(folder, packages, paths, reach=self.reach, known=self.known_packages)
+            self.finders[folder] = finder
+        return finder
 
     def get_config(self, path: Path) -> DiscoveryConfig | None:
         """Return the configuration for a path; None around a file that may not be opened.
@@ -187,7 +220,7 @@ class _Planner:
                     continue
                 if path.is_dir():
                     roots.add(self.get_folder(path).path.absolute())  # it notes the packages that it comes across
-                finder = self.make_finder(path)
+                finder = self.get_finder(path)
                 root = finder.find_repository()
                 if root is not None and not roots & {root, *root.parents}:
                     roots.add(root)
@@ -195,8 +228,10 @@ class _Planner:
 
     def add_path(self, path: Path) -> None:
         try:
-            if self.reach is not None and not self.reach.can_open(path):
-                self.missing.append((str(path), OUT_OF_REACH))
+            if self.budget.is_used_up():
+                self.missing.append((format_path(path), self.budget.explain()))
+            elif self.reach is not None and not self.reach.can_open(path):
+                self.missing.append((str(path), explain_unreachable(path)))
             elif path.is_dir():
                 self.add_folder(path)
             elif path.is_file():
@@ -214,44 +249,98 @@ class _Planner:
     def add_folder(self, path: Path) -> None:
         folder = self.get_folder(path)
         self.given_folders.append(resolve_path(path))
-        for model, tentative in folder.find_models():
-            if self.is_usable(model, named=False):
-                self.add_model(ModelTarget(path=model, arguments=self.arguments, tentative=tentative))
+        for found in folder.found_models:
+            self.add_found_model(found)
+        for candidate in folder.candidates:
+            self.add_found_model(candidate, is_spare=True)
         for launch in folder.launches:
             if self.is_usable(launch, named=False):
                 self.add_launch(launch)
         for model in self.list_configured_models(folder):
             if resolve_path(model) not in self.models:
                 self.add_model(ModelTarget(path=model, arguments=self.arguments))
+        self.libraries.update((resolve_path(f), f) for f, file in folder.files.items() if file.only_macros)
         self.unused += [(format_path(link), OUT_OF_REACH) for link in sorted(folder.outside)]
 
+    def add_found_model(self, found: FoundModel, *, is_spare: bool = False) -> None:
+        """Add a file that was found in a folder."""
+        if self.is_usable(found.path, named=False):
+            self.add_model(
+                ModelTarget(
+                    path=found.path,
+                    arguments=self.arguments,
+                    tentative=found.is_tentative,
+                    is_part=found.is_part,
+                    is_spare=is_spare,
+                )
+            )
+
     def add_file(self, path: Path) -> None:
+        other = find_other_format(path)
         if is_launch(path):
             self.add_launch(path)
-        elif path.suffix.lower() in MESH_SUFFIXES:
+        elif is_mesh(path):
             users = self.find_users(path, lambda folder, package: folder.find_models_using(path, package))
             self.add_users(path, users, "no model of its package or repository names this mesh")
         elif path.name == "package.xml":
             self.add_folder(path.parent)
-        elif path.suffix.lower() in {".yaml", ".yml"}:
+        elif is_yaml(path):
             self.add_yaml(path)
-        elif is_srdf(path) and ModelFile(path).root is None:
-            self.missing.append((str(path), "is no XML that can be read, so that nobody knows whose it is"))
         elif is_srdf(path):
-            users = self.find_users(path, lambda folder, _: folder.find_models_by_robot_name(path))
-            self.add_users(path, users, "no model of its package or repository has the name of its robot")
-        elif path.suffix == ".xacro" and not (file := ModelFile(path)).stands_alone:
-            users = self.find_users(path, lambda folder, _: folder.find_including_models(path))
-            if users or file.only_macros:
-                self.add_users(
-                    path, users, "only defines macros, and no model of its package or repository includes it"
-                )
-            else:
-                self.add_model(ModelTarget(path=path, arguments=self.arguments, explicit=True))
-        elif path.suffix in {".urdf", ".xacro", ".xml", ""}:
-            self.add_model(ModelTarget(path=path, arguments=self.arguments, explicit=True))
+            self.add_srdf(path)
+        elif other is not None:
+            self.missing.append((format_path(path), f"this is {other}; urdfcheck reads URDF and xacro"))
+        elif is_model(path) or path.suffix.lower() in {".xml", ""}:
+            self.add_named_model(path)
         else:
-            self.missing.append((str(path), "is no model, launch file, mesh, yaml file or folder"))
+            self.add_unknown_file(path)
+
+    def add_unknown_file(self, path: Path) -> None:
+        """Add a file whose name says nothing, if it is a robot."""
+        file = self.budget.read_file(path)
+        root = None if file is None else file.root
+        if root is not None and root.tag == "robot":
+            self.add_model(ModelTarget(path=path, arguments=self.arguments, explicit=True))
+        elif root is not None and root.tag in FORMATS_BY_ROOT:
+            known = FORMATS_BY_ROOT[root.tag]
+            self.missing.append((format_path(path), f"this is {known}; urdfcheck reads URDF and xacro"))
+        else:
+            self.missing.append((format_path(path), "is no model, launch file, mesh, yaml file or folder"))
+
+    def add_srdf(self, path: Path) -> None:
+        """Add the models of a semantic description, and the file itself where it is a robot that is called so."""
+        file = self.budget.read_file(path)
+        if file is None or file.root is None:
+            self.missing.append((format_path(path), "is no XML that can be read, so that nobody knows whose it is"))
+            return
+        users = self.find_users(path, lambda folder, _: folder.find_models_by_robot_name(path))
+        if file.makes_robot:
+            self.add_model(ModelTarget(path=path, arguments=self.arguments, explicit=True))
+        elif is_xacro(path) and file.has_parts:
+            self.add_model(ModelTarget(path=path, arguments=self.arguments, tentative=True, is_part=True))
+        if users or not file.makes_robot:
+            self.add_users(path, users, "no model of its package or repository has the name of its robot")
+
+    def add_named_model(self, path: Path) -> None:
+        """Add a model or macro file that the user named: the file itself, and the models that include it."""
+        file = self.budget.read_file(path)
+        if file is None:
+            return
+        users: list[Path] = []
+        is_part = False
+        if not (file.has_name and file.has_parts) or (file.is_xacro and self.has_project_around(path)):
+            users = self.find_users(path, lambda folder, _: folder.find_including_models(path))
+            is_part = bool(users) or any(folder.may_be_part(path) for folder, _ in self.iter_folders_around(path))
+        for user in users:
+            self.add_found_model(self.found.get(user, FoundModel(path=user)))
+        self.add_model(
+            ModelTarget(path=path, arguments=self.arguments, explicit=True, tentative=file.only_macros, is_part=is_part)
+        )
+
+    def has_project_around(self, path: Path) -> bool:
+        """Whether a file belongs to a package or a repository: then its users are known, and not too many to look at."""
+        is_packaged = self.get_finder(path).find_package_of(path.absolute()) is not None
+        return is_packaged or any((folder / ".git").exists() for folder in path.absolute().parents)
 
     def add_yaml(self, path: Path) -> None:
         """Add the users of a yaml file (controllers, joint limits, a file that a xacro loads).
@@ -284,8 +373,7 @@ class _Planner:
 
     def add_users(self, path: Path, users: Sequence[Path], otherwise: str) -> None:
         for user in users:
-            if self.is_usable(user, named=False):
-                self.add_model(ModelTarget(path=user, arguments=self.arguments))
+            self.add_found_model(self.found.get(user, FoundModel(path=user)))
         if not users:
             self.unused.append((format_path(path), otherwise))
 
@@ -312,7 +400,9 @@ class _Planner:
                     launches=(*other.launches, *(x for x in target.launches if x not in other.launches)),
                     explicit=other.explicit or target.explicit,
                     tentative=other.tentative and target.tentative,
-                    xacro=other.xacro or target.xacro,
+                    is_part=other.is_part and target.is_part,
+                    is_spare=other.is_spare and target.is_spare,
+                    xacro=_merge_readings(other.xacro, target.xacro),
                     name=other.name or target.name,
                 )
                 return
@@ -322,14 +412,20 @@ class _Planner:
         if resolve_path(path) in self.launches or not self.is_usable(path):
             return
         self.launches[resolve_path(path)] = path
-        finder = self.make_finder(path)
+        finder = self.get_finder(path)
         if path.suffix == ".py":
-            models = read_python_launch(path, finder).models
-            for model in models:
+            launch = read_python_launch(path, finder)
+            # Only at launch is it known which of several models starts.
+            is_only = len(launch.models) == 1
+            for model in launch.models:
                 self.extend_reach(model, finder)
-                # Only at launch is it known which of several models starts.
                 self.add_model(
-                    ModelTarget(path=model, arguments=self.arguments, launches=(path,) if len(models) == 1 else ())
+                    ModelTarget(
+                        path=model,
+                        arguments=self.arguments,
+                        launches=(path,) if is_only else (),
+                        xacro=True if is_only and launch.runs_xacro else None,
+                    )
                 )
             return
         for description in load_launch(path, finder).descriptions:
@@ -356,34 +452,37 @@ class _Planner:
     def get_folder(self, path: Path) -> FolderIndex:
         key = resolve_path(path)
         if key not in self.folders:
-            self.folders[key] = FolderIndex(path, self.make_finder(path))
+            folder = self.folders[key] = FolderIndex(path, self.get_finder(path), self.budget.read_file)
+            self.found.update((found.path, found) for found in folder.found_models)
         return self.folders[key]
 
-    def find_users(self, path: Path, find: Callable[[FolderIndex, str], list[Path]]) -> list[Path]:
-        """Return the models that use a file: those of its package (or folder), else those of the repository around it.
+    def iter_folders_around(self, path: Path) -> Iterator[tuple[FolderIndex, str]]:
+        """Yield a file's package (or folder), then the repository around it.
 
-        ``find`` also gets the name by which other packages reach the file's package; empty within the package.
+        With each comes the name by which other packages reach the file's package; empty within the package.
         """
-        own_package = self.make_finder(path).find_package_of(path.absolute())
+        own_package = self.get_finder(path).find_package_of(path.absolute())
         inner = path.absolute().parent if own_package is None else own_package.path
         outer = next((f for f in inner.parents if (f / ".git").exists()), None)
         for folder, package in ((inner, ""), (outer, "" if own_package is None else own_package.name)):
-            if folder is None:
-                continue
-            users = find(self.get_folder(folder if path.is_absolute() else Path(os.path.relpath(folder))), package)
-            if users:
-                return users
-        return []
+            if folder is not None:
+                yield self.get_folder(folder if path.is_absolute() else Path(os.path.relpath(folder))), package
+
+    def find_users(self, path: Path, find: Callable[[FolderIndex, str], list[Path]]) -> list[Path]:
+        """Return the models that use a file: those of its package (or folder), else those of the repository around it."""
+        return next(
+            (users for folder, package in self.iter_folders_around(path) if (users := find(folder, package))), []
+        )
 
     def build_variants(self, targets: Sequence[ModelTarget]) -> list[ModelTarget]:
         """Return a file with the sets of arguments that none of its targets has yet."""
         first = targets[0]
-        if not self.all_arguments or not (first.path.suffix == ".xacro" or any(t.xacro for t in targets)):
+        if not self.all_arguments or not (is_xacro(first.path) or any(t.xacro for t in targets)):
             return []
         from urdfcheck.source.xacro.argument_values import MOST_ARGUMENTS, build_argument_sets, find_argument_choices
 
         free = [
-            c for c in find_argument_choices(first.path, self.make_finder(first.path)) if c.name not in self.arguments
+            c for c in find_argument_choices(first.path, self.get_finder(first.path)) if c.name not in self.arguments
         ]
         if len(free) > MOST_ARGUMENTS:
             reason = f"has {len(free)} arguments to vary: the first {MOST_ARGUMENTS} of them are"
@@ -408,16 +507,21 @@ class _Planner:
 
     def build_plan(self) -> Plan:
         """Return what was added, in a stable order."""
-        models = _assign_launches(self.list_targets())
-        launched = {resolve_path(launch) for target in models for launch in target.launches}
+        targets = _assign_launches(self.list_targets())
+        # What only defines macros where it was named is expanded all the same: the text does not decide what it is.
+        candidates = [target for target in targets if target.is_part or (target.tentative and target.explicit)]
+        models = [target for target in targets if target not in candidates]
+        launched = {resolve_path(launch) for target in targets for launch in target.launches}
         launches = [path for real, path in self.launches.items() if real not in launched]
         packages = self.list_packages([*(target.path for target in models), *self.launches.values()])
-        checked = (*(target.path for target in models), *launches, *packages)
+        checked = (*(target.path for target in targets), *launches, *packages)
         return Plan(
             models=tuple(models),
+            candidates=tuple(candidates),
+            libraries=tuple(self.libraries.values()),
             launches=tuple(sorted(launches)),
             packages=tuple(sorted(packages)),
-            missing=tuple(self.missing),
+            missing=(*self.missing, *self.budget.unread),
             unused=tuple(self.unused),
             reach=self.reach,
             configs={str(path): config for path in checked if (config := self.get_config(path)) is not None},
@@ -442,7 +546,7 @@ class _Planner:
         """Return the folders of the packages that these files belong to, each once."""
         packages: dict[Path, None] = {}
         for path in paths:
-            package = self.make_finder(path).find_package_of(path.absolute())
+            package = self.get_finder(path).find_package_of(path.absolute())
             if package is not None:
                 packages[package.path] = None
         return list(packages)
@@ -458,6 +562,11 @@ class _Planner:
         """Whether a path is one of the given folders, or below one."""
         real = resolve_path(path)
         return any(folder in (real, *real.parents) for folder in self.given_folders)
+
+
+def _merge_readings(one: bool | None, other: bool | None) -> bool | None:
+    """Return how launch files read a file: one that hands it to xacro wins over one that does not, and both over none."""
+    return True if one or other else one if other is None else other
 
 
 def _assign_launches(targets: Sequence[ModelTarget]) -> list[ModelTarget]:

@@ -9,91 +9,45 @@ import fnmatch
 import glob
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
-from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_srdf
-from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
+from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names
+from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
+from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.reach import find_project_folder
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
-from urdfcheck.source.xacro.file_contents import can_stand_alone, has_only_macros, has_parts
-from urdfcheck.system.files import read_regular
 from urdfcheck.system.programs import find_program, make_program_environment
 
-# Limits on the includes of one file that are followed, and on the file names that are compared with their patterns: beyond
-# them a file counts as not included, and is checked as a model. In a hundred robots no file has more than 40 includes.
-MAX_INCLUDES = 2_000
+# Limit on the file names that are compared with the patterns of includes: beyond it a file counts as not included, and is
+# checked as a model.
 MAX_COMPARED = 500_000
 # Seconds for git to list what it ignores: a pipe in the place of one of its files keeps it waiting. It takes 0.3 s for 80,000
 # files.
 _GIT_PATIENCE = 5.0
 _SKIPPED = BUILD_FOLDERS | {"node_modules", "__pycache__"}
-_INCLUDE = re.compile(r"""<xacro:include\s[^<>]*?filename\s*=\s*["']([^"']+)["']""")
-_EXPRESSION = re.compile(r"\$[({][^)}$]*[)}]")
-_ROBOT = re.compile(r"<robot[\s>]")
+# A file that a variable of the environment names, and the one that is included if it is not set.
+_OPTIONAL = re.compile(r"^\$\(optenv\s+\S+\s+([^)]*)\)(.*)$", re.DOTALL)
 
 
-class ModelFile:
-    """What the text of a model or macro file decides. The text itself is not kept; it is read again where more is asked."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundModel:
+    """A file in a folder that is a model, or that only its expansion shows to be one."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        text = self.text
-        self.is_robot = _ROBOT.search(text) is not None
-        self.is_empty = not any(tag in text for tag in ("<link", "<joint", "<xacro:"))
-        # An include in a comment has been tried before: the file that it names is a part, unless it can stand alone.
-        self.mentions = list(dict.fromkeys(_INCLUDE.findall(text)))[:MAX_INCLUDES]
-        needs_tree = bool(self.mentions) or path.suffix == ".xacro"  # most URDF files need not be parsed here
-        root = self.root if needs_tree else None
-        includes = [e.get("filename") for e in root.walk() if e.tag == "xacro:include"] if root else self.mentions
-        self.includes = list(dict.fromkeys(includes))[:MAX_INCLUDES]
-        self.only_macros = has_only_macros(root)
-        self.has_parts = has_parts(root)
-        self.stands_alone = can_stand_alone(root)
-
-    @property
-    def text(self) -> str:
-        """The text of the file, as far as it can be read."""
-        source = self._source
-        if source is not None:
-            return source.text
-        try:
-            return read_regular(self.path).decode("utf-8", "replace")
-        except OSError:
-            return ""
-
-    @property
-    def root(self) -> Element | None:
-        """The XML of the file; None if it cannot be parsed."""
-        source = self._source
-        try:
-            return None if source is None else parse_xml(source)
-        except XmlError:
-            return None
-
-    @property
-    def _source(self) -> SourceFile | None:
-        try:
-            return SourceFile.read(self.path, format_path(self.path))
-        except (OSError, XmlError):
-            return None
-
-    def may_reference(self, mesh: str) -> bool:
-        """Whether the file may mean a mesh of this name: spelled out, or with expressions for what differs."""
-        if mesh in self.text:
-            return True
-        root = self.root
-        typed = [e.get("filename") for e in root.walk() if e.tag == "mesh"] if root is not None else []
-        last = [_EXPRESSION.sub("\0", name).rpartition("/")[2] for name in typed]
-        patterns = ["*".join(map(glob.escape, name.split("\0"))) for name in last if "\0" in name]
-        return any(fnmatch.fnmatchcase(mesh, pattern) for pattern in patterns)
+    path: Path
+    is_tentative: bool = False
+    """Whether it is no model if it makes neither link nor joint."""
+    is_part: bool = False
+    """Whether another file includes it, or may: then it is no model if it is none by itself."""
 
 
 class FolderIndex:
-    """The files below a folder that can matter, read once."""
+    """The files below a folder that can matter, read once. ``read``: reads a model file; None where it gave that up."""
 
-    def __init__(self, path: Path, finder: PackageFinder) -> None:
+    def __init__(self, path: Path, finder: PackageFinder, read: Callable[[Path], ModelFile | None] = ModelFile) -> None:
         self.path = path
         self.finder = finder
         self.outside: list[Path] = []
@@ -101,33 +55,49 @@ class FolderIndex:
         self.packages = [f.parent for f in files if f.name == "package.xml"]
         finder.note_packages(self.packages)
         self.launches = [f for f in files if is_launch(f)]
-        self.files = {f: ModelFile(f) for f in files if f.suffix in {".xacro", ".urdf"} and not is_srdf(f)}
+        self.files = {f: file for f in files if is_model(f) and (file := read(f)) is not None}
+        self.srdfs = {f: file for f in files if is_srdf(f) and (file := read(f)) is not None}
         self.by_real = {resolve_path(f): file for f, file in self.files.items()}
         self.by_name: dict[str, set[Path]] = {}
         for f in self.files:
             self.by_name.setdefault(f.name, set()).add(resolve_path(f))
         self.compared = 0
-        self.mentions = {resolve_path(f): self._resolve_includes(f, file.mentions) for f, file in self.files.items()}
-        self.includes = {resolve_path(f): self._resolve_includes(f, file.includes) for f, file in self.files.items()}
-        self.includers: dict[Path, set[Path]] = {}
-        for by, names in self.includes.items():
-            for name in names:
-                self.includers.setdefault(name, set()).add(by)
+        self.resolved: dict[tuple[str, str], frozenset[Path]] = {}
+        # The folders in which a file without a name may be a part: a file there includes whatever a variable names.
+        self.open_folders: set[Path] = set()
+        includes = {resolve_path(f): self._resolve_includes(f, file.includes) for f, file in self.files.items()}
+        self.mentioned: set[Path] = set()
+        for f, file in self.files.items():
+            self.mentioned |= self._resolve_includes(f, set(file.mentions).difference(file.includes))
+        self.graph = IncludeGraph({path: inner & self.by_real.keys() for path, inner in includes.items()})
 
     def _resolve_includes(self, path: Path, names: Iterable[str]) -> set[Path]:
         """Return the files that the includes of a file mean."""
         included: set[Path] = set()
-        anywhere: set[str] = set()
         for name in names:
-            tail = _EXPRESSION.sub("", name).lstrip("/")
-            package = re.match(r"\$\(find ([^)\s]+)\)", name)
-            folder = self.finder.find(package.group(1)) if package else path.parent
+            optional = _OPTIONAL.match(name)
+            if optional:
+                included |= self._resolve_include(path, "".join(optional.groups()))
+            included |= self._resolve_include(path, name)
+        return included - {resolve_path(path)}
+
+    def _resolve_include(self, path: Path, name: str) -> frozenset[Path]:
+        """Return the files that one include means; one with arguments in its path may mean every file of its name."""
+        tail = EXPRESSION.sub("", name).lstrip("/")
+        package = re.match(r"\$\(find ([^)\s]+)\)", name)
+        folder = self.finder.find(package.group(1)) if package else path.parent
+        last = Path(tail).name
+        if not last:
+            around = self.finder.find_package_of(path.absolute())
+            self.open_folders.add(resolve_path(path.parent if around is None else around.path))
+            return frozenset()
+        key = (str(folder), tail)
+        if key not in self.resolved:
             targets = [] if folder is None else self._match_pattern(folder, tail)
-            if any(map(os.path.isfile, targets)):
-                included |= {resolve_path(Path(target)) for target in targets}
-            else:  # a path with arguments in it may mean every file of that name
-                anywhere.add(Path(tail).name)
-        return included.union(*(self.by_name.get(name, ()) for name in anywhere)) - {resolve_path(path)}
+            is_known = any(map(os.path.isfile, targets))
+            found = {resolve_path(Path(target)) for target in targets} if is_known else self.by_name.get(last, set())
+            self.resolved[key] = frozenset(found)
+        return self.resolved[key]
 
     def _match_pattern(self, folder: Path, pattern: str) -> list[str]:
         """Return the files that a pattern means; only folders that may be opened are searched."""
@@ -154,38 +124,70 @@ class FolderIndex:
         self.compared += 20 + len(names)
         return fnmatch.filter(names, pattern)
 
-    def find_models(self) -> Iterator[tuple[Path, bool]]:
-        """Yield each model, and whether only its expansion shows that it is one."""
-        mentioned = set().union(*self.mentions.values())
+    @cached_property
+    def found_models(self) -> tuple[FoundModel, ...]:
+        """The models of the folder: what is no mere part of others, and no mere set of macros."""
+        found: list[FoundModel] = []
         for path, file in self.files.items():
-            if path.suffix == ".urdf":
-                # An empty robot is a placeholder that others include; a file without a robot is reported as not a robot.
-                yield path, file.is_robot and file.is_empty
-            elif self._is_part(resolve_path(path)) or (resolve_path(path) in mentioned and not file.stands_alone):
+            if file.only_macros:
                 continue
-            elif not file.only_macros:
-                yield path, not file.has_parts
+            is_part = self._may_be_part(resolve_path(path), file)
+            if is_part and not file.has_name:
+                continue
+            # An empty robot is a placeholder that others include; a file without a robot is reported as not a robot.
+            is_tentative = not file.has_parts if file.is_xacro else file.is_robot and file.is_empty
+            found.append(FoundModel(path=path, is_tentative=is_tentative, is_part=is_part))
+        found += [FoundModel(path=path) for path, file in self.srdfs.items() if file.makes_robot]
+        return tuple(found)
 
-    def _is_part(self, path: Path) -> bool:
-        """Whether another file includes this one without being included by it: in a circle every file is a model."""
-        includers = self.includers.get(path)
-        return includers is not None and bool(includers - self._collect_all_includes(path))
+    @cached_property
+    def candidates(self) -> tuple[FoundModel, ...]:
+        """The files that are models only if no model turns out to be made of them.
+
+        These are parts without a name, and semantic descriptions in which a macro could make links.
+        """
+        models = {model.path for model in self.found_models}
+        files = [f for f, file in self.files.items() if not file.only_macros and f not in models]
+        files += [f for f, file in self.srdfs.items() if f not in models and is_xacro(f) and file.has_parts]
+        return tuple(FoundModel(path=path, is_tentative=True, is_part=True) for path in files)
+
+    def may_be_part(self, path: Path) -> bool:
+        """Whether another file below the folder includes this one, or may."""
+        real = resolve_path(path)
+        return real in self.by_real and self._may_be_part(real, self.by_real[real])
+
+    def _may_be_part(self, real: Path, file: ModelFile) -> bool:
+        if self.graph.is_included(real) or real in self.mentioned:
+            return True
+        return not self.open_folders.isdisjoint(real.parents) and not file.has_name
+
+    @cached_property
+    def _models(self) -> list[Path]:
+        """The models through which a file is checked: those that no other file includes."""
+        return [m.path for m in self.found_models if not m.is_part or not self.graph.is_included(resolve_path(m.path))]
+
+    @cached_property
+    def _users(self) -> UserTable:
+        return self.graph.make_user_table([resolve_path(model) for model in self._models])
 
     def find_including_models(self, path: Path) -> list[Path]:
         """Return the models that include a file, directly or through others."""
-        return [model for model, _ in self.find_models() if resolve_path(path) in self._collect_all_includes(model)]
+        real = resolve_path(path)
+        users = (self._models[index] for index in iter_bits(self._users.find_users([real])))
+        return [model for model in users if resolve_path(model) != real]
 
     def find_models_by_robot_name(self, srdf: Path) -> list[Path]:
         """Return the models of the robot that a semantic description names; a name with expressions may be any."""
-        root = ModelFile(srdf).root
-        wanted = _EXPRESSION.sub("\0", root.get("name").strip()) if root is not None else ""
-        users: list[Path] = []
-        for model, _ in self.find_models():
-            other = self.files[model].root
-            typed = _EXPRESSION.sub("\0", other.get("name").strip()) if other is not None else ""
-            if wanted and typed and (wanted == typed or "\0" in wanted + typed):
-                users.append(model)
-        return users
+        file = self.srdfs.get(srdf)
+        wanted = (ModelFile(srdf) if file is None else file).robot_name
+        if not wanted:
+            return []
+        if "\0" in wanted:
+            return [model for model in self._models if self._get_robot_name(model)]
+        return [model for model in self._models if "\0" in (name := self._get_robot_name(model)) or name == wanted]
+
+    def _get_robot_name(self, model: Path) -> str:
+        return self.files[model].robot_name if model in self.files else ""
 
     def find_models_of_srdf_beside(self, settings: Path) -> list[Path]:
         """Return the models of the robots that the semantic descriptions beside a configuration file name."""
@@ -202,33 +204,60 @@ class FolderIndex:
         config_folders = {resolve_path(self.path / name) for name in CONFIG_FOLDERS}
         if resolve_path(settings).parent not in config_folders or not (self.path / "package.xml").is_file():
             return []
-        return [model for model, _ in self.find_models()]
+        return self._models
 
     def find_launches_loading(self, settings: Path, package: str) -> list[Path]:
         """Return the launch files that contain the name of a configuration file and of its package."""
-        texts = ((launch, ModelFile(launch).text) for launch in self.launches)
-        return [launch for launch, text in texts if settings.name in text and package in text]
+        named = self._find_naming_files(settings.name) & self._find_files_with(package)
+        return [launch for launch in self.launches if launch in named]
 
     def find_models_using(self, file: Path, package: str) -> list[Path]:
         """Return the models whose own or included text contains the name of a mesh or of a loaded file, and of its package."""
-        users: list[Path] = []
-        for model, _ in self.find_models():
-            reached = (resolve_path(model), *self._collect_all_includes(model))
-            parts = [self.by_real[real] for real in reached if real in self.by_real]
-            if any(part.may_reference(file.name) for part in parts) and any(package in part.text for part in parts):
-                users.append(model)
-        return users
+        naming = set(self._find_naming_files(file.name))
+        for pattern, files in self._mesh_patterns.items():
+            if pattern.match(file.name):
+                naming |= files
+        users = self._users.find_users(map(resolve_path, naming))
+        if package:
+            users &= self._users.find_users(map(resolve_path, self._find_files_with(package)))
+        return [self._models[index] for index in iter_bits(users)]
 
-    def _collect_all_includes(self, path: Path) -> set[Path]:
-        """Return the files that a file includes, directly or through others."""
-        included: set[Path] = set()
-        queue = [resolve_path(path)]
-        while queue:
-            for inner in self.includes.get(queue.pop(), ()):
-                if inner not in included:
-                    included.add(inner)
-                    queue.append(inner)
-        return included
+    @cached_property
+    def _all_texts(self) -> dict[Path, ModelFile]:
+        return {**self.files, **{launch: ModelFile(launch) for launch in self.launches}}
+
+    @cached_property
+    def _files_by_name(self) -> dict[str, set[Path]]:
+        """The files in whose texts a file name is spelled out, by name."""
+        naming: dict[str, set[Path]] = {}
+        for path, file in self._all_texts.items():
+            for name in file.collect_file_names():
+                naming.setdefault(name, set()).add(path)
+        return naming
+
+    @cached_property
+    def _mesh_patterns(self) -> dict[re.Pattern[str], set[Path]]:
+        """The files that name meshes with expressions, by pattern."""
+        patterns: dict[re.Pattern[str], set[Path]] = {}
+        for path, file in self.files.items():
+            for pattern in file.compile_mesh_patterns():
+                patterns.setdefault(pattern, set()).add(path)
+        return patterns
+
+    def _find_naming_files(self, name: str) -> set[Path]:
+        if find_file_names(name) == [name]:
+            return self._files_by_name.get(name, set())
+        return self._find_files_with(name)  # a name with blanks or brackets in it
+
+    def _find_files_with(self, text: str) -> set[Path]:
+        """Return the files whose texts contain another."""
+        if text not in self._files_with:
+            self._files_with[text] = {path for path, file in self._all_texts.items() if text in file.text}
+        return self._files_with[text]
+
+    @cached_property
+    def _files_with(self) -> dict[str, set[Path]]:
+        return {}
 
 
 def resolve_path(path: Path) -> Path:

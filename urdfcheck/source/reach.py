@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+import stat
+import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-# Names of folders with models whose meshes are in a sibling folder (robot/urdf/robot.urdf, robot/meshes/), without a
-# package.xml or a repository around them.
-_PARTS = frozenset({"config", "launch", "sdf", "srdf", "urdf", "urdfs", "xacro"})
+# The folders that make up one robot without a package.xml or a repository around them (robot/urdf/robot.urdf, robot/meshes/).
+_PARTS = frozenset({
+    *("config", "launch", "materials", "media", "meshes", "mesh", "rviz", "sdf", "srdf", "textures", "urdf", "urdfs", "xacro"),
+})  # fmt: skip
 # The message about a file that is not opened.
 OUT_OF_REACH = "it lies outside of the folders that may be read (--allow-read)"
 
@@ -27,8 +30,8 @@ class FileReach:
     @classmethod
     def from_paths(cls, paths: Iterable[Path], folders: Iterable[Path]) -> FileReach:
         """Return the reach of the projects that the given paths belong to, and of these folders as they are."""
-        real = dict.fromkeys(os.path.realpath(f) for f in (*map(find_project_folder, paths), *folders))
-        return cls(tuple(real))
+        projects = (folder for path in paths for folder in list_project_folders(path))
+        return cls(tuple(dict.fromkeys(os.path.realpath(f) for f in (*projects, *folders))))
 
     def can_open(self, path: Path) -> bool:
         """Whether a file, or the target of a link of this name, may be opened."""
@@ -39,20 +42,84 @@ class FileReach:
 def find_project_folder(path: Path) -> Path:
     """Return the folder that a path given by the user belongs to.
 
-    This is the repository around it, or else its package, or else the folder itself (for a file, the folder around it; the
-    one above if that is called ``urdf`` or similar). A link counts by its own place, not by its target: the link may be a
-    stranger's.
+    This is the repository around it, or else its package, or else the folder itself (for a file, the folder around it). A link
+    counts by its own place, not by its target: the link may be a stranger's.
     """
-    absolute = Path(os.path.abspath(path))
-    place = Path(os.path.realpath(absolute.parent), absolute.name)
-    folder = place if place.is_dir() and not place.is_symlink() else place.parent
-    home = os.path.realpath(os.path.expanduser("~"))
-    around = [f for f in (folder, *folder.parents) if str(f) != home]  # a whole home folder may be a repository
+    folder = _find_own_folder(path)
+    around = [
+        f for f in (folder, *folder.parents) if not _is_shared_by_all(f)
+    ]  # a whole home folder may be a repository
     for mark in (".git", "package.xml"):
         for outer in around:
             if (outer / mark).exists():
                 return outer
-    return folder.parent if folder.name.lower() in _PARTS else folder
+    return folder
+
+
+def list_project_folders(path: Path) -> list[Path]:
+    """Return the folders that come into reach with a path given by the user: its project, and what belongs to that.
+
+    The name of a folder says nothing, for it may be a stranger's. Only where the folder above holds the parts of one robot and
+    no other folder (urdf, meshes …), these parts come with it, each by itself. Of the root of the disk, a home folder or a
+    folder for everybody's files only the given file does; a file is its own folder then.
+    """
+    project = find_project_folder(path)
+    if _is_shared_by_all(project):
+        place = _find_place(path)
+        return [] if place == project or place.is_symlink() else [place]
+    is_marked = any((project / mark).exists() for mark in (".git", "package.xml"))
+    return [project] if is_marked else [project, *_list_sibling_parts(project)]
+
+
+def explain_unreachable(path: Path) -> str:
+    """Return why a path given by the user is not opened."""
+    place = _find_place(path)
+    if place.is_dir() and not place.is_symlink() and _is_shared_by_all(place):
+        what = "the root of the disk" if place.parent == place else "a folder for all files of a user or of everybody"
+        return f"it is {what}: name the folders of the robots in it, or allow all of it with --allow-read {path.as_posix()}"
+    return OUT_OF_REACH
+
+
+def _find_place(path: Path) -> Path:
+    """Return where a path lies, without following it if it is a link."""
+    absolute = Path(os.path.abspath(path))
+    return absolute if absolute.parent == absolute else Path(os.path.realpath(absolute.parent), absolute.name)
+
+
+def _find_own_folder(path: Path) -> Path:
+    place = _find_place(path)
+    return place if place.is_dir() and not place.is_symlink() else place.parent
+
+
+def _is_shared_by_all(folder: Path) -> bool:
+    """Whether a folder is the root of the disk, the user's home or one for temporary files: it is no robot's."""
+    home = os.path.realpath(os.path.expanduser("~"))
+    temporary = ("/tmp", "/var/tmp", "/dev/shm", tempfile.gettempdir())
+    return folder.parent == folder or str(folder) in {home, *map(os.path.realpath, temporary)}
+
+
+def _list_sibling_parts(folder: Path) -> list[Path]:
+    """Return the folders beside one that make up a robot with it; none if anything else is there."""
+    above = folder.parent
+    if folder.name.lower() not in _PARTS or _is_shared_by_all(above) or _is_writable_by_others(above):
+        return []
+    try:
+        with os.scandir(above) as entries:
+            beside = [entry for entry in entries if not entry.name.startswith(".")]
+        # A linked folder may be anything.
+        folders = [above / entry.name for entry in beside if entry.is_dir(follow_symlinks=False)]
+        is_robot = all(entry.name.lower() in _PARTS for entry in beside if entry.is_dir())
+    except OSError:
+        return []
+    return sorted(other for other in folders if other != folder) if is_robot else []
+
+
+def _is_writable_by_others(folder: Path) -> bool:
+    """Whether any user may put files into a folder; unknown on Windows, where this says no."""
+    try:
+        return os.name == "posix" and bool(folder.stat().st_mode & stat.S_IWOTH)
+    except OSError:
+        return True
 
 
 def resolve_real_path(path: Path) -> str | None:

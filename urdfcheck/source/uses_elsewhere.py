@@ -113,12 +113,12 @@ def _iter_caller_files(folder: Path, *, deep: bool) -> Iterator[Path]:
         names[:] = [name for name in names if deep and not name.startswith(".")]
         for name in files:
             path = Path(here, name)
-            if (path.suffix in _INCLUDED_SUFFIXES or name.endswith(_CALLER_SUFFIXES)) and path.is_file():
+            if (path.suffix.lower() in _INCLUDED_SUFFIXES or name.endswith(_CALLER_SUFFIXES)) and path.is_file():
                 yield path
 
 
 def _add_mentions(text: str, path: Path, mentions: XacroMentions) -> None:
-    if path.suffix in _INCLUDED_SUFFIXES:
+    if path.suffix.lower() in _INCLUDED_SUFFIXES:
         mentions.names.update(_BLOCK.findall(text), FORWARDED.findall(text), find_expression_names(text))
         mentions.macros.update(map(strip_namespace, _CALLED.findall(text)))
         mentions.macros.update(map(strip_namespace, _CALLED_BY_NAME.findall(text)))

@@ -115,6 +115,7 @@ class _PlainUnpickler(pickle.Unpickler):
             "core.scene",
             "export.link_pairs",
             "export.outline",
+            "source.model_role",
             "policy.config",
             "policy.limits",
             "policy.suppression",

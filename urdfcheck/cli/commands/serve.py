@@ -54,7 +54,8 @@ def _iter_answers(setup: dict[str, Any]) -> Iterator[dict[str, Any]]:
     options = _parse_options(setup["words"])
     request, settings = build_request(options)
     from urdfcheck.run.assemble_run import build_run
-    from urdfcheck.run.pipeline import audit_session, is_empty_candidate, plan_units, stream_reports
+    from urdfcheck.run.pipeline import audit_session, plan_units, stream_reports
+    from urdfcheck.source.model_role import MODEL
     from urdfcheck.system.process_pool import FORKS
 
     plan, units = plan_units(request)
@@ -69,8 +70,9 @@ def _iter_answers(setup: dict[str, Any]) -> Iterator[dict[str, Any]]:
             indices = json.loads(line)
             for place, report in stream_reports([units[i] for i in indices], audit_settings, jobs=request.jobs):
                 unit = units[indices[place]]
-                if is_empty_candidate(unit, report, plan):
-                    result = {"outcome": "skipped", "text": "it makes neither link nor joint: it is no model"}
+                if report.role != MODEL:
+                    reason = report.role.reason or "it makes neither link nor joint"
+                    result = {"outcome": "skipped", "text": escape_for_log(f"it is no model: {reason}")}
                 else:
                     own_plan = replace(plan, unused=(), config_errors=())
                     run = build_run(request, own_plan, audited_units=[(unit, report)], seconds=0.0)

@@ -22,7 +22,7 @@ from urdfcheck.policy.config import OWN_FILE, PROJECT_FILE
 from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit
 from urdfcheck.run.preload import start_warm_worker
-from urdfcheck.source.package.file_kinds import is_launch
+from urdfcheck.source.package.file_kinds import is_launch, is_model, is_srdf
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.system.files import Stamp, read_stamp, walk
@@ -168,8 +168,4 @@ def _iter_watched_files(request: Request) -> Iterator[str]:
 
 
 def _is_relevant(path: Path) -> bool:
-    return (
-        path.suffix in {".urdf", ".xacro", ".srdf"}
-        or is_launch(path)
-        or path.name in {"package.xml", OWN_FILE, PROJECT_FILE}
-    )
+    return is_model(path) or is_srdf(path) or is_launch(path) or path.name in {"package.xml", OWN_FILE, PROJECT_FILE}

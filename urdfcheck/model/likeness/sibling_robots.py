@@ -95,7 +95,7 @@ class PackageNames:
             ]
             for path in (Path(here, name) for name in files):
                 if (
-                    path.suffix not in _SUFFIXES
+                    path.suffix.lower() not in _SUFFIXES
                     or format_path(path) in source.files
                     or not source.finder.can_open(path)
                 ):

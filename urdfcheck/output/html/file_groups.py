@@ -47,4 +47,4 @@ def classify_file(file: str, model_file: str) -> str:
         return "package manifest"
     if file == model_file:
         return MODEL
-    return "included file" if file.endswith((".xacro", ".urdf")) else "file"
+    return "included file" if file.lower().endswith((".xacro", ".urdf")) else "file"

@@ -46,8 +46,8 @@ class DescriptionSource:
 
     @property
     def uses_xacro(self) -> bool:
-        """Whether the command hands the file to xacro."""
-        return bool(self.words) and "xacro" in self.words[0]
+        """Whether a command (xacro itself, ``rosrun xacro xacro``) hands the file to xacro; ``cat`` does not."""
+        return any("xacro" in word for word in self.words[:3])
 
     @property
     def is_from_include(self) -> bool:

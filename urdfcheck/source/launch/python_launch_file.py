@@ -15,7 +15,7 @@ from pathlib import Path
 from tokenize import detect_encoding
 
 from urdfcheck.core import NEWLINE, Location, Span
-from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
+from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.reach import FileReach
@@ -24,7 +24,6 @@ from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.encodings import is_single_byte
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
-MODEL_SUFFIXES = (".urdf", ".xacro")
 # A longer text is not a path: it comes from names that multiply each other.
 MAX_LENGTH = 4000
 # The syntax tree takes a few hundred times as much memory. The limit is about 25,000 lines.
@@ -56,6 +55,8 @@ class PythonLaunch:
     """Paths of launch files in a known package that do not exist."""
     unknown_models: tuple[LocatedPath, ...] = ()
     """Relative paths of models that are not found in any of these packages."""
+    runs_xacro: bool = False
+    """Whether it starts xacro or imports it."""
     description_location: Location | None = None
     """Where it passes robot_description on."""
     syntax_problem: Problem | None = None
@@ -164,7 +165,7 @@ class PythonLaunchReader:
                 literal = "/".join(str(p.value) for p in pieces)
                 if (
                     literal not in by_literal
-                    and literal.strip().endswith(MODEL_SUFFIXES)
+                    and literal.strip().lower().endswith(MODEL_SUFFIXES)
                     and len(by_literal) < MAX_PATHS
                 ):
                     by_literal[literal] = _find_model_file(literal, folders, self.finder)
@@ -187,6 +188,7 @@ class PythonLaunchReader:
             missing_models=self.locate_paths(missing),
             missing_includes=includes,
             unknown_models=self.locate_paths(unknown),
+            runs_xacro=any(map(_names_xacro, self.nodes)),
             description_location=self.find_description_key(),
         )
 
@@ -221,7 +223,7 @@ class PythonLaunchReader:
         if not isinstance(node, (ast.Call, ast.BinOp, ast.JoinedStr)):
             return None
         text = self.evaluate_text(node)
-        if text is None or not text.endswith(suffixes) or "\0" in text:
+        if text is None or not text.lower().endswith(suffixes) or "\0" in text:
             return None
         for folder in self.named_folders:
             # A folder that only has the package's name may not be the package.
@@ -326,6 +328,13 @@ def get_function_name(call: ast.Call) -> str:
     return call.func.attr if isinstance(call.func, ast.Attribute) else str(getattr(call.func, "id", ""))
 
 
+def _names_xacro(node: ast.AST) -> bool:
+    """Whether a node is the program xacro (alone or first in a command) or Python's module of that name."""
+    if isinstance(node, ast.Constant):
+        return isinstance(node.value, str) and node.value.split()[:1] == ["xacro"]
+    return isinstance(node, ast.Name) and node.id == "xacro"
+
+
 def _join_paths(parts: list[str]) -> str:
     return os.path.normpath(os.path.join(*parts))
 
@@ -356,7 +365,7 @@ def _collect_path_pieces(node: ast.AST) -> list[ast.Constant]:
 def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinder) -> Path | None:
     """Return the file that a literal path names, below one of these folders or in one of their subfolders."""
     tail = literal.strip().lstrip("/")
-    if not tail.endswith(MODEL_SUFFIXES) or len(tail) > MAX_LENGTH or any(c in tail for c in "*?[\0"):
+    if not tail.lower().endswith(MODEL_SUFFIXES) or len(tail) > MAX_LENGTH or any(c in tail for c in "*?[\0"):
         return None
     for base in folders:
         beside = [folder / Path(tail).name for folder in list_subfolders(base) if folder.name not in BUILD_FOLDERS]
@@ -381,9 +390,9 @@ def _collect_partial_texts(nodes: Sequence[ast.AST]) -> set[int]:
 
 def _is_model_path(text: object) -> bool:
     """Whether a literal is a relative path of a model, with a name and without placeholders."""
-    if not isinstance(text, str) or not text.endswith(MODEL_SUFFIXES) or len(text) > MAX_LENGTH:
+    if not isinstance(text, str) or not text.lower().endswith(MODEL_SUFFIXES) or len(text) > MAX_LENGTH:
         return False
-    return re.fullmatch(r"(?:\w[\w.-]*/)*\w[\w.-]*\.(?:urdf|xacro)", text) is not None
+    return re.fullmatch(r"(?:\w[\w.-]*/)*\w[\w.-]*\.(?i:urdf|xacro)", text) is not None
 
 
 def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> bool:
@@ -394,7 +403,7 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SU
     stem = path.name.partition(".")[0]
     for _, names, files in walk(package):
         names[:] = [n for n in names if not n.startswith(".")]
-        alike = [file for file in files if any(suffix in file for suffix in suffixes)]
+        alike = [file for file in files if any(suffix in file.lower() for suffix in suffixes)]
         if any(file.partition(".")[0] == stem for file in alike):
             return True
     reach = FileReach.from_paths([package], [])

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.file_kinds import is_srdf
+from urdfcheck.source.package.file_kinds import is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.text.problems import Problem
@@ -159,7 +159,7 @@ def is_configured_for(srdf: Srdf, source: Source) -> bool:
     package = source.finder.find_package_of(srdf.path.absolute())
     is_elsewhere = package is not None and source.package is not None and package.path != source.package.path
     has_derived_model = is_elsewhere and any(
-        name.endswith((".urdf", ".urdf.xacro")) for name in _list_names(srdf.path.parent)
+        is_model(Path(name)) and ".urdf" in name.lower() for name in _list_names(srdf.path.parent)
     )
     return is_about_model(srdf, source) and not has_derived_model
 
@@ -188,7 +188,7 @@ def load_srdf(
         return None
     root: Element | None = tree
     files: Mapping[str, SourceFile] = {name: file}
-    if path.suffix == ".xacro":
+    if is_xacro(path):
         if has_only_macros(tree):
             return None
         from urdfcheck.source.xacro.expand import expand_xacro

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from urdfcheck.source.text.xml import Element, find_unbound_prefix
 
 # Of all tags with xacro's prefix, those that do not call a macro by their own name.
 BUILT_IN_TAGS = frozenset(
     {"macro", "property", "include", "arg", "if", "unless", "insert_block", "attribute", "element", "call"}
 )
-# Of these, the ones that add nothing to the robot outside of a macro.
-_SILENT_TAGS = frozenset(f"xacro:{name}" for name in BUILT_IN_TAGS - {"element", "call"})
+# Of these, the ones that add no element to the robot outside of a macro. A property may hold the links that
+# <xacro:insert_block> inserts.
+_SILENT_TAGS = frozenset(f"xacro:{name}" for name in BUILT_IN_TAGS - {"element", "call", "insert_block"})
 
 
 def has_only_macros(root: Element | None) -> bool:
@@ -21,17 +24,38 @@ def has_only_macros(root: Element | None) -> bool:
 
 def has_parts(root: Element | None) -> bool:
     """Whether a xacro file makes links or joints, or calls a macro, outside of its macro definitions."""
-    return root is None or any(_makes_parts(child) for child in root.children)
+    return root is None or any(_makes_parts(child) for child in _iter_top_level(root))
+
+
+def defines_macros(root: Element | None) -> bool:
+    """Whether a xacro file defines a macro."""
+    return root is not None and any(element.tag == "xacro:macro" for element in root.walk())
 
 
 def can_stand_alone(root: Element | None) -> bool:
-    """Whether a xacro file that others include can be a model too: it makes parts, and its robot has a name."""
-    return root is None or (has_parts(root) and bool(root.get("name")))
+    """Whether a xacro file that others include can be a model too: its robot may have a name, and more than macros."""
+    return root is None or (_may_have_name(root) and not has_only_macros(root))
+
+
+def _may_have_name(root: Element) -> bool:
+    return "name" in root.attributes or any(element.tag == "xacro:attribute" for element in _iter_top_level(root))
 
 
 def _makes_parts(element: Element) -> bool:
-    if element.tag in {"xacro:if", "xacro:unless"}:
-        return any(_makes_parts(child) for child in element.children)
-    if element.tag in {"link", "joint"}:
-        return True
-    return element.tag.startswith("xacro:") and element.tag not in _SILENT_TAGS
+    return element.tag in {"link", "joint"} or (element.tag.startswith("xacro:") and element.tag not in _SILENT_TAGS)
+
+
+def _iter_top_level(root: Element) -> Iterator[Element]:
+    """Yield the elements of the robot itself, also those under a condition."""
+    stack = list(reversed(root.children))
+    while stack:
+        element = stack.pop()
+        if element.tag in {"xacro:if", "xacro:unless"}:
+            stack.extend(reversed(element.children))
+        else:
+            yield element
+
+
+def has_links(root: Element | None) -> bool:
+    """Whether links of the robot itself are typed in a file, as they are in no semantic description."""
+    return root is not None and any(element.tag == "link" for element in _iter_top_level(root))

@@ -1,0 +1,110 @@
+"""One URDF or xacro file as planning sees it: what its text decides, without any expansion."""
+
+from __future__ import annotations
+
+import fnmatch
+import glob
+import re
+from pathlib import Path
+
+from urdfcheck.source.package.file_kinds import is_srdf, is_xacro
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.xacro.file_contents import can_stand_alone, has_links, has_only_macros, has_parts
+from urdfcheck.system.files import read_regular
+
+# Limit on the includes of one file that are followed: beyond it a file counts as not included, and is checked as a model. In a
+# hundred robots no file has more than 40.
+MAX_INCLUDES = 2_000
+EXPRESSION = re.compile(r"\$[({][^)}$]*[)}]")
+_INCLUDE = re.compile(r"""<xacro:include\s[^<>]*?filename\s*=\s*["']([^"']+)["']""")
+_ROBOT = re.compile(r"<robot[\s>]")
+# A file name in any text: what stands between separators and has a suffix.
+_FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*""")
+
+
+class ModelFile:
+    """What the text of a model or macro file decides. The text itself is not kept; it is read again where more is asked."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        source = self._source
+        text = self.text if source is None else source.text
+        self.is_robot = _ROBOT.search(text) is not None
+        self.is_empty = not any(tag in text for tag in ("<link", "<joint", "<xacro:"))
+        # An include in a comment has been tried before: the file that it names may be a part.
+        self.mentions = list(dict.fromkeys(_INCLUDE.findall(text)))[:MAX_INCLUDES]
+        # Most URDF files need not be parsed here.
+        self.is_xacro = is_xacro(path) or "xmlns:xacro" in text
+        needs_tree = bool(self.mentions) or self.is_xacro or is_srdf(path)
+        root = _parse(source) if needs_tree else None
+        includes = [e.get("filename") for e in root.walk() if e.tag == "xacro:include"] if root else self.mentions
+        self.includes = list(dict.fromkeys(includes))[:MAX_INCLUDES]
+        self.only_macros = self.is_xacro and has_only_macros(root)
+        self.has_parts = has_parts(root)
+        self.stands_alone = can_stand_alone(root)
+        self.makes_robot = is_srdf(path) and has_links(root)
+        self._robot_name: str | None = _read_robot_name(root) if needs_tree else None
+
+    @property
+    def robot_name(self) -> str:
+        """The name of the robot, with a NUL for each expression; empty if it has none."""
+        if self._robot_name is None:
+            self._robot_name = _read_robot_name(self.root)
+        return self._robot_name
+
+    @property
+    def has_name(self) -> bool:
+        """Whether the robot has a name, or may get one."""
+        return self.stands_alone if self.is_xacro else bool(self.robot_name)
+
+    @property
+    def text(self) -> str:
+        """The text of the file, as far as it can be read."""
+        source = self._source
+        if source is not None:
+            return source.text
+        try:
+            return read_regular(self.path).decode("utf-8", "replace")
+        except OSError:
+            return ""
+
+    @property
+    def root(self) -> Element | None:
+        """The XML of the file; None if it cannot be parsed."""
+        return _parse(self._source)
+
+    @property
+    def _source(self) -> SourceFile | None:
+        try:
+            return SourceFile.read(self.path, format_path(self.path))
+        except (OSError, XmlError):
+            return None
+
+    def collect_file_names(self) -> set[str]:
+        """Return the names of files that the text spells out."""
+        return set(find_file_names(self.text))
+
+    def compile_mesh_patterns(self) -> set[re.Pattern[str]]:
+        """Return patterns for the names of meshes that hold expressions."""
+        root = self.root if "<mesh" in self.text and "$" in self.text else None
+        typed = [e.get("filename") for e in root.walk() if e.tag == "mesh"] if root is not None else []
+        last = {EXPRESSION.sub("\0", name).rpartition("/")[2] for name in typed}
+        names = ("*".join(map(glob.escape, name.split("\0"))) for name in last if "\0" in name)
+        return {re.compile(fnmatch.translate(name)) for name in names}
+
+
+def find_file_names(text: str) -> list[str]:
+    """Return what looks like the name of a file in a text; of a name with blanks, its last word."""
+    return _FILE_NAME.findall(text)
+
+
+def _parse(source: SourceFile | None) -> Element | None:
+    try:
+        return None if source is None else parse_xml(source)
+    except XmlError:
+        return None
+
+
+def _read_robot_name(root: Element | None) -> str:
+    return "" if root is None else EXPRESSION.sub("\0", root.get("name").strip())

@@ -1,0 +1,93 @@
+"""What a file is once it is expanded: a robot model, a library of macros, or a part of the models that include it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from urdfcheck.core.text import truncate_text
+from urdfcheck.source.load import Source
+from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_parts
+
+# A library of macros may include those of a package that is not installed here.
+_PACKAGE_MISSING = "package-not-found"
+# Why a part cannot be expanded alone: what it uses is defined by the file that includes it, or is told there as well.
+_FOR_WANT_OF_CONTEXT = frozenset({"expansion-failed", "argument-missing", "include-cycle", _PACKAGE_MISSING})
+# A long name is not shown whole.
+_LONGEST_NAME = 60
+
+
+@dataclass(frozen=True, slots=True)
+class ModelRole:
+    """What an expanded file is."""
+
+    kind: str
+    """model | library (it makes neither link nor joint) | part (it takes the file that includes it to be a robot)."""
+    reason: str = ""
+    """Why it is a part."""
+    is_doubtful: bool = False
+    """Whether it may be a robot of its own all the same: it has a name, and could not be expanded."""
+
+
+MODEL = ModelRole("model")
+LIBRARY = ModelRole("library")
+
+
+def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False) -> ModelRole:
+    """Return what a file is.
+
+    ``is_part``: whether another file includes it or may include it; what no file includes is a model, however broken, or a
+    library. ``is_tentative``: whether it is none if it makes neither link nor joint.
+    """
+    root = source.root
+    if root is None:
+        return _find_unexpanded_role(source, is_part=is_part)
+    if root.tag != "robot" or source.find_problems("prefix"):
+        return MODEL
+    if not any(child.tag in {"link", "joint"} for child in root.children):
+        return LIBRARY if is_part or is_tentative or _is_library(source) else MODEL
+    reason = _explain_incompleteness(root) if is_part else ""
+    return ModelRole("part", reason) if reason else MODEL
+
+
+def collect_robot_files(source: Source) -> frozenset[str]:
+    """Return the names of the files of which a link or joint of the robot was made: typed there, or by a call there."""
+    files: set[str] = set()
+    for child in () if source.root is None else source.root.children:
+        if child.tag in {"link", "joint"}:
+            files.update(span.file for span in (child.span, *child.via) if span is not None)
+    return frozenset(files)
+
+
+def _find_unexpanded_role(source: Source, *, is_part: bool) -> ModelRole:
+    tree = source.main_tree
+    kinds = {problem.kind for problem in source.problems}
+    if tree is None or not kinds <= _FOR_WANT_OF_CONTEXT:
+        return MODEL
+    may_have_name = can_stand_alone(tree)
+    if not may_have_name and kinds == {_PACKAGE_MISSING} and defines_macros(tree) and not has_parts(tree):
+        return LIBRARY
+    return ModelRole("part", "it cannot be expanded alone", may_have_name) if is_part else MODEL
+
+
+def _is_library(source: Source) -> bool:
+    tree = source.main_tree
+    return source.is_xacro and (defines_macros(tree) or not has_parts(tree))
+
+
+def _explain_incompleteness(root: Element) -> str:
+    """Return why a robot is none by itself; empty if it has a name and its joints join its links to one tree."""
+    if "name" not in root.attributes:
+        return "its <robot> has no name"
+    links = {link.get("name").strip() for link in root.find_children("link")}
+    children: set[str] = set()
+    for joint in root.find_children("joint"):
+        for end in ("parent", "child"):
+            element = joint.find_child(end)
+            name = "" if element is None else element.get("link").strip()
+            if name not in links:
+                shown = truncate_text(joint.get("name"), _LONGEST_NAME), truncate_text(name, _LONGEST_NAME)
+                return f"joint {shown[0]!r} names the link {shown[1]!r}, which is elsewhere"
+            if end == "child":
+                children.add(name)
+    return "" if len(links - children) == 1 else "its links are not one tree"

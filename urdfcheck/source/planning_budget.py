@@ -1,0 +1,45 @@
+"""The time that the search for models may take: what is not looked at in that time is told, and keeps nothing else from it."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.source.model_file import ModelFile
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.system import sandbox
+
+
+class PlanningBudget:
+    """The time that is left of a search. ``seconds``: for all of it; ``seconds_per_file``: for one file; 0: unlimited."""
+
+    def __init__(self, seconds: float = 0.0, seconds_per_file: float = 0.0) -> None:
+        self.seconds = seconds
+        self.seconds_per_file = seconds_per_file
+        self.unread: list[tuple[str, str]] = []
+        """The files that were not looked at, each with the reason."""
+        self._end = time.monotonic() + seconds if seconds else None
+
+    def is_used_up(self) -> bool:
+        """Whether no time is left."""
+        return self._end is not None and time.monotonic() >= self._end
+
+    def explain(self) -> str:
+        """Return the reason for what is not looked at any more."""
+        return f"is not checked: looking for models took more than {self.seconds:g} s (--timeout)"
+
+    def read_file(self, path: Path) -> ModelFile | None:
+        """Read a model file; None, with a note, if that takes too long or too much memory, or if no time is left."""
+        if self.is_used_up():
+            self.unread.append((format_path(path), self.explain()))
+            return None
+        try:
+            with sandbox.enforce_deadline(self.seconds_per_file):
+                return ModelFile(path)
+        except ModelTimeout:
+            reason = f"is not checked: reading it takes more than {self.seconds_per_file:g} s (--timeout)"
+        except MemoryError:
+            reason = "is not checked: reading it takes too much memory (--memory)"
+        self.unread.append((format_path(path), reason))
+        return None
