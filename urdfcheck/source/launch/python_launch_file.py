@@ -7,12 +7,12 @@ import itertools
 import os
 import re
 import warnings
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.source.launch.python_texts import MAX_LENGTH, PythonTexts, get_package_name
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders
 from urdfcheck.source.reach import FileReach
@@ -21,8 +21,6 @@ from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 MODEL_SUFFIXES = (".urdf", ".xacro")
-# A longer text is not a path: it comes from names that multiply each other.
-MAX_LENGTH = 4000
 # The syntax tree takes a few hundred times as much memory. The limit is about 25,000 lines.
 MAX_PYTHON = 1024**2
 # Limit on paths of models that are looked up, each in several folders.
@@ -120,8 +118,7 @@ class PythonLaunchReader:
         self.starts = _find_line_starts(file.text)
         self.finder = finder
         self.nodes = list(ast.walk(tree))
-        self.assigned = _find_single_assignments(self.nodes)
-        self.values: dict[int, str | None] = {}
+        self.texts = PythonTexts(self.nodes, finder)
         package = finder.find_package_of(path.absolute())
         self.own_folder = package.path if package is not None else path.parent
         self.named_folders = [
@@ -215,55 +212,7 @@ class PythonLaunchReader:
 
     def evaluate_text(self, node: ast.AST) -> str | None:
         """Return the text of a node that consists of literals, names assigned once and packages' folders; else None."""
-        if id(node) not in self.values:
-            self.values[id(node)] = None  # while it is computed: a name made of itself has no value
-            text = self.compute_text(node)
-            self.values[id(node)] = None if text is None or len(text) > MAX_LENGTH else text
-        return self.values[id(node)]
-
-    def compute_text(self, node: ast.AST) -> str | None:
-        """Return the text of a node, not from memory."""
-        if isinstance(node, ast.Constant):
-            return node.value if isinstance(node.value, str) else None
-        if isinstance(node, ast.Name):
-            return self.evaluate_text(self.assigned[node.id]) if node.id in self.assigned else None
-        if isinstance(node, ast.JoinedStr):
-            return self.evaluate_all(node.values, "".join)
-        if isinstance(node, ast.FormattedValue):
-            return self.evaluate_text(node.value) if node.conversion == -1 and node.format_spec is None else None
-        if isinstance(node, ast.BinOp):
-            joins = {ast.Add: "".join, ast.Div: _join_paths}
-            join = joins.get(type(node.op))
-            return None if join is None else self.evaluate_all([node.left, node.right], join)
-        if isinstance(node, ast.Call):
-            return self.evaluate_call(node)
-        return None
-
-    def evaluate_call(self, node: ast.Call) -> str | None:
-        """Return the text of a call that finds a package or joins paths."""
-        package = get_package_name(node)
-        if package is not None:
-            folder = self.finder.find(package)
-            return None if folder is None else str(folder)
-        function = get_function_name(node)
-        if function == "find" and isinstance(node.func, ast.Attribute):  # FindPackageShare("p").find("p")
-            share = node.func.value
-            return self.evaluate_text(share) if isinstance(share, ast.Call) and get_package_name(share) else None
-        if function in {"join", "joinpath", "Path", "str"} and not node.keywords:
-            before = [node.func.value] if function == "joinpath" and isinstance(node.func, ast.Attribute) else []
-            return self.evaluate_all([*before, *node.args], _join_paths)
-        if (
-            function == "PathJoinSubstitution"
-            and len(node.args) == 1
-            and isinstance(node.args[0], (ast.List, ast.Tuple))
-        ):
-            return self.evaluate_all(node.args[0].elts, _join_paths)
-        return None
-
-    def evaluate_all(self, nodes: Sequence[ast.AST], join: Callable[[list[str]], str]) -> str | None:
-        texts = [self.evaluate_text(node) for node in nodes]
-        parts = [text for text in texts if text is not None]
-        return join(parts) if parts and len(parts) == len(texts) else None
+        return self.texts.evaluate(node)
 
     def find_description_key(self) -> Location | None:
         """Return where a node gets the parameter robot_description."""
@@ -290,36 +239,6 @@ class PythonLaunchReader:
         begin = self.starts[min(line, len(self.starts)) - 1]
         text = self.file.text[begin : begin + column]  # at least as many code points as needed
         return begin + len(text.encode("utf-8", "surrogatepass")[:column].decode("utf-8", "ignore"))
-
-
-def _find_single_assignments(nodes: Sequence[ast.AST]) -> dict[str, ast.expr]:
-    """Return the value of each name that is assigned in one place only."""
-    times = Counter(n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
-    times.update(n.arg for n in nodes if isinstance(n, ast.arg))
-    return {
-        target.id: node.value
-        for node in nodes
-        if isinstance(node, ast.Assign) and len(node.targets) == 1
-        for target in node.targets
-        if isinstance(target, ast.Name) and times[target.id] == 1
-    }
-
-
-def get_function_name(call: ast.Call) -> str:
-    """Return the last name of the called function."""
-    return call.func.attr if isinstance(call.func, ast.Attribute) else str(getattr(call.func, "id", ""))
-
-
-def _join_paths(parts: list[str]) -> str:
-    return os.path.normpath(os.path.join(*parts))
-
-
-def get_package_name(node: ast.AST) -> str | None:
-    """Return ``p`` of ``get_package_share_directory("p")``, ``FindPackageShare("p")`` and the like."""
-    if not isinstance(node, ast.Call) or not re.search("package_share|PackageShare", get_function_name(node)):
-        return None
-    arguments = [*node.args, *(keyword.value for keyword in node.keywords)]
-    return str(arguments[0].value) if arguments and isinstance(arguments[0], ast.Constant) else None
 
 
 def _collect_path_pieces(node: ast.AST) -> list[ast.Constant]:
