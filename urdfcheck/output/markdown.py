@@ -24,6 +24,7 @@ from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
     SEVERITY_ORDER,
     describe_checked_units,
+    describe_found_arguments,
     format_count,
     format_place,
     group_by_effect,
@@ -200,7 +201,9 @@ def _add_models(page: _BoundedPage, run: Run) -> None:
 def _iter_model_rows(run: Run) -> Iterator[str]:
     for info in run.models:
         counts = [sum(f.model == info.id and f.severity == s for f in run.active_findings) for s in SEVERITY_ORDER]
-        cells = [format_code_span(info.id), format_code_span(info.robot) if info.robot else ""]
+        told = describe_found_arguments(info)
+        name = format_code_span(info.id) + (f"<br>{escape_for_markdown(told)}" if told else "")
+        cells = [name, format_code_span(info.robot) if info.robot else ""]
         if info.status == "checked":
             cells += [str(info.links), str(info.joints), "" if info.mass is None else f"{info.mass:.4g} kg"]
         else:

@@ -23,6 +23,7 @@ from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
     SEVERITY_ORDER,
     describe_checked_units,
+    describe_found_arguments,
     format_count,
     group_by_effect,
     join_first,
@@ -116,6 +117,7 @@ def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> 
                 rest.append(finding)
         yield from _iter_brief_findings(rest, width)
     if detail is not DetailLevel.QUIET:
+        yield from _iter_found_arguments(run, width)
         yield from _iter_skipped(run, width)
         yield from _iter_recap(run, width)
     yield from _iter_failures(run, width)
@@ -311,6 +313,13 @@ def _format_remainder(count: int, noun: str) -> str:
 def _get_first_line(run: Run, span: Span) -> str:
     lines = extract_code_frame(run.sources.get(span.file, ""), span, context=0)
     return escape_invisible(lines[0].text.strip()) if lines else ""
+
+
+def _iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
+    """Yield for each model the arguments that launch files pass and nobody gave."""
+    for info in run.models:
+        if told := describe_found_arguments(info):
+            yield from _wrap_text(Text(escape_one_line(f"{info.id}: {told}"), "dim"), width)
 
 
 def _iter_skipped(run: Run, width: int) -> Iterator[Text]:

@@ -21,6 +21,7 @@ def build_model_object(info: ModelInfo) -> dict[str, Any]:
         "path": info.path,
         "robot": info.robot,
         "args": dict(info.args),
+        "found_args": dict(info.found_args),
         "links": info.links,
         "joints": info.joints,
         "mass": info.mass,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from urdfcheck.core import Finding, Run, Severity, Span
+from urdfcheck.core import Finding, ModelInfo, Run, Severity, Span
 
 SEVERITY_ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
@@ -70,6 +70,12 @@ def summarize_verdict(run: Run) -> tuple[str, str]:
     if not set(run.rules) - {"URC900"}:  # it reports crashes, whatever is selected
         return "warning", "Nothing was looked for: no rule is selected"
     return "ok", "No errors and no warnings"
+
+
+def describe_found_arguments(info: ModelInfo) -> str:
+    """Say with which arguments a model was expanded that nobody gave, and who passes them; empty without any."""
+    found = [f"{name}:={info.args.get(name, '')} ({place})" for name, place in sorted(info.found_args.items())]
+    return f"expanded with {', '.join(found)}" if found else ""
 
 
 def iter_details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:

@@ -15,12 +15,14 @@ from urdfcheck.source.package.finder import PackageFinder
 MAX_LENGTH = 4000
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class DeclaredArgument:
     """An argument that a launch file declares, with its literal default (None without one) and the values that it may have."""
 
     default: str | None
-    choices: tuple[str, ...] = ()
+    choices: tuple[str, ...]
+    place: ast.expr
+    """Where the default is typed, else the choices, else the declaration."""
 
     @property
     def value(self) -> str | None:
@@ -131,11 +133,13 @@ def read_declared_arguments(nodes: Sequence[ast.AST], texts: PythonTexts) -> dic
         if isinstance(node, ast.Call) and get_function_name(node) == "DeclareLaunchArgument":
             name_node, default_node = find_call_argument(node, 0, "name"), find_call_argument(node, 1, "default_value")
             name = None if name_node is None else texts.evaluate(name_node)
-            choices = [texts.evaluate(e) for e in texts.list_elements(find_call_argument(node, -1, "choices"))]
+            choices_node = find_call_argument(node, -1, "choices")
+            choices = [texts.evaluate(choice) for choice in texts.list_elements(choices_node)]
             default = None if default_node is None else texts.evaluate(default_node)
             if name and (default_node is None or default is not None):
                 known = tuple(choice for choice in choices if choice is not None)
-                declared.setdefault(name, DeclaredArgument(default, known))
+                place = default_node or next(iter(texts.list_elements(choices_node)), node)
+                declared.setdefault(name, DeclaredArgument(default, known, place))
     return declared
 
 

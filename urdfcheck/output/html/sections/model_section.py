@@ -18,7 +18,7 @@ from urdfcheck.output.html.tables.meshes_table import render_meshes_table
 from urdfcheck.output.html.tables.physics_table import render_physics_table
 from urdfcheck.output.shared.anchors import compute_severity_marks
 from urdfcheck.output.shared.robot_picture import render_scene
-from urdfcheck.output.shared.wording import format_count
+from urdfcheck.output.shared.wording import describe_found_arguments, format_count
 
 # Width and height of the picture, in px.
 STILL_SIZE = (960, 640)
@@ -51,14 +51,16 @@ def _render_model_head(run: Run, part: ReportPart, is_only_model: bool) -> str:
         return f'<div class="head"><h2>{title}</h2>{path}{contents}</div>'
     facts = [format_count(info.links, "link"), format_count(info.joints, "joint")]
     facts += [f"{format_number(info.mass)} kg"] if info.mass is not None else []
+    told = describe_found_arguments(info)
+    found = f'<p class="facts">{escape_html(told[:1].upper() + told[1:])}</p>' if told else ""
     status = f'<p class="status">{STATUS_TEXTS[info.status]}</p>' if info.status in STATUS_TEXTS else ""
     if len(run.models) == 1:
         # The header of the page has the rest.
-        return f'<div class="head"><h2 class="sr">{title}</h2>{status}{contents}</div>'
+        return f'<div class="head"><h2 class="sr">{title}</h2>{status}{found}{contents}</div>'
     state = status or f'<p class="facts">{" · ".join(facts)}</p>'
     links = "" if is_only_model or not part.sections else _render_section_links(part)
     path = render_path(info.path, info.args)
-    return f'<div class="head"><h2>{title}</h2>{path}{state}{links}{contents}</div>'
+    return f'<div class="head"><h2>{title}</h2>{path}{state}{found}{links}{contents}</div>'
 
 
 def _render_still_image(part: ReportPart) -> str:
