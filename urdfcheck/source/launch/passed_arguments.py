@@ -17,7 +17,6 @@ from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunchR
 from urdfcheck.source.launch.python_texts import (
     MAX_LENGTH,
     DeclaredArgument,
-    PythonTexts,
     find_call_argument,
     get_function_name,
     read_declared_arguments,
@@ -118,9 +117,7 @@ class XacroCallReader:
     def __init__(self, reader: PythonLaunchReader) -> None:
         self.reader = reader
         self.declared = read_declared_arguments(reader.nodes, reader.texts)
-        known = {name: argument.value for name, argument in self.declared.items()}
-        values = {name: value for name, value in known.items() if value is not None}
-        self.texts = PythonTexts(reader.nodes, reader.finder, arguments=values)
+        self.texts = reader.at_plain_launch
 
     def read(self, model: str) -> Iterator[PassedArgument]:
         """Yield the arguments that are passed to a model, given by its real path."""
@@ -174,9 +171,8 @@ class XacroCallReader:
         """Return the declaration of the launch argument that a node reads."""
         followed = self.texts.follow_name(node)
         for inner in ast.walk(followed) if followed is not None else ():
-            if isinstance(inner, ast.Call) and get_function_name(inner) == "LaunchConfiguration":
-                name = find_call_argument(inner, 0, "variable_name")
-                return None if name is None else self.declared.get(self.texts.evaluate(name) or "")
+            if isinstance(inner, ast.expr) and (name := self.texts.get_argument_name(inner)):
+                return self.declared.get(name)
         return None
 
     def evaluate(self, node: ast.expr) -> str:

@@ -7,15 +7,23 @@ import itertools
 import os
 import re
 import warnings
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
-from urdfcheck.source.launch.python_texts import MAX_LENGTH, PythonTexts, get_package_name
+from urdfcheck.source.launch.python_texts import (
+    MAX_LENGTH,
+    PythonTexts,
+    get_function_name,
+    get_package_name,
+    is_package_lookup,
+    read_declared_arguments,
+)
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders
 from urdfcheck.source.reach import FileReach
+from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
@@ -25,6 +33,8 @@ MODEL_SUFFIXES = (".urdf", ".xacro")
 MAX_PYTHON = 1024**2
 # Limit on paths of models that are looked up, each in several folders.
 MAX_PATHS = 1_000
+# The characters of an expression that a message shows.
+MAX_SHOWN = 40
 # Limit on missing launch files that are searched in their whole package.
 MAX_LAUNCHES = 64
 
@@ -35,6 +45,8 @@ class LocatedPath:
 
     path: str
     location: Location
+    depends_on: str = ""
+    """What its folder is made of and only the launch decides: names as typed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,6 +131,9 @@ class PythonLaunchReader:
         self.finder = finder
         self.nodes = list(ast.walk(tree))
         self.texts = PythonTexts(self.nodes, finder)
+        declared = read_declared_arguments(self.nodes, self.texts)
+        values = {name: argument.value for name, argument in declared.items() if argument.value is not None}
+        self.at_plain_launch = PythonTexts(self.nodes, finder, arguments=values)
         package = finder.find_package_of(path.absolute())
         self.own_folder = package.path if package is not None else path.parent
         self.named_folders = [
@@ -134,6 +149,7 @@ class PythonLaunchReader:
         joined: set[int] = set()
         by_literal: dict[str, Path | None] = {}
         parts = _collect_partial_texts(self.nodes)
+        around = self.find_variable_paths()
         for node in self.nodes:
             if id(node) in joined:
                 continue
@@ -149,7 +165,7 @@ class PythonLaunchReader:
                     and len(by_literal) < MAX_PATHS
                 ):
                     by_literal[literal] = _find_model_file(literal, folders, self.finder)
-                model = by_literal.get(literal)
+                model = by_literal.get(literal) or self.find_variable_model(node, around, folders)
             if model is not None:
                 models[model] = None
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
@@ -167,9 +183,53 @@ class PythonLaunchReader:
             models=tuple(models),
             missing_models=self.locate_paths(missing),
             missing_includes=includes,
-            unknown_models=self.locate_paths(unknown),
+            unknown_models=tuple(
+                replace(named, depends_on=self.describe_variables(around.get(id(unknown[named.path]))))
+                for named in self.locate_paths(unknown)
+            ),
             description_location=self.find_description_key(),
         )
+
+    def find_variable_paths(self) -> dict[int, ast.expr]:
+        """Return by the literal name of a model the path around it, of which another part is only known at launch."""
+        found: dict[int, ast.expr] = {}
+        for node in self.nodes:
+            parts = _list_path_parts(node, self.texts)
+            if len(parts) > 1 and isinstance(node, ast.expr):
+                found.setdefault(id(parts[-1]), node)
+        return found
+
+    def find_variable_model(
+        self, node: ast.AST, around: Mapping[int, ast.expr], folders: Sequence[Path]
+    ) -> Path | None:
+        """Return the model that a literal means in a path with a variable folder.
+
+        It is the one at a plain launch, with the defaults of all arguments, else the only file of its name in the packages
+        that the launch file names.
+        """
+        whole = around.get(id(node))
+        if whole is None or not isinstance(node, ast.Constant) or not _is_model_path(node.value):
+            return None
+        plain = self.at_plain_launch.evaluate(whole)
+        if plain is not None and self.finder.can_open(Path(plain)) and os.path.isfile(plain):
+            return Path(plain)
+        alike = {
+            os.path.realpath(path): path
+            for folder in folders
+            if (folder / "package.xml").is_file()
+            for path in _find_files_named(Path(node.value).name, folder)
+            if self.finder.can_open(path)
+        }
+        return next(iter(alike.values())) if len(alike) == 1 else None
+
+    def describe_variables(self, whole: ast.expr | None) -> str:
+        """Return the names of the variable parts of a path, as the launch file calls them."""
+        names: dict[str, None] = {}
+        for part in () if whole is None else _list_path_parts(whole, self.texts):
+            followed = self.texts.follow_name(part)
+            if self.texts.evaluate(part) is None and followed is not None and not is_package_lookup(followed):
+                names[self.texts.get_argument_name(followed) or ast.unparse(part)[:MAX_SHOWN]] = None
+        return ", ".join(names)
 
     def find_missing_includes(self) -> dict[str, ast.expr]:
         """Return the paths of launch files in a known package that do not exist."""
@@ -256,6 +316,29 @@ def _collect_path_pieces(node: ast.AST) -> list[ast.Constant]:
     return [p for p in texts if isinstance(p, ast.Constant)][::-1]
 
 
+def _list_path_parts(node: ast.AST, texts: PythonTexts) -> list[ast.expr]:
+    """Return the parts of a path that a call or slashes join."""
+    parts: list[ast.expr] = []
+    if isinstance(node, ast.Call) and get_function_name(node) == "PathJoinSubstitution" and len(node.args) == 1:
+        parts = list(texts.list_elements(node.args[0]))
+    elif isinstance(node, ast.Call) and get_function_name(node) in {"join", "joinpath"}:
+        parts = list(node.args)
+    while isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
+        parts.insert(0, node.right)
+        node = node.left
+        if not isinstance(node, ast.BinOp) and isinstance(node, ast.expr):
+            parts.insert(0, node)
+    return parts
+
+
+def _find_files_named(name: str, folder: Path) -> Iterator[Path]:
+    """Yield the files of this name in a package."""
+    for place, names, files in walk(folder):
+        names[:] = [n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS]
+        if name in files:
+            yield Path(place, name)
+
+
 def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinder) -> Path | None:
     """Return the file that a literal path names, below one of these folders or in one of their subfolders."""
     tail = literal.strip().lstrip("/")
@@ -290,9 +373,9 @@ def _is_model_path(text: object) -> bool:
 
 
 def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> bool:
-    """Whether a package's build may create or install a missing file.
+    """Whether a package's build or a program of its own may make or install a missing file.
 
-    It may if the package has a file of that name with other suffixes, or the build mentions the name.
+    It may if the package has a file of that name with other suffixes, if the build mentions the name, or if git ignores it.
     """
     stem = path.name.partition(".")[0]
     for _, names, files in walk(package):
@@ -302,7 +385,23 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SU
             return True
     reach = FileReach.from_paths([package], [])
     builds = [package / name for name in ("CMakeLists.txt", "setup.py")]
-    return any(path.name in _read_text(build) for build in builds if reach.can_open(build))
+    if any(path.name in _read_text(build) for build in builds if reach.can_open(build)):
+        return True
+    return is_git_ignored(path, reach)
+
+
+def is_git_ignored(path: Path, reach: FileReach) -> bool:
+    """Whether a ``.gitignore`` around a file names it: then it is made, and no checkout has it."""
+    ignored = False
+    # A hidden file is never in reach; this one is, unless it is a link to elsewhere.
+    folders = [f for f in path.parents if reach.can_open(f) and not (f / ".gitignore").is_symlink()]
+    for folder in reversed(folders):  # the last pattern that fits decides, in the innermost file
+        names = split_relative_path(path, folder)
+        for line in _read_text(folder / ".gitignore").splitlines()[:MAX_PATHS]:
+            pattern = line.strip().removeprefix("!")
+            if pattern and not pattern.startswith("#") and match_any_pattern([pattern], names):
+                ignored = not line.strip().startswith("!")
+    return ignored
 
 
 def _read_text(path: Path) -> str:

@@ -90,13 +90,19 @@ class PythonTexts:
     def evaluate_argument(self, node: ast.Call, function: str) -> str | None:
         """Return the value of the launch argument that a call reads."""
         if function == "LaunchConfiguration":
-            name = find_call_argument(node, 0, "variable_name")
-            return None if name is None else self.arguments.get(self.evaluate(name) or "")
+            return self.arguments.get(self.get_argument_name(node))
         if function == "perform_substitution" and node.args:  # context.perform_substitution(LaunchConfiguration(…))
             return self.evaluate(node.args[-1])
         if function == "perform" and isinstance(node.func, ast.Attribute):  # LaunchConfiguration(…).perform(context)
             return self.evaluate(node.func.value)
         return None
+
+    def get_argument_name(self, node: ast.expr) -> str:
+        """Return the launch argument that ``LaunchConfiguration(…)`` reads; empty for anything else."""
+        if not isinstance(node, ast.Call) or get_function_name(node) != "LaunchConfiguration":
+            return ""
+        name = find_call_argument(node, 0, "variable_name")
+        return "" if name is None else self.evaluate(name) or ""
 
     def evaluate_all(self, nodes: Sequence[ast.AST], join: Callable[[list[str]], str]) -> str | None:
         """Return the texts of all nodes together; None if one is unknown."""
