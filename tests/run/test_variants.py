@@ -94,6 +94,29 @@ class TestValues:
         )
         assert values(path) == {"size": ("small", "large")}
 
+    @pytest.mark.parametrize(
+        ("calls", "expected"),
+        [
+            ("<xacro:omx_f/>", ("omx_f", "omx_f_mock")),
+            ("<xacro:omy/>", ("omx_f", "omy")),
+            ('<xacro:include filename="control/omy.xacro"/><xacro:omy/><xacro:omx_f/>', ("omx_f", "omx_f_mock")),
+            ("<xacro:never/>", ("omx_f", "omx_f_mock", "omy")),
+            ("", ("omx_f", "omx_f_mock", "omy")),
+            ('<xacro:if value="$(arg a)"><xacro:omx_f/></xacro:if>', ("omx_f", "omx_f_mock", "omy")),
+            ('<xacro:macro name="omx_f"/><xacro:omx_f/>', ("omx_f", "omx_f_mock", "omy")),
+        ],
+    )
+    def test_only_files_with_the_macros_that_are_called(
+        self, calls: str, expected: tuple[str, ...], tmp_path: Path
+    ) -> None:
+        """A folder holds the files of all robots: each robot can be expanded with its own only."""
+        for name, macro in (("omx_f", "omx_f"), ("omx_f_mock", "omx_f"), ("omy", "omy")):
+            write_xacro(
+                tmp_path, f'<xacro:macro name="{macro}"><link name="l"/></xacro:macro>', f"control/{name}.xacro"
+            )
+        text = '<xacro:arg name="a" default="omx_f"/><xacro:include filename="control/$(arg a).xacro"/>'
+        assert values(write_xacro(tmp_path, text + calls))["a"] == expected
+
     def test_of_included_files_too(self, tmp_path: Path) -> None:
         write_xacro(tmp_path, '<xacro:arg name="a" default="true"/>', "inner.xacro")
         assert values(write_xacro(tmp_path, '<xacro:include filename="inner.xacro"/>')) == {"a": ("true", "false")}

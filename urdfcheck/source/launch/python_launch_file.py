@@ -217,7 +217,7 @@ class PythonLaunchReader:
             os.path.realpath(path): path
             for folder in folders
             if (folder / "package.xml").is_file()
-            for path in _find_files_named(Path(node.value).name, folder)
+            for path in _find_files_named(Path(str(node.value)).name, folder)
             if self.finder.can_open(path)
         }
         return next(iter(alike.values())) if len(alike) == 1 else None
