@@ -246,7 +246,7 @@ class TestFindings:
         from urdfcheck.core import Location
         from urdfcheck.rules import load_rules
         from urdfcheck.run.jobs import Unit
-        from urdfcheck.run.variants import merge_variants
+        from urdfcheck.run.shared_findings import merge_across_models
 
         rule = load_rules()["URC907"]
         finding = rule.finding("shadowed", at=Location("link[a]", None), library="x", path="y")
@@ -254,7 +254,7 @@ class TestFindings:
             Unit(kind="model", path="r.xacro", id="r.xacro"),
             Unit(kind="model", path="r.xacro", id="r.xacro a:=1", arguments={"a": "1"}),
         ]
-        merged = merge_variants([replace(finding, model=unit.id) for unit in units for _ in range(2)], units)
+        merged = merge_across_models([replace(finding, model=unit.id) for unit in units for _ in range(2)], units)
         assert [list(f.variants) for f in merged] == [["r.xacro", "r.xacro a:=1"]] * 2
 
     def test_definitions_that_differ_are_two(self, tmp_path: Path) -> None:

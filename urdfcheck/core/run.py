@@ -89,7 +89,10 @@ class Run:
         """Return the arguments that reproduce a finding of a model with several variants."""
         if not finding.variants:
             return {}
-        return next((info.args for info in self.models if info.id == finding.model), {})
+        info = next((info for info in self.models if info.id == finding.model), None)
+        if info is None or sum(other.path == info.path for other in self.models) < 2:
+            return {}
+        return info.args
 
     @property
     def active_findings(self) -> tuple[Finding, ...]:

@@ -24,6 +24,7 @@ from urdfcheck.output.shared.wording import (
     SEVERITY_ORDER,
     describe_checked_units,
     describe_found_arguments,
+    describe_models,
     format_count,
     group_by_effect,
     join_first,
@@ -233,6 +234,8 @@ def _iter_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     yield from _iter_finding_head(finding, width)
     span = finding.location.span
     yield from _wrap_text(Text(escape_invisible(finding.message)), width, Text("  "))
+    if models := describe_models(run, finding):
+        yield from _wrap_labelled("in", escape_one_line(models), width)
     if arguments := run.find_variant_arguments(finding):
         shown_with = " ".join(
             f"{escape_one_line(name)}:={escape_one_line(value)}" for name, value in sorted(arguments.items())

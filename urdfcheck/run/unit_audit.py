@@ -307,6 +307,7 @@ class _UnitAudit:
             rules=self.rules,
             comments=comments,
             root=None if self.source is None else self.source.root,
+            texts=self.texts,
         )
         usages = assess_comments(
             comments,
