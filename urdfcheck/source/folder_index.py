@@ -6,12 +6,14 @@ Standard library only: this runs before anything heavy is loaded.
 from __future__ import annotations
 
 import fnmatch
+import functools
 import glob
 import os
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from urdfcheck.core.text import find_nearest_name
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_srdf
 from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
@@ -119,7 +121,25 @@ class FolderIndex:
                 included |= {resolve_path(Path(target)) for target in targets}
             else:  # a path with arguments in it may mean every file of that name
                 anywhere.add(Path(tail).name)
+                included |= self._find_misspelt(path.parent if folder is None else folder, tail)
         return included.union(*(self.by_name.get(name, ()) for name in anywhere)) - {resolve_path(path)}
+
+    def _find_misspelt(self, folder: Path, tail: str) -> set[Path]:
+        """Return the file that a misspelt include means: the slip is told there, and its file is no model for it."""
+        name, beside = Path(tail).name, resolve_path((folder / tail).parent)
+        if not name or name in self.by_name:
+            return set()
+        near = find_nearest_name(name, self._parts_by_folder.get(beside, ()))
+        return set() if near is None else {beside / near}
+
+    @functools.cached_property
+    def _parts_by_folder(self) -> dict[Path, list[str]]:
+        """The names of the xacro files that are no model by themselves, by their folder."""
+        parts: dict[Path, list[str]] = {}
+        for real, file in self.by_real.items():
+            if real.suffix == ".xacro" and not file.stands_alone:
+                parts.setdefault(real.parent, []).append(real.name)
+        return parts
 
     def _match_pattern(self, folder: Path, pattern: str) -> list[str]:
         """Return the files that a pattern means; only folders that may be opened are searched."""
