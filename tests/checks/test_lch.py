@@ -86,7 +86,8 @@ def test_an_argument_that_another_launch_file_hands_over_is_its_business(tmp_pat
     ("code", "message", "severity"),
     [
         ("join(get_package_share_directory('car'), 'urdf/bott.urdf.xacro')", "named", Severity.WARNING),
-        ("join(d, 'urdf/bott.urdf.xacro')", "unfound", Severity.INFO),
+        ("join(d, 'urdf/bott.urdf.xacro')", "depends", Severity.INFO),
+        ("model = 'urdf/bott.urdf.xacro'", "unfound", Severity.INFO),
         ("def f(:", "syntax", Severity.WARNING),
         ("Node(parameters=[{'robot_description': text}])", "unknown", Severity.INFO),
         ("Node(parameters=[{'robot_description': join(d, 'urdf/car.urdf')}])", None, None),
@@ -102,6 +103,51 @@ def test_a_python_launch_file(tmp_path: Path, code: str, message: str | None, se
     assert lch == ([] if message is None else [(message, severity)])
     others = [f.location.span for f in findings if f.code != "LCH001"]
     assert not [span for span in others if span is not None and span.file.endswith(".launch.py")]
+
+
+VARIABLE = """model = LaunchConfiguration('model')
+path = PathJoinSubstitution([FindPackageShare('car'), 'urdf', model, '{}'])
+"""
+
+
+@pytest.mark.parametrize(
+    ("declared", "file", "models", "told"),
+    [
+        ("DeclareLaunchArgument('model', default_value='small')", "twice.urdf", ["urdf/small/twice.urdf"], None),
+        ("DeclareLaunchArgument('model', default_value='none')", "once.urdf", ["urdf/large/once.urdf"], None),
+        ("", "once.urdf", ["urdf/large/once.urdf"], None),
+        ("", "twice.urdf", [], "the folder of the model twice.urdf depends on `model`, so it was not checked"),
+        ("", "never.urdf", [], "the folder of the model never.urdf depends on `model`, so it was not checked"),
+    ],
+)
+def test_a_model_in_a_variable_folder(
+    tmp_path: Path, declared: str, file: str, models: list[str], told: str | None
+) -> None:
+    find_in_package(tmp_path, "", "LCH001")
+    package = tmp_path / "car"
+    for name in ("small/twice.urdf", "large/twice.urdf", "large/once.urdf"):
+        path = package / "urdf" / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text('<robot name="r"><link name="l"/></robot>')
+    launch = package / "launch" / "car.launch.py"
+    launch.write_text(declared + "\n" + VARIABLE.format(file))
+    run = check(launch, codes={"LCH001"})
+    assert [Path(m.path).resolve().relative_to(package.resolve()).as_posix() for m in run.models] == models
+    assert [f.message for f in run.findings] == ([] if told is None else [told])
+
+
+@pytest.mark.parametrize(
+    ("ignore", "missing"), [("*.gen.urdf", False), ("/urdf/*.urdf\n!made.gen.urdf", True), ("# made.gen.urdf", True)]
+)
+def test_a_generated_file_that_git_ignores_is_not_missing(tmp_path: Path, ignore: str, missing: bool) -> None:
+    (found,) = find_in_package(tmp_path, load("$(find car)/urdf/made.gen.urdf"), "LCH001")
+    assert found.message_id == "file"
+    package = tmp_path / "car"
+    (package / ".gitignore").write_text(ignore)
+    python = package / "launch" / "car.launch.py"
+    python.write_text("join(get_package_share_directory('car'), 'urdf', 'made.gen.urdf')")
+    found_in = {Path(f.location.file).suffix: f.message_id for f in only(check(package, codes={"LCH001"}))}
+    assert found_in == ({".launch": "file", ".py": "named"} if missing else {".launch": "unknown"})
 
 
 INCLUDE = '<include file="{}"/>'

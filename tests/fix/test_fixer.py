@@ -287,7 +287,8 @@ def test_a_shared_file_is_safe_where_all_models_have_the_finding(tmp_path: Path)
     for name in ("a", "b"):
         written(tmp_path, using(1), f"{name}.urdf.xacro")
     found = fix(tmp_path, codes=["JNT014"])
-    assert len(found.fixed) == 2, "one for each model, by one edit"
+    (fixed,) = found.fixed
+    assert list(fixed.variants) == ["a.urdf.xacro", "b.urdf.xacro"], "one defect of both models, by one edit"
     assert macros.read_text() == MACROS.replace("1e-17", "0")
 
 
@@ -303,7 +304,7 @@ def test_a_shared_file_is_unsafe_where_one_model_calls_the_macro_twice(tmp_path:
     macros = written(tmp_path, MACROS, "macros.xacro")
     written(tmp_path, using(1), "a.urdf.xacro")
     written(tmp_path, using(1, 2), "b.urdf.xacro")
-    assert fix(tmp_path, codes=["JNT014"]).unsafe_count == 2
+    assert fix(tmp_path, codes=["JNT014"]).unsafe_count == 1
     assert macros.read_text() == MACROS
 
 

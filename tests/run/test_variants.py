@@ -94,6 +94,29 @@ class TestValues:
         )
         assert values(path) == {"size": ("small", "large")}
 
+    @pytest.mark.parametrize(
+        ("calls", "expected"),
+        [
+            ("<xacro:omx_f/>", ("omx_f", "omx_f_mock")),
+            ("<xacro:omy/>", ("omx_f", "omy")),
+            ('<xacro:include filename="control/omy.xacro"/><xacro:omy/><xacro:omx_f/>', ("omx_f", "omx_f_mock")),
+            ("<xacro:never/>", ("omx_f", "omx_f_mock", "omy")),
+            ("", ("omx_f", "omx_f_mock", "omy")),
+            ('<xacro:if value="$(arg a)"><xacro:omx_f/></xacro:if>', ("omx_f", "omx_f_mock", "omy")),
+            ('<xacro:macro name="omx_f"/><xacro:omx_f/>', ("omx_f", "omx_f_mock", "omy")),
+        ],
+    )
+    def test_only_files_with_the_macros_that_are_called(
+        self, calls: str, expected: tuple[str, ...], tmp_path: Path
+    ) -> None:
+        """A folder holds the files of all robots: each robot can be expanded with its own only."""
+        for name, macro in (("omx_f", "omx_f"), ("omx_f_mock", "omx_f"), ("omy", "omy")):
+            write_xacro(
+                tmp_path, f'<xacro:macro name="{macro}"><link name="l"/></xacro:macro>', f"control/{name}.xacro"
+            )
+        text = '<xacro:arg name="a" default="omx_f"/><xacro:include filename="control/$(arg a).xacro"/>'
+        assert values(write_xacro(tmp_path, text + calls))["a"] == expected
+
     def test_of_included_files_too(self, tmp_path: Path) -> None:
         write_xacro(tmp_path, '<xacro:arg name="a" default="true"/>', "inner.xacro")
         assert values(write_xacro(tmp_path, '<xacro:include filename="inner.xacro"/>')) == {"a": ("true", "false")}
@@ -223,7 +246,7 @@ class TestFindings:
         from urdfcheck.core import Location
         from urdfcheck.rules import load_rules
         from urdfcheck.run.jobs import Unit
-        from urdfcheck.run.variants import merge_variants
+        from urdfcheck.run.shared_findings import merge_across_models
 
         rule = load_rules()["URC907"]
         finding = rule.finding("shadowed", at=Location("link[a]", None), library="x", path="y")
@@ -231,7 +254,7 @@ class TestFindings:
             Unit(kind="model", path="r.xacro", id="r.xacro"),
             Unit(kind="model", path="r.xacro", id="r.xacro a:=1", arguments={"a": "1"}),
         ]
-        merged = merge_variants([replace(finding, model=unit.id) for unit in units for _ in range(2)], units)
+        merged = merge_across_models([replace(finding, model=unit.id) for unit in units for _ in range(2)], units)
         assert [list(f.variants) for f in merged] == [["r.xacro", "r.xacro a:=1"]] * 2
 
     def test_definitions_that_differ_are_two(self, tmp_path: Path) -> None:

@@ -208,6 +208,26 @@ def test_an_include_with_an_argument_in_its_path_may_mean_every_file_of_that_nam
     assert models(".") == ["top.xacro"]
 
 
+def test_the_file_that_a_misspelt_include_means_is_no_model(workspace: Path) -> None:
+    """The slip is told where it is typed; the part, which cannot be expanded by itself, must not be a second error."""
+    part = xacro(LINK + "<xacro:wheel/>", name="")
+    write(
+        workspace,
+        {
+            "urdf/car.urdf.xacro": xacro(include("lydar.xacro") + LINK),
+            "urdf/lidar.xacro": part,
+            "urdf/camera.xacro": part,
+            "other/lidar.xacro": part,
+        },
+    )
+    assert models("urdf", "other") == ["other/lidar.xacro", "urdf/camera.xacro", "urdf/car.urdf.xacro"]
+    # Neither is it one for a pre-commit hook that names it.
+    assert models("urdf/lidar.xacro") == ["urdf/car.urdf.xacro"]
+    # A file that can stand alone is a model, whatever another misspells.
+    write(workspace, {"urdf/lidar.xacro": xacro(LINK)})
+    assert "urdf/lidar.xacro" in models("urdf")
+
+
 def test_an_include_in_a_comment_makes_a_part_of_a_file_that_has_no_name(workspace: Path) -> None:
     write(
         workspace,

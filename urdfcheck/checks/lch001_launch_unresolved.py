@@ -16,9 +16,10 @@ from urdfcheck.source.launch.launch_file import (
     is_included_by_sibling,
     list_declared_arguments,
 )
-from urdfcheck.source.launch.python_launch_file import PythonLaunch
+from urdfcheck.source.launch.python_launch_file import PythonLaunch, is_git_ignored
 from urdfcheck.source.launch.substitutions import UnresolvedReason
 from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element
 
@@ -74,6 +75,8 @@ def _check_description(
             path
         ):  # one without a default gets its value at launch, or from that other file
             yield _build_unknown_finding(rule, at, f"argument {obstacle.name!r} has no default")
+    elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
+        yield _build_unknown_finding(rule, at, f"git ignores {obstacle.name}, so something makes it")
     elif obstacle.kind == "file":
         yield rule.finding("file", at=at, path=obstacle.name, near=_suggest_file(obstacle.name, launch.finder))
     elif obstacle.kind == "circle":
@@ -81,6 +84,11 @@ def _check_description(
     else:
         typed = textwrap.shorten(description.file, _SHOWN, placeholder=" …")
         yield _build_unknown_finding(rule, at, f"`{typed}` is computed then")
+
+
+def _is_generated(name: str, launch: Path) -> bool:
+    """Whether git ignores a missing file."""
+    return is_git_ignored(Path(name).absolute(), FileReach.from_paths([launch], []))
 
 
 def _build_unknown_finding(rule: Rule, at: Location, reason: str) -> Finding:
@@ -107,7 +115,10 @@ def _check_python_launch(python: PythonLaunch, finder: PackageFinder, rule: Rule
             near=_suggest_file(path, finder),
         )
     for named in python.unknown_models:
-        yield rule.finding("unfound", at=named.location, severity=Severity.INFO, path=named.path)
+        message = "depends" if named.depends_on else "unfound"
+        yield rule.finding(
+            message, at=named.location, severity=Severity.INFO, path=named.path, variable=named.depends_on
+        )
     if python.description_location is not None and not (
         python.models or python.missing_models or python.unknown_models
     ):

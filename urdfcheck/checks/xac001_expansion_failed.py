@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import find_nearest_name, format_name_hint, join_names
+from urdfcheck.core.text import find_nearest_name, format_choices, format_name_hint, join_names
+from urdfcheck.source.found_arguments import IN_EXPRESSION, MISSING_FILE
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.argument_values import find_argument_choices
 from urdfcheck.source.xacro.usage import collect_macros, collect_properties, find_unprefixed_tags, iter_elements_by_tag
 
-_EXPRESSIONS = " when evaluating expression '"
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
 # The error of an empty file name: xacro then opens its folder as a file.
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
@@ -56,7 +57,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         data = {key: problem.data[key] for key in ("name", "value")}
         yield rule.finding("value-lost", at=problem.location, severity=Severity.WARNING, **data)
     for problem in source.find_problems("expansion-failed"):
-        reason, *expressions = problem.message.split(_EXPRESSIONS)
+        reason, *expressions = problem.message.split(IN_EXPRESSION)
         typed = expressions[0].rstrip().removesuffix("'") if expressions else ""
         expression = problem.data.get("evaluated") or typed
         failure = _ExpansionFailure(source=source, problem=problem, reason=reason, expression=expression)
@@ -204,6 +205,9 @@ def _explain_undefined_block(failure: _ExpansionFailure, match: re.Match[str]) -
 
 def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
     path = Path(match.group(1))
+    argued = _explain_argument_of_path(failure, path)
+    if argued is not None:
+        return argued
     try:
         beside = [p.name for p in path.parent.iterdir()]
     except OSError:
@@ -217,6 +221,54 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
+
+
+def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _FailureReport | None:
+    """Report the arguments that lead to a missing file: those whose value its first missing part contains, else empty ones.
+
+    Only an argument that is typed counts, not one that is made of others.
+    """
+    source = failure.source
+    made_of = [place for place in failure.problem.related if place.subject.startswith("argument[")]
+    values: dict[str, tuple[str, Location]] = {}
+    for place in made_of:
+        name = place.subject.removeprefix("argument[").removesuffix("]")
+        declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
+        value = source.arguments.get(name, next((e.get("default") for e in declared), ""))
+        if "$(" not in value:
+            values[name] = value, source.found_arguments.get(name, place)
+    missing = next((p for p in (*reversed(path.parents), path) if source.finder.can_open(p) and not p.exists()), path)
+    guilty = [name for name, (value, _) in values.items() if value and missing.name in {value, *Path(value).parts}]
+    guilty = guilty or [name for name, (value, _) in values.items() if value and value in missing.name]
+    empty = [name for name, (value, _) in values.items() if not value]
+    if not guilty and (not empty or path.parent.is_dir()):
+        return None
+    names = guilty or empty
+    known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
+    typed = values[names[0]][0]
+    others = known.get(names[0], ()) if guilty and len(names) == 1 else ()
+    choices = [v for v in others if v != typed and (missing.parent / missing.name.replace(typed, v)).exists()]
+    chosen = choices[0] if choices else "…"
+    return _build_report(
+        failure,
+        "argument-leads-nowhere" if guilty else "argument-empty",
+        at=values[names[0]][1],
+        extra=(failure.problem.location, *(values[name][1] for name in names[1:])),
+        file=format_path(path),
+        argument=names[0],
+        given=" and ".join(_describe_given(source, name, values[name][0]) for name in names),
+        lead="leads" if len(names) == 1 else "lead",
+        noun="argument" if len(names) == 1 else "arguments",
+        choices=format_choices(choices),
+        options=" ".join(f"--arg {name}:={chosen}" for name in names),
+    )
+
+
+def _describe_given(source: Source, name: str, value: str) -> str:
+    """Return an argument with its value and where this comes from."""
+    if name in source.found_arguments:
+        return f"{name} ({value!r} in a launch file)"
+    return f"{name} ({value!r} is given)" if name in source.arguments else f"{name} (default {value!r})"
 
 
 def _describe_sibling_folders(source: Source, path: Path) -> str:
@@ -277,7 +329,7 @@ _EXPLANATIONS: tuple[tuple[str, Callable[[_ExpansionFailure, re.Match[str]], _Fa
     (r'Invalid parameter "([^"]*)"', _explain_unknown_parameter),
     (r'Not enough blocks|Unused block "[^"]*"', _explain_block_mismatch),
     (r'Undefined block "([^"]*)"', _explain_undefined_block),
-    (r"No such file or directory: '?([^'\n]+?)'?(?: \[Errno.*)?$", _explain_missing_file),
+    (MISSING_FILE.pattern, _explain_missing_file),
     (_FOLDER.pattern, _explain_empty_file_name),
     (r"The yaml dictionary has no key '([^']*)'", _explain_missing_key),
     (r'Xacro conditional "(.*)" evaluated to "(.*)", which', _explain_bad_condition),

@@ -6,7 +6,9 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import format_choices
 from urdfcheck.source.load import Source, locate_expression
+from urdfcheck.source.xacro.argument_values import find_argument_choices
 from urdfcheck.source.xacro.usage import find_unprefixed_tags, iter_elements_by_tag
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
@@ -18,6 +20,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         at = locate_expression(source, problem, f"$(arg {name})")
         declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
         missing = [name, *(n for n in _find_undeclared_arguments(source) if n != name)]
+        known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
         yield rule.finding(
             "too-late" if declared else "missing",
             at=at,
@@ -25,7 +28,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             severity=Severity.ERROR if source.explicit else None,
             argument=name,
             missing=missing,
-            options=" ".join(f"--arg {n}:=…" for n in missing),
+            options=" ".join(f"--arg {n}:={known[n][0] if n in known else '…'}" for n in missing),
+            choices=format_choices(known.get(name, ())),
             default=declared[0].get("default") if declared else "",
             between=[
                 e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name

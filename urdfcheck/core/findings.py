@@ -195,11 +195,16 @@ class Finding:
     """The values of the message and further measured ones, for programs."""
     fix: Fix | None = None
     model: str = ""
-    """Id of the model; of several variants the one with the fewest arguments."""
+    """Id of the model; of several the one with the fewest arguments."""
     suppressed: Suppression | None = None
     variants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Where a xacro was expanded with several sets of arguments: the ids of the models with this finding, each with its
-    subjects there."""
+    """Where several models of a run show it, or a xacro was expanded with several sets of arguments: the ids of the models
+    with this finding, each with its subjects there."""
+
+    @property
+    def subjects_by_model(self) -> Mapping[str, tuple[str, ...]]:
+        """The ids of all models with this finding, each with its subjects there."""
+        return self.variants or {self.model: self.subjects}
 
     @property
     def is_about_urdfcheck(self) -> bool:

@@ -22,7 +22,7 @@ class ModelInfo:
     robot: str
     """Name of the robot; empty if it could not be read."""
     args: Mapping[str, str]
-    """Arguments of the xacro."""
+    """Arguments of the xacro: those that were given, and those that launch files pass."""
     links: int
     joints: int
     mass: float | None
@@ -33,6 +33,8 @@ class ModelInfo:
     """Name of the model in the report: its path from the configuration's root, and its arguments."""
     seconds: float = 0.0
     """Duration of the check."""
+    found_args: Mapping[str, str] = field(default_factory=dict)
+    """Of the arguments those that were not given, with the places, ``file:line``, that pass them."""
 
     @classmethod
     def unread(cls, *, path: str, model_id: str, arguments: Mapping[str, str], status: str = "failed") -> ModelInfo:
@@ -87,7 +89,10 @@ class Run:
         """Return the arguments that reproduce a finding of a model with several variants."""
         if not finding.variants:
             return {}
-        return next((info.args for info in self.models if info.id == finding.model), {})
+        info = next((info for info in self.models if info.id == finding.model), None)
+        if info is None or sum(other.path == info.path for other in self.models) < 2:
+            return {}
+        return info.args
 
     @property
     def active_findings(self) -> tuple[Finding, ...]:

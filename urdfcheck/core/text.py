@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 # A name this much like another is a slip of it. `leftThumbMotorRoll` may mean `leftThumbRoll`, which is worth a question, but
 # their likeness is 0.84, as between many parts of one robot.
@@ -95,3 +95,8 @@ def format_large_count(count: int, one: str) -> str:
 def truncate_text(text: str, most: int) -> str:
     """Return a text, or its beginning and ``...`` if it has more than ``most`` characters."""
     return text if len(text) <= most else text[: most - 3] + "..."
+
+
+def format_choices(values: Collection[str], most: int = 6) -> str:
+    """Return ``; there are a, b and 2 more``; empty without values."""
+    return f"; there {'is' if len(values) == 1 else 'are'} {join_names(values, most)}" if values else ""

@@ -44,7 +44,7 @@ def _describe_unreadable_model(previous: Run, current: Run) -> str:
 
 def _describe_new_skip(previous: Run, current: Run) -> str:
     """Name a check that had findings and could not run now: what is not looked for is not gone."""
-    seen = {(finding.model, code) for finding in previous.findings for code in (finding.code, "ALL")}
+    seen = {(model, code) for f in previous.findings for model in f.subjects_by_model for code in (f.code, "ALL")}
     seen -= {(skip.model, skip.code) for skip in previous.skipped}
     new = (skip for skip in current.skipped if (skip.model, skip.code) in seen)
     return next((f"with it {skip.code} could not be checked: {skip.reason}" for skip in new), "")
@@ -69,11 +69,12 @@ def _describe_new_finding(previous: Run, current: Run, fixed: Sequence[Finding])
     for finding in current.findings:
         if finding.suppressed or finding.is_about_urdfcheck or finding.severity <= Severity.INFO:
             continue
-        if finding.model in new_models or (finding.model, finding.code) in uncovered:
-            continue
-        key = finding.model, finding.code, finding.message_id
-        if after[key] > before[key] - gone[key]:
-            return f"it would bring {finding.code} for {finding.subjects[0]}: {finding.message}"
+        for model in finding.subjects_by_model:
+            key = model, finding.code, finding.message_id
+            if model in new_models or key[:2] in uncovered:
+                continue
+            if after[key] > before[key] - gone[key]:
+                return f"it would bring {finding.code} for {finding.subjects[0]}: {finding.message}"
     return ""
 
 
@@ -84,12 +85,12 @@ def _list_uncovered(previous: Run, current: Run, fixed: Iterable[Finding]) -> se
     uncovered: set[tuple[str, str]] = set()
     for finding in fixed:
         codes = set(finding.data.get("hides", ()))
-        if finding.model in unread:
+        if unread.intersection(finding.subjects_by_model):
             # A model that cannot be read reports one mistake after the other, mostly of the same kind.
             codes.add(finding.code)
         if finding.code.startswith(FILE_FAMILY):
             codes.update(codes_in_files)
-        uncovered |= {(finding.model, code) for code in codes}
+        uncovered |= {(model, code) for model in finding.subjects_by_model for code in codes}
     return uncovered
 
 
@@ -112,4 +113,5 @@ def _iter_subject_keys(findings: Iterable[Finding]) -> Iterator[tuple[_MessageKe
     """Yield message and subject of each finding that is not suppressed."""
     for finding in findings:
         if finding.suppressed is None:
-            yield from (((finding.model, finding.code, finding.message_id), subject) for subject in finding.subjects)
+            for model, subjects in finding.subjects_by_model.items():
+                yield from (((model, finding.code, finding.message_id), subject) for subject in subjects)

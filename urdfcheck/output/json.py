@@ -42,5 +42,5 @@ def render(run: Run) -> str:
 
 
 def _build_consumer_outcomes(run: Run, info: ModelInfo) -> dict[str, Any]:
-    by_consumer = predict_outcomes(f for f in run.findings if f.model == info.id)
+    by_consumer = predict_outcomes(f for f in run.findings if info.id in f.subjects_by_model)
     return {name: {"verdict": str(o.verdict), "codes": list(o.codes)} for name, o in by_consumer.items()}

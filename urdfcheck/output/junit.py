@@ -61,8 +61,8 @@ def render(run: Run) -> str:
 
 
 def _iter_model_cases(run: Run, info: ModelInfo) -> Iterator[JUnitCase]:
-    findings = [finding for finding in run.findings if finding.model == info.id]
-    yield from _iter_finding_cases(run, findings)
+    findings = [finding for finding in run.findings if info.id in finding.subjects_by_model]
+    yield from _iter_finding_cases(run, findings, info.id)
     if info.status == "checked":
         fired = {finding.code for finding in findings}
         yield from _iter_passed_cases(run, info.id, fired=fired, scopes={"file", "model"})
@@ -79,11 +79,11 @@ def _iter_model_cases(run: Run, info: ModelInfo) -> Iterator[JUnitCase]:
 def _iter_other_cases(run: Run) -> Iterator[JUnitCase]:
     """Yield the cases of launch files and packages, and of everything else that belongs to no model."""
     models = {info.id for info in run.models}
-    findings = [finding for finding in run.findings if finding.model not in models]
+    findings = [finding for finding in run.findings if not models.intersection(finding.subjects_by_model)]
     yield from _iter_finding_cases(run, findings)
     for name in sorted(run.unit_ids - models):
         scopes = {"package"} if name.rsplit("/", 1)[-1] == "package.xml" else {"launch"}
-        fired = {finding.code for finding in findings if finding.model == name}
+        fired = {finding.code for finding in findings if name in finding.subjects_by_model}
         yield from _iter_passed_cases(run, name, fired=fired, scopes=scopes, suffix=f" {name}")
     yield from _iter_skipped_cases(run, {skip.model for skip in run.skipped} - models)
 
@@ -106,10 +106,11 @@ def _iter_urdfcheck_cases(run: Run) -> Iterator[JUnitCase]:
         )
 
 
-def _iter_finding_cases(run: Run, findings: Iterable[Finding]) -> Iterator[JUnitCase]:
+def _iter_finding_cases(run: Run, findings: Iterable[Finding], model: str = "") -> Iterator[JUnitCase]:
+    """Yield a case for each subject of findings, for those of one ``model`` its own."""
     for finding in findings:
         text = "\n".join(_iter_detail_lines(run, finding))
-        for subject in finding.subjects or ("",):
+        for subject in finding.subjects_by_model.get(model, finding.subjects) or ("",):
             name = f"{finding.code} {finding.name} {subject}".strip()
             if finding.suppressed is not None:
                 message = f"known, {finding.suppressed}: {_get_first_line(finding.message)}"

@@ -8,6 +8,7 @@ from __future__ import annotations
 import html
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
 from urdfcheck.core.scene import Scene
@@ -24,6 +25,8 @@ from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
     SEVERITY_ORDER,
     describe_checked_units,
+    describe_found_arguments,
+    describe_models,
     format_count,
     format_place,
     group_by_effect,
@@ -156,7 +159,9 @@ def _format_finding_row(run: Run, finding: Finding) -> str:
     for effect, programs in group_by_effect(finding.consequences).items():
         names = ", ".join(escape_for_markdown(PROGRAM_NAMES.get(program, program)) for program in programs)
         effects.append(f"→ {names}: {escape_for_markdown(_truncate_text(effect))}")
-    lines = [f"{where}{f' with {arguments}' if arguments else ''}", message, *effects[:MOST_EFFECTS]]
+    models = describe_models(run, finding)
+    shared = f" in {escape_for_markdown(models)}" if models else ""
+    lines = [f"{where}{f' with {arguments}' if arguments else ''}{shared}", message, *effects[:MOST_EFFECTS]]
     lines += ["→ …"] if len(effects) > MOST_EFFECTS else []
     severity = f"{SIGNS[finding.severity]}&nbsp;{finding.severity}"
     return f"| {severity} | **{finding.code}**<br>{finding.name} | {'<br>'.join(lines)} |"
@@ -199,8 +204,12 @@ def _add_models(page: _BoundedPage, run: Run) -> None:
 
 def _iter_model_rows(run: Run) -> Iterator[str]:
     for info in run.models:
-        counts = [sum(f.model == info.id and f.severity == s for f in run.active_findings) for s in SEVERITY_ORDER]
-        cells = [format_code_span(info.id), format_code_span(info.robot) if info.robot else ""]
+        counts = [
+            sum(info.id in f.subjects_by_model and f.severity == s for f in run.active_findings) for s in SEVERITY_ORDER
+        ]
+        told = describe_found_arguments(info)
+        name = format_code_span(info.id) + (f"<br>{escape_for_markdown(told)}" if told else "")
+        cells = [name, format_code_span(info.robot) if info.robot else ""]
         if info.status == "checked":
             cells += [str(info.links), str(info.joints), "" if info.mass is None else f"{info.mass:.4g} kg"]
         else:
@@ -211,7 +220,11 @@ def _iter_model_rows(run: Run) -> Iterator[str]:
 def _add_trees(page: _BoundedPage, run: Run, *, folded: bool) -> None:
     scenes = [scene for scene in run.scenes if len(scene.links) > 1]
     for scene in scenes[:MOST_TREES]:
-        findings = [finding for finding in run.findings if finding.model == scene.model]
+        findings = [
+            replace(finding, subjects=finding.subjects_by_model[scene.model])
+            for finding in run.findings
+            if scene.model in finding.subjects_by_model
+        ]
         head, foot = _make_fold(f"🌳 the kinematic tree of {_format_html_code(scene.model)}")
         if not folded:
             head, foot = [f"#### The kinematic tree of {format_code_span(scene.model)}", ""], [""]

@@ -20,7 +20,14 @@ from urdfcheck.output.shared.escaping import escape_for_json, escape_invisible, 
 from urdfcheck.output.shared.json_objects import build_subject_object
 from urdfcheck.output.shared.positions import to_utf16_region
 from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, iter_inline_pieces, split_sections
-from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, get_base_name, group_by_effect, join_first
+from urdfcheck.output.shared.wording import (
+    PROGRAM_NAMES,
+    describe_models,
+    format_count,
+    get_base_name,
+    group_by_effect,
+    join_first,
+)
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 BASE = "%SRCROOT%"
@@ -208,6 +215,8 @@ def _build_result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
 def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str, Span]]) -> str:
     """Return the message and, a paragraph each, everything needed by readers who see only the message."""
     paragraphs = [finding.message]
+    if models := describe_models(run, finding):
+        paragraphs.append(f"In {models}")
     if arguments := run.find_variant_arguments(finding):
         paragraphs.append("With " + " ".join(f"{name}:={value}" for name, value in sorted(arguments.items())))
     if finding.cause_text is not None:
@@ -292,6 +301,8 @@ def _build_properties(finding: Finding) -> Json:
     properties: Json = {"confidence": str(finding.confidence), "messageId": finding.message_id}
     if finding.model:
         properties["model"] = escape_one_line(finding.model)
+    if len(finding.subjects_by_model) > 1:
+        properties["models"] = list(map(escape_one_line, finding.subjects_by_model))[:MOST_LOCATIONS]
     if finding.cause is not None:
         properties["cause"] = finding.cause.id
     if finding.fix is not None:

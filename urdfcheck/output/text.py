@@ -22,6 +22,8 @@ from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
     SEVERITY_ORDER,
     describe_checked_units,
+    describe_found_arguments,
+    describe_models,
     format_count,
     group_by_effect,
     join_first,
@@ -118,6 +120,7 @@ def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> 
                 rest.append(finding)
         yield from _iter_brief_findings(rest, width)
     if detail is not DetailLevel.QUIET:
+        yield from _iter_found_arguments(run, width)
         yield from _iter_skipped(run, width)
         yield from _iter_recap(run, width)
     yield from _iter_failures(run, width)
@@ -233,6 +236,8 @@ def _iter_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     yield from _iter_finding_head(finding, width)
     span = finding.location.span
     yield from _wrap_text(Text(escape_invisible(finding.message)), width, Text("  "))
+    if models := describe_models(run, finding):
+        yield from _wrap_labelled("in", escape_one_line(models), width)
     if arguments := run.find_variant_arguments(finding):
         shown_with = " ".join(
             f"{escape_one_line(name)}:={escape_one_line(value)}" for name, value in sorted(arguments.items())
@@ -313,6 +318,13 @@ def _format_remainder(count: int, noun: str) -> str:
 def _get_first_line(run: Run, span: Span) -> str:
     lines = extract_code_frame(run.sources.get(span.file, ""), span, context=0)
     return escape_invisible(lines[0].text.strip()) if lines else ""
+
+
+def _iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
+    """Yield for each model the arguments that launch files pass and nobody gave."""
+    for info in run.models:
+        if told := describe_found_arguments(info):
+            yield from _wrap_text(Text(escape_one_line(f"{info.id}: {told}"), "dim"), width)
 
 
 def _iter_skipped(run: Run, width: int) -> Iterator[Text]:

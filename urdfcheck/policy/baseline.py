@@ -126,7 +126,7 @@ def collect_entries(findings: Iterable[Finding]) -> dict[str, Counter[EntryKey]]
     for finding in findings:
         if not is_baseline_candidate(finding):
             continue
-        for model, subjects in (finding.variants or {finding.model: finding.subjects}).items():
+        for model, subjects in finding.subjects_by_model.items():
             for subject in subjects:
                 models.setdefault(model, Counter())[finding.code, subject, finding.message_id] += 1
     return models

@@ -17,7 +17,7 @@ def mark_unsafe_in_model(findings: Iterable[Finding], root: Element | None) -> l
     findings = list(findings)
     if root is None or not any(map(_list_safe_edits, findings)):
         return findings
-    made = _ElementCounts(root)
+    made = ElementCounts(root)
     return [_mark_unsafe(f) if any(map(made.makes_several_elements, _list_safe_edits(f))) else f for f in findings]
 
 
@@ -55,7 +55,7 @@ def _mark_unsafe(finding: Finding) -> Finding:
     return finding if fix is None else replace(finding, fix=replace(fix, applicability=Applicability.UNSAFE))
 
 
-class _ElementCounts:
+class ElementCounts:
     """Number of elements that a model has of each start tag."""
 
     def __init__(self, root: Element) -> None:
@@ -65,8 +65,12 @@ class _ElementCounts:
             self.spans_by_file.setdefault(span.file, []).append(span)
 
     def makes_several_elements(self, edit: Edit) -> bool:
-        """Whether the tags that an edit changes make several elements; text between tags belongs to the tag before it."""
-        tags = self.spans_by_file.get(edit.span.file, [])
-        first = bisect_right(tags, edit.span.start, key=lambda tag: tag.start) - 1
-        end = bisect_right(tags, max(edit.span.end - 1, edit.span.start), key=lambda tag: tag.start)
-        return any(self.count_by_span[tag] > 1 for tag in tags[max(first, 0) : end])
+        """Whether the tags that an edit changes make several elements."""
+        return self.count_elements(edit.span) > 1
+
+    def count_elements(self, span: Span) -> int:
+        """Count the elements that a tag in this text makes, of several tags the most; text belongs to the tag before it."""
+        tags = self.spans_by_file.get(span.file, [])
+        first = bisect_right(tags, span.start, key=lambda tag: tag.start) - 1
+        end = bisect_right(tags, max(span.end - 1, span.start), key=lambda tag: tag.start)
+        return max((self.count_by_span[tag] for tag in tags[max(first, 0) : end]), default=0)

@@ -25,7 +25,7 @@ from urdfcheck.policy.superseding import drop_superseded
 from urdfcheck.policy.suppression import mark_suppressed
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit, UnitReport
-from urdfcheck.run.variants import merge_variants
+from urdfcheck.run.shared_findings import merge_across_models, merge_macro_lines
 from urdfcheck.source.text.suppression_comments import IgnoreComment
 from urdfcheck.source.text.xml import Element
 
@@ -58,16 +58,18 @@ def finalize_unit_findings(
     rules: Mapping[str, Rule],
     comments: Iterable[IgnoreComment],
     root: Element | None,
+    texts: Mapping[str, str] | None = None,
 ) -> FinalFindings:
     """Turn the admitted findings of one unit into those of its report.
 
-    ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any.
+    ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any;
+    ``texts``: its files by name.
     """
     # Before merging: of six links that one macro line makes, a single one may be suppressed.
     marked, needed = mark_suppressed(
         list(findings), comments=comments, entries=policy.suppress, baseline_entries=unit.baseline_entries
     )
-    merged = merge_same_text(marked)
+    merged = merge_macro_lines(merge_same_text(marked), root, texts or {})
     remaining = drop_superseded(merged, rules)
     safe = mark_unsafe_in_model(remaining, root)
     listed, unlisted = limit_number(sorted(safe, key=get_sort_key))
@@ -103,7 +105,8 @@ def finalize_run_findings(
     findings = [*(finding for _, report in audited_units for finding in report.findings), *merge_same_text(marked)]
     findings += admit_wanted(review(findings, needed))
     findings = mark_unsafe_across_models(findings, _list_users(audited_units))
-    findings = merge_variants(findings, [unit for unit, _ in audited_units])
+    texts = {name: text for _, report in audited_units for name, text in report.sources.items()}
+    findings = merge_across_models(findings, [unit for unit, _ in audited_units], texts)
     return tuple(sorted(findings, key=get_sort_key))
 
 

@@ -315,6 +315,7 @@ class _UnitAudit:
             rules=self.rules,
             comments=comments,
             root=None if self.source is None else self.source.root,
+            texts=self.texts,
         )
         usages = assess_comments(
             comments,
@@ -381,15 +382,19 @@ def _locate_unit(unit: Unit) -> Location:
 def _describe_model(unit: Unit, source: Source, model: Model | None) -> ModelInfo:
     """Return the model's line in the report."""
     path = format_path(Path(unit.path))
+    places = {name: location.span for name, location in source.found_arguments.items()}
+    found = {name: f"{span.file}:{span.line}" for name, span in places.items() if span is not None}
     if model is None:
         status = "needs-arguments" if source.find_problems("argument-missing") else "failed"
-        return ModelInfo.unread(path=path, model_id=unit.id, arguments=unit.arguments, status=status)
+        unread = ModelInfo.unread(path=path, model_id=unit.id, arguments=source.arguments, status=status)
+        return replace(unread, found_args=found)
     masses = [link.inertial.mass for link in model.links if link.inertial is not None]
     known_masses = [mass for mass in masses if mass is not None]
     return ModelInfo(
         path=path,
         robot=model.name,
-        args=dict(unit.arguments),
+        args=dict(source.arguments),
+        found_args=found,
         links=len(model.links),
         joints=len(model.joints),
         mass=round(sum(known_masses), 9) if known_masses else None,

@@ -1,53 +1,18 @@
-"""Variants of a xacro with arguments: what several of them show is one finding, with the fewest arguments that reproduce it."""
+"""Variants of a xacro with arguments: smaller sets of arguments that may show a finding too."""
 
 from __future__ import annotations
 
-import os
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.run.jobs import Unit, UnitReport
+from urdfcheck.run.shared_findings import get_defect_key
 
 # Sets of arguments of one file that are tried to find smaller ones that show a finding.
 MAX_TRIED = 100
-
-
-def merge_variants(findings: Iterable[Finding], units: Iterable[Unit]) -> list[Finding]:
-    """Merge findings that several sets of arguments of one file show at the same text.
-
-    The merged finding belongs to the variant with the fewest arguments and lists all (``variants``).
-    """
-    files = _find_variant_files(units)
-    alike: dict[tuple[Any, ...], list[Finding]] = {}
-    found: list[Finding] = []
-    for finding in findings:
-        if finding.model in files:
-            alike.setdefault((files[finding.model][0], finding.suppressed, *_get_defect_key(finding)), []).append(
-                finding
-            )
-        else:
-            found.append(finding)
-    for group in alike.values():
-        for same in _split_by_subjects(group):
-            first = min(same, key=lambda f: (files[f.model][1], f.model))
-            variants = {f.model: f.subjects for f in sorted(same, key=lambda f: f.model)}
-            found.append(replace(first, variants=variants, severity=max(f.severity for f in same)))
-    return found
-
-
-def _split_by_subjects(group: list[Finding]) -> list[list[Finding]]:
-    """Split findings at one text: if a model has several, by their subjects, and equal ones by their order."""
-    if len({finding.model for finding in group}) == len(group):
-        return [group]
-    seen: Counter[tuple[str, tuple[str, ...]]] = Counter()
-    apart: dict[tuple[tuple[str, ...], int], list[Finding]] = {}
-    for finding in group:
-        seen[finding.model, finding.subjects] += 1
-        apart.setdefault((finding.subjects, seen[finding.model, finding.subjects]), []).append(finding)
-    return list(apart.values())
 
 
 def propose_smaller_variants(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> list[Unit]:
@@ -61,7 +26,7 @@ def propose_smaller_variants(units: Sequence[Unit], reports: Mapping[int, UnitRe
     best: dict[tuple[Any, ...], tuple[Unit, Finding]] = {}
     for place, unit in enumerate(units):
         for finding in reports[place].findings if unit.kind == "model" else ():
-            key = (unit.path, *_get_defect_key(finding))
+            key = (unit.path, *get_defect_key(finding))
             if key not in best or len(unit.arguments) < len(best[key][0].arguments):
                 best[key] = unit, finding
     wanted: list[Unit] = []
@@ -86,7 +51,7 @@ def _reduce_failed_variants(units: Sequence[Unit], reports: Mapping[int, UnitRep
         if unit.varied_arguments and info is not None and info.status == "failed":
             for finding in reports[place].findings:
                 if finding.severity == Severity.ERROR:
-                    failed.setdefault((unit.path, *_get_defect_key(finding)), []).append(unit)
+                    failed.setdefault((unit.path, *get_defect_key(finding)), []).append(unit)
     found = []
     for alike in failed.values():
         alike.sort(key=lambda unit: (len(unit.varied_arguments), unit.id))
@@ -125,17 +90,3 @@ def _get_identity(unit: Unit) -> tuple[str, frozenset[tuple[str, str]]]:
 def format_arguments(arguments: Mapping[str, str]) -> str:
     """Return the arguments as they follow the path in the id of a model."""
     return "".join(f" {name}:={value}" for name, value in sorted(arguments.items()))
-
-
-def _find_variant_files(units: Iterable[Unit]) -> dict[str, tuple[str, int]]:
-    """Return file and number of arguments, by id, of the models of which the run has several variants."""
-    found = {unit.id: (os.path.realpath(unit.path), len(unit.arguments)) for unit in units if unit.kind == "model"}
-    number = Counter(file for file, _ in found.values())
-    return {name: (file, length) for name, (file, length) in found.items() if number[file] > 1}
-
-
-def _get_defect_key(finding: Finding) -> tuple[Any, ...]:
-    """Return what identifies one defect in all variants: the same text, with a value from the same definitions."""
-    span = finding.location.span
-    made_of = frozenset(place.span for place in finding.related if place.subject.startswith(("property[", "yaml[")))
-    return finding.code, finding.message_id, finding.subjects if span is None else (span, made_of)

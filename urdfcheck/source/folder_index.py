@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from urdfcheck.core.text import find_nearest_name
 from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
 from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
@@ -91,13 +92,33 @@ class FolderIndex:
             around = self.finder.find_package_of(path.absolute())
             self.open_folders.add(resolve_path(path.parent if around is None else around.path))
             return frozenset()
-        key = (str(folder), tail)
+        key = (str(path.parent if folder is None else folder), tail)
         if key not in self.resolved:
             targets = [] if folder is None else self._match_pattern(folder, tail)
-            is_known = any(map(os.path.isfile, targets))
-            found = {resolve_path(Path(target)) for target in targets} if is_known else self.by_name.get(last, set())
+            if any(map(os.path.isfile, targets)):
+                found = {resolve_path(Path(target)) for target in targets}
+            else:
+                base = path.parent if folder is None else folder
+                found = self.by_name.get(last, set()) | self._find_misspelt(base, tail)
             self.resolved[key] = frozenset(found)
         return self.resolved[key]
+
+    def _find_misspelt(self, folder: Path, tail: str) -> set[Path]:
+        """Return the file that a misspelt include means: the slip is told there, and its file is no model for it."""
+        name, beside = Path(tail).name, resolve_path((folder / tail).parent)
+        if not name or name in self.by_name:
+            return set()
+        near = find_nearest_name(name, self._parts_by_folder.get(beside, ()))
+        return set() if near is None else {beside / near}
+
+    @cached_property
+    def _parts_by_folder(self) -> dict[Path, list[str]]:
+        """The names of the xacro files that are no model by themselves, by their folder."""
+        parts: dict[Path, list[str]] = {}
+        for real, file in self.by_real.items():
+            if is_xacro(real) and not file.stands_alone:
+                parts.setdefault(real.parent, []).append(real.name)
+        return parts
 
     def _match_pattern(self, folder: Path, pattern: str) -> list[str]:
         """Return the files that a pattern means; only folders that may be opened are searched."""

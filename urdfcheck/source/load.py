@@ -30,6 +30,7 @@ class Source:
     """The name of the file in findings."""
     is_xacro: bool
     arguments: Mapping[str, str]
+    """The arguments that the model was expanded with: those that were given, and those that were found."""
     root: Element | None
     """The expanded root element (``<robot>`` in a robot model); None if nothing could be expanded."""
     files: Mapping[str, SourceFile]
@@ -47,6 +48,8 @@ class Source:
     arguments_read: frozenset[str] = field(default_factory=frozenset)
     environment: frozenset[str] = frozenset()
     """Environment variables that xacro may read besides those of ROS."""
+    found_arguments: Mapping[str, Location] = field(default_factory=dict)
+    """The arguments that were not given, with the places in launch files that they were found at."""
 
     @property
     def main_tree(self) -> Element | None:
@@ -101,10 +104,13 @@ def load_source(
         is_xacro = is_xacro or _is_for_xacro(path, root, file.text, xacro)
         problems += _find_plain_text_problems(file, root, is_xacro=is_xacro, for_xacro=is_xacro or xacro is True)
     arguments_read: frozenset[str] = frozenset()
+    found_arguments: dict[str, Location] = {}
     if root is not None and is_xacro:
-        from urdfcheck.source.xacro.expand import expand_xacro
+        from urdfcheck.source.found_arguments import expand_with_found_arguments
 
-        expansion = expand_xacro(path, arguments, finder, extra_environment=environment)
+        complete = expand_with_found_arguments(path, arguments, finder, environment=environment)
+        expansion, arguments = complete.expansion, complete.arguments
+        found_arguments = {name: argument.location for name, argument in complete.found.items()}
         root, problems = expansion.root, [*problems, *expansion.problems]
         files.update(expansion.files)
         trees.update(expansion.trees)
@@ -126,6 +132,7 @@ def load_source(
         is_part=is_part,
         arguments_read=arguments_read,
         environment=environment,
+        found_arguments=found_arguments,
     )
 
 

@@ -67,7 +67,7 @@ def _render_scene_scripts(drawn: Sequence[ReportPart]) -> tuple[str, list[str]]:
     """Render what draws the robots; return it and the texts of its scripts. ASCII JSON needs no escaping in HTML."""
     titles = Counter(part.title for part in drawn)
     names = (part.title if titles[part.title] == 1 else f"{part.title} ({part.file_label})" for part in drawn)
-    models = [(p.id, name, p.scene, p.cards) for p, name in zip(drawn, names, strict=True) if p.scene is not None]
+    models = [(p.id, name, p.scene, p.all_cards) for p, name in zip(drawn, names, strict=True) if p.scene is not None]
     data, geometry = build_scene_data(models)
     return render_viewer_scripts(escape_for_json(json.dumps(data, separators=(",", ":"), allow_nan=False)), geometry)
 

@@ -53,7 +53,7 @@ def render_run_index(run: Run, parts: Sequence[ReportPart], file_names: Sequence
 
 
 def _build_unit_row(part: ReportPart) -> UnitRow:
-    findings = [card.finding for card in part.cards]
+    findings = [card.finding for card in part.all_cards]
     line = build_unit_line(_classify_part(part), _identify_part(part), part.path, info=part.info, findings=findings)
     return parse_unit_line(line)
 

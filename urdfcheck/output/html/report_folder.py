@@ -37,7 +37,8 @@ def _restrict_run_to_part(run: Run, part: ReportPart) -> Run:
     return replace(
         run,
         models=() if part.info is None else (part.info,),
-        findings=tuple(card.finding for card in part.cards),
+        # A page has the cards of all its findings: those that other models share are told on each of their pages.
+        findings=tuple(replace(card.finding, variants={}) for card in part.all_cards),
         skipped=tuple(skip for skip in run.skipped if skip.model in (name, "")),
         scenes=() if part.scene is None else (part.scene,),
         drops=() if part.drop is None else (part.drop,),

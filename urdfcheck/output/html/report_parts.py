@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from urdfcheck.core import ModelInfo, Run, Severity
 from urdfcheck.core.drop_test import DropTest
@@ -32,6 +32,13 @@ class ReportPart:
     counts: Mapping[Severity, int]
     """Number of findings that are not suppressed."""
     drop: DropTest | None = None
+    shared: tuple[FindingCard, ...] = ()
+    """Findings whose cards are in another part, with the elements that they are about here."""
+
+    @property
+    def all_cards(self) -> tuple[FindingCard, ...]:
+        """The cards of this part, and of others that are about it too."""
+        return (*self.cards, *self.shared)
 
     @property
     def file_label(self) -> str:
@@ -66,15 +73,20 @@ def collect_report_parts(run: Run) -> list[ReportPart]:
     Of a model with many variants, these are the first and those with findings."""
     first = {info.path: info.id for info in reversed(run.models)}
     variants = Counter(info.path for info in run.models)
-    with_findings = {finding.model for finding in run.findings}
+    with_findings = {model for finding in run.findings for model in finding.subjects_by_model}
     models = [
         info
         for info in run.models
         if variants[info.path] <= MOST_VARIANTS or info.id in with_findings or first[info.path] == info.id
     ]
     groups: dict[str, list[FindingCard]] = {info.id: [] for info in models}
+    shared: dict[str, list[FindingCard]] = {}
     for card in build_finding_cards(run.findings):
         groups.setdefault(card.finding.model, []).append(card)
+        for model, subjects in card.finding.subjects_by_model.items():
+            if model != card.finding.model:
+                own = replace(card.finding, model=model, subjects=subjects)
+                shared.setdefault(model, []).append(FindingCard(own, card.anchors[:1] * max(len(subjects), 1)))
     infos = {info.id: info for info in run.models}
     scenes = {scene.model: scene for scene in run.scenes}
     drops = {drop.model: drop for drop in run.drops}
@@ -84,7 +96,7 @@ def collect_report_parts(run: Run) -> list[ReportPart]:
         path = info.path if info else name
         title = (info.robot if info else "") or get_base_name(path) or "This run"
         counts: dict[Severity, int] = {}
-        for card in group:
+        for card in (*group, *shared.get(name, ())):
             if card.finding.suppressed is None:
                 counts[card.finding.severity] = counts.get(card.finding.severity, 0) + 1
         parts.append(
@@ -97,6 +109,7 @@ def collect_report_parts(run: Run) -> list[ReportPart]:
                 scene=scenes.get(name),
                 counts=counts,
                 drop=drops.get(name),
+                shared=tuple(shared.get(name, ())),
             )
         )
     return parts

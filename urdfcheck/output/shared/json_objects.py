@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from urdfcheck.core import Finding, Fix, ModelInfo, SkippedCheck, Span
@@ -21,6 +21,7 @@ def build_model_object(info: ModelInfo) -> dict[str, Any]:
         "path": info.path,
         "robot": info.robot,
         "args": dict(info.args),
+        "found_args": dict(info.found_args),
         "links": info.links,
         "joints": info.joints,
         "mass": info.mass,
@@ -50,6 +51,7 @@ def build_finding_object(finding: Finding, arguments: Mapping[str, str] = _NO_AR
         "model": finding.model,
         "arguments": dict(arguments),
         "variants": list(finding.variants),
+        "models": [_build_share(finding, model, subjects) for model, subjects in finding.subjects_by_model.items()],
         "fingerprints": list(finding.fingerprints),
         "subjects": [build_subject_object(s) for s in finding.subjects],
         "location": location,
@@ -65,6 +67,12 @@ def build_finding_object(finding: Finding, arguments: Mapping[str, str] = _NO_AR
         if finding.suppressed is None
         else {"kind": finding.suppressed.kind, "reason": finding.suppressed.reason},
     }
+
+
+def _build_share(finding: Finding, model: str, subjects: tuple[str, ...]) -> dict[str, Any]:
+    """Build the object of one of the models that share a finding."""
+    own = replace(finding, model=model, subjects=subjects)
+    return {"id": model, "subjects": list(subjects), "fingerprints": list(own.fingerprints)}
 
 
 def build_subject_object(subject: str) -> dict[str, str]:

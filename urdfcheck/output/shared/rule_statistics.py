@@ -30,7 +30,7 @@ def count_by_rule(findings: Iterable[Finding]) -> list[RuleSeverityCount]:
         new_count = RuleSeverityCount(code=finding.code, name=finding.name, severity=finding.severity)
         count = counts.setdefault(key, new_count)
         count.findings += 1
-        count.models.update(finding.variants or (finding.model,))
+        count.models.update(finding.subjects_by_model)
         count.fixable += (
             finding.fix is not None and bool(finding.fix.edits) and finding.fix.applicability != Applicability.DISPLAY
         )

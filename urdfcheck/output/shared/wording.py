@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from urdfcheck.core import Finding, Run, Severity, Span
+from urdfcheck.core import Finding, ModelInfo, Run, Severity, Span
 
 SEVERITY_ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
+# The models that a shared finding names.
+MOST_MODELS = 3
 # The programs by the spelling of their own projects.
 PROGRAM_NAMES = {
     "bullet": "Bullet",
@@ -72,8 +74,28 @@ def summarize_verdict(run: Run) -> tuple[str, str]:
     return "ok", "No errors and no warnings"
 
 
+def describe_found_arguments(info: ModelInfo) -> str:
+    """Say with which arguments a model was expanded that nobody gave, and who passes them; empty without any."""
+    found = [f"{name}:={info.args.get(name, '')} ({place})" for name, place in sorted(info.found_args.items())]
+    return f"expanded with {', '.join(found)}" if found else ""
+
+
+def describe_models(run: Run, finding: Finding) -> str:
+    """Name the models that share a finding, ``fer, fp3, fr3 and 3 more``; empty if all are made of one file."""
+    paths = {info.id: info.path for info in run.models}
+    ids = (finding.model, *(model for model in finding.subjects_by_model if model != finding.model))
+    files = list(dict.fromkeys(paths.get(model, model) for model in ids))
+    if len(files) < 2:
+        return ""
+    names = [get_base_name(file).partition(".")[0] for file in files]
+    return join_first(files if len(set(names)) < len(names) else names, MOST_MODELS)
+
+
 def iter_details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
-    """Yield what accompanies the message of a finding: arguments, cause, consequences and fix, each a label and a sentence."""
+    """Yield what accompanies a finding's message: models, arguments, cause, consequences and fix, each a label and a
+    sentence."""
+    if models := describe_models(run, finding):
+        yield "In", models
     if arguments := run.find_variant_arguments(finding):
         yield "With", " ".join(f"{name}:={value}" for name, value in sorted(arguments.items()))
     if finding.cause_text is not None:

@@ -23,12 +23,8 @@ from urdfcheck.source.launch.nodes_xml import (
     resolve_name,
     shorten_line,
 )
-from urdfcheck.source.launch.python_launch_file import (
-    PythonLaunch,
-    PythonLaunchReader,
-    get_function_name,
-    get_package_name,
-)
+from urdfcheck.source.launch.python_launch_file import PythonLaunch, PythonLaunchReader
+from urdfcheck.source.launch.python_texts import find_call_argument, get_function_name, get_package_name
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import SourceFile
@@ -71,8 +67,8 @@ class _PythonActionReader:
             name: default
             for call in self.calls
             if get_function_name(call) == "DeclareLaunchArgument"
-            for name in (self.read_expression(_find_argument(call, 0, "name")),)
-            for default in (self.read_expression(_find_argument(call, 1, "default_value")),)
+            for name in (self.read_expression(find_call_argument(call, 0, "name")),)
+            for default in (self.read_expression(find_call_argument(call, 1, "default_value")),)
             if name and default
         }
 
@@ -90,7 +86,7 @@ class _PythonActionReader:
             if function in _NODES and (call.keywords or function == "ComposableNode"):
                 yield self.read_node(call)
             elif function == "ExecuteProcess":
-                words = self.read_expressions(_find_argument(call, 0, "cmd"))
+                words = self.read_expressions(find_call_argument(call, 0, "cmd"))
                 program = words[0] if words else ""
                 condition, off = self.read_condition(call)
                 yield LaunchAction(
@@ -108,10 +104,10 @@ class _PythonActionReader:
                 yield self.read_include(call)
 
     def read_node(self, call: ast.Call) -> LaunchAction:
-        name = self.read_expression(_find_argument(call, -1, "name", "node_name"))
-        program = self.read_expression(_find_argument(call, -1, "executable", "node_executable", "plugin"))
-        namespace = resolve_name(self.read_expression(_find_argument(call, -1, "namespace", "node_namespace")), "/")
-        arguments = self.list_elements(_find_argument(call, -1, "arguments", "ros_arguments"))
+        name = self.read_expression(find_call_argument(call, -1, "name", "node_name"))
+        program = self.read_expression(find_call_argument(call, -1, "executable", "node_executable", "plugin"))
+        namespace = resolve_name(self.read_expression(find_call_argument(call, -1, "namespace", "node_namespace")), "/")
+        arguments = self.list_elements(find_call_argument(call, -1, "arguments", "ros_arguments"))
         words = tuple(map(self.read_expression, arguments))
         # Paths in a package's folder are displayed relative to the working directory.
         typed = (
@@ -119,16 +115,16 @@ class _PythonActionReader:
             for a, w in zip(arguments, words, strict=True)
         )
         condition, off = self.read_condition(call)
-        parameters = self.read_parameters(_find_argument(call, -1, "parameters"))
+        parameters = self.read_parameters(find_call_argument(call, -1, "parameters"))
         node = LaunchAction(
             kind="node",
-            package=shorten_line(self.read_expression(_find_argument(call, -1, "package"))),
+            package=shorten_line(self.read_expression(find_call_argument(call, -1, "package"))),
             program=shorten_line(program),
             name=name,
             namespace=namespace,
             words=words,
             typed=shorten_line(" ".join(typed)),
-            remaps=tuple(itertools.islice(self.read_remaps(_find_argument(call, -1, "remappings")), MOST_NAMES)),
+            remaps=tuple(itertools.islice(self.read_remaps(find_call_argument(call, -1, "remappings")), MOST_NAMES)),
             parameters={
                 key: shorten_line(self.read_expression(value))
                 for key, value in parameters.items()
@@ -157,10 +153,12 @@ class _PythonActionReader:
 
     def read_include(self, call: ast.Call) -> LaunchAction:
         condition, off = self.read_condition(call)
-        source = self.follow_name(_find_argument(call, 0, "launch_description_source")) or call
+        source = self.reader.texts.follow_name(find_call_argument(call, 0, "launch_description_source")) or call
         inside = list(itertools.islice(ast.walk(source), _MOST_PARTS))
         names = [n for n in inside if isinstance(n, ast.Name)]
-        inside += itertools.islice((n for i in names for n in ast.walk(self.follow_name(i) or i)), _MOST_PARTS)
+        inside += itertools.islice(
+            (n for i in names for n in ast.walk(self.reader.texts.follow_name(i) or i)), _MOST_PARTS
+        )
         package = next((name for n in inside if (name := get_package_name(n))), "")
         texts = [n.value for n in inside if isinstance(n, ast.Constant) and isinstance(n.value, str)]
         file = next((text for text in texts if text.endswith(LAUNCH_SUFFIXES)), "")
@@ -175,14 +173,14 @@ class _PythonActionReader:
         )
 
     def read_condition(self, call: ast.Call) -> tuple[str, bool]:
-        given = self.follow_name(_find_argument(call, -1, "condition"))
+        given = self.reader.texts.follow_name(find_call_argument(call, -1, "condition"))
         if given is None:
             return "", False
         verbs = {"IfCondition": ("if", {"false", "0"}), "UnlessCondition": ("unless", {"true", "1"})}
         verb = verbs.get(get_function_name(given)) if isinstance(given, ast.Call) else None
         if verb is None or not isinstance(given, ast.Call):
             return f"if {shorten_line(self.get_source_text(given))}", False
-        text = self.read_expression(_find_argument(given, 0, "predicate_expression"))
+        text = self.read_expression(find_call_argument(given, 0, "predicate_expression"))
         name = text.removeprefix("$(var ").removesuffix(")")
         return f"{verb[0]} {shorten_line(text)}", self.defaults.get(name, "").lower() in verb[1]
 
@@ -206,31 +204,23 @@ class _PythonActionReader:
 
     def list_elements(self, node: ast.expr | None) -> Sequence[ast.expr]:
         """Return the elements of a list, with the values of names; none if it is not a list."""
-        node = self.follow_name(node)
+        node = self.reader.texts.follow_name(node)
         parts = node.elts if isinstance(node, (ast.List, ast.Tuple)) else []
-        return [self.follow_name(part) or part for part in parts]
-
-    def follow_name(self, node: ast.expr | None) -> ast.expr | None:
-        """Return the value of a name that is assigned once; anything else as it is."""
-        for _ in range(8):
-            if not isinstance(node, ast.Name) or node.id not in self.reader.assigned:
-                break
-            node = self.reader.assigned[node.id]
-        return node
+        return [self.reader.texts.follow_name(part) or part for part in parts]
 
     def read_expressions(self, node: ast.expr | None) -> tuple[str, ...]:
         return tuple(self.read_expression(part) for part in self.list_elements(node))
 
     def read_expression(self, node: ast.expr | None, depth: int = 0) -> str:
         """Return the known text of an expression; ``$(var name)`` for an argument, as in XML; anything else as typed."""
-        node = self.follow_name(node)
+        node = self.reader.texts.follow_name(node)
         if node is None:
             return ""
         text = self.reader.evaluate_text(node)
         if text is not None:
             return text
         if isinstance(node, ast.Call) and get_function_name(node) == "LaunchConfiguration":
-            return f"$(var {self.read_expression(_find_argument(node, 0, 'variable_name'))})"
+            return f"$(var {self.read_expression(find_call_argument(node, 0, 'variable_name'))})"
         if isinstance(node, (ast.List, ast.Tuple)) and depth < _DEEPEST:
             return "".join(self.read_expression(part, depth + 1) for part in node.elts[:_MOST_ELEMENTS])
         return str(node.value) if isinstance(node, ast.Constant) else shorten_line(self.get_source_text(node))
@@ -247,11 +237,3 @@ class _PythonActionReader:
 
 def _format_absolute_path(path: str) -> str:
     return format_path(Path(path)) if Path(path).is_absolute() else path
-
-
-def _find_argument(call: ast.Call, position: int, *names: str) -> ast.expr | None:
-    """Return an argument by one of its names or, if not negative, by its position."""
-    for keyword in call.keywords:
-        if keyword.arg in names:
-            return keyword.value
-    return call.args[position] if 0 <= position < len(call.args) else None

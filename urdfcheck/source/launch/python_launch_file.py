@@ -8,28 +8,36 @@ import itertools
 import os
 import re
 import warnings
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tokenize import detect_encoding
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.source.launch.python_texts import (
+    MAX_LENGTH,
+    PythonTexts,
+    get_function_name,
+    get_package_name,
+    is_package_lookup,
+    read_declared_arguments,
+)
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.reach import FileReach
+from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.encodings import is_single_byte
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
-# A longer text is not a path: it comes from names that multiply each other.
-MAX_LENGTH = 4000
 # The syntax tree takes a few hundred times as much memory. The limit is about 25,000 lines.
 MAX_PYTHON = 1024**2
 # Limit on paths of models that are looked up, each in several folders.
 MAX_PATHS = 1_000
+# The characters of an expression that a message shows.
+MAX_SHOWN = 40
 # Limit on missing launch files that are searched in their whole package.
 MAX_LAUNCHES = 64
 
@@ -40,6 +48,8 @@ class LocatedPath:
 
     path: str
     location: Location
+    depends_on: str = ""
+    """What its folder is made of and only the launch decides: names as typed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,8 +147,10 @@ class PythonLaunchReader:
         self.starts = _find_line_starts(file.text)
         self.finder = finder
         self.nodes = list(ast.walk(tree))
-        self.assigned = _find_single_assignments(self.nodes)
-        self.values: dict[int, str | None] = {}
+        self.texts = PythonTexts(self.nodes, finder)
+        declared = read_declared_arguments(self.nodes, self.texts)
+        values = {name: argument.value for name, argument in declared.items() if argument.value is not None}
+        self.at_plain_launch = PythonTexts(self.nodes, finder, arguments=values)
         package = finder.find_package_of(path.absolute())
         self.own_folder = package.path if package is not None else path.parent
         self.named_folders = [
@@ -154,6 +166,7 @@ class PythonLaunchReader:
         joined: set[int] = set()
         by_literal: dict[str, Path | None] = {}
         parts = _collect_partial_texts(self.nodes)
+        around = self.find_variable_paths()
         for node in self.nodes:
             if id(node) in joined:
                 continue
@@ -169,7 +182,7 @@ class PythonLaunchReader:
                     and len(by_literal) < MAX_PATHS
                 ):
                     by_literal[literal] = _find_model_file(literal, folders, self.finder)
-                model = by_literal.get(literal)
+                model = by_literal.get(literal) or self.find_variable_model(node, around, folders)
             if model is not None:
                 models[model] = None
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
@@ -187,10 +200,54 @@ class PythonLaunchReader:
             models=tuple(models),
             missing_models=self.locate_paths(missing),
             missing_includes=includes,
-            unknown_models=self.locate_paths(unknown),
+            unknown_models=tuple(
+                replace(named, depends_on=self.describe_variables(around.get(id(unknown[named.path]))))
+                for named in self.locate_paths(unknown)
+            ),
             runs_xacro=any(map(_names_xacro, self.nodes)),
             description_location=self.find_description_key(),
         )
+
+    def find_variable_paths(self) -> dict[int, ast.expr]:
+        """Return by the literal name of a model the path around it, of which another part is only known at launch."""
+        found: dict[int, ast.expr] = {}
+        for node in self.nodes:
+            parts = _list_path_parts(node, self.texts)
+            if len(parts) > 1 and isinstance(node, ast.expr):
+                found.setdefault(id(parts[-1]), node)
+        return found
+
+    def find_variable_model(
+        self, node: ast.AST, around: Mapping[int, ast.expr], folders: Sequence[Path]
+    ) -> Path | None:
+        """Return the model that a literal means in a path with a variable folder.
+
+        It is the one at a plain launch, with the defaults of all arguments, else the only file of its name in the packages
+        that the launch file names.
+        """
+        whole = around.get(id(node))
+        if whole is None or not isinstance(node, ast.Constant) or not _is_model_path(node.value):
+            return None
+        plain = self.at_plain_launch.evaluate(whole)
+        if plain is not None and self.finder.can_open(Path(plain)) and os.path.isfile(plain):
+            return Path(plain)
+        alike = {
+            os.path.realpath(path): path
+            for folder in folders
+            if (folder / "package.xml").is_file()
+            for path in _find_files_named(Path(str(node.value)).name, folder)
+            if self.finder.can_open(path)
+        }
+        return next(iter(alike.values())) if len(alike) == 1 else None
+
+    def describe_variables(self, whole: ast.expr | None) -> str:
+        """Return the names of the variable parts of a path, as the launch file calls them."""
+        names: dict[str, None] = {}
+        for part in () if whole is None else _list_path_parts(whole, self.texts):
+            followed = self.texts.follow_name(part)
+            if self.texts.evaluate(part) is None and followed is not None and not is_package_lookup(followed):
+                names[self.texts.get_argument_name(followed) or ast.unparse(part)[:MAX_SHOWN]] = None
+        return ", ".join(names)
 
     def find_missing_includes(self) -> dict[str, ast.expr]:
         """Return the paths of launch files in a known package that do not exist."""
@@ -233,55 +290,7 @@ class PythonLaunchReader:
 
     def evaluate_text(self, node: ast.AST) -> str | None:
         """Return the text of a node that consists of literals, names assigned once and packages' folders; else None."""
-        if id(node) not in self.values:
-            self.values[id(node)] = None  # while it is computed: a name made of itself has no value
-            text = self.compute_text(node)
-            self.values[id(node)] = None if text is None or len(text) > MAX_LENGTH else text
-        return self.values[id(node)]
-
-    def compute_text(self, node: ast.AST) -> str | None:
-        """Return the text of a node, not from memory."""
-        if isinstance(node, ast.Constant):
-            return node.value if isinstance(node.value, str) else None
-        if isinstance(node, ast.Name):
-            return self.evaluate_text(self.assigned[node.id]) if node.id in self.assigned else None
-        if isinstance(node, ast.JoinedStr):
-            return self.evaluate_all(node.values, "".join)
-        if isinstance(node, ast.FormattedValue):
-            return self.evaluate_text(node.value) if node.conversion == -1 and node.format_spec is None else None
-        if isinstance(node, ast.BinOp):
-            joins = {ast.Add: "".join, ast.Div: _join_paths}
-            join = joins.get(type(node.op))
-            return None if join is None else self.evaluate_all([node.left, node.right], join)
-        if isinstance(node, ast.Call):
-            return self.evaluate_call(node)
-        return None
-
-    def evaluate_call(self, node: ast.Call) -> str | None:
-        """Return the text of a call that finds a package or joins paths."""
-        package = get_package_name(node)
-        if package is not None:
-            folder = self.finder.find(package)
-            return None if folder is None else str(folder)
-        function = get_function_name(node)
-        if function == "find" and isinstance(node.func, ast.Attribute):  # FindPackageShare("p").find("p")
-            share = node.func.value
-            return self.evaluate_text(share) if isinstance(share, ast.Call) and get_package_name(share) else None
-        if function in {"join", "joinpath", "Path", "PathSubstitution", "str"} and not node.keywords:
-            before = [node.func.value] if function == "joinpath" and isinstance(node.func, ast.Attribute) else []
-            return self.evaluate_all([*before, *node.args], _join_paths)
-        if (
-            function == "PathJoinSubstitution"
-            and len(node.args) == 1
-            and isinstance(node.args[0], (ast.List, ast.Tuple))
-        ):
-            return self.evaluate_all(node.args[0].elts, _join_paths)
-        return None
-
-    def evaluate_all(self, nodes: Sequence[ast.AST], join: Callable[[list[str]], str]) -> str | None:
-        texts = [self.evaluate_text(node) for node in nodes]
-        parts = [text for text in texts if text is not None]
-        return join(parts) if parts and len(parts) == len(texts) else None
+        return self.texts.evaluate(node)
 
     def find_description_key(self) -> Location | None:
         """Return where a node gets the parameter robot_description."""
@@ -310,41 +319,11 @@ class PythonLaunchReader:
         return begin + len(text.encode("utf-8", "surrogatepass")[:column].decode("utf-8", "ignore"))
 
 
-def _find_single_assignments(nodes: Sequence[ast.AST]) -> dict[str, ast.expr]:
-    """Return the value of each name that is assigned in one place only."""
-    times = Counter(n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
-    times.update(n.arg for n in nodes if isinstance(n, ast.arg))
-    return {
-        target.id: node.value
-        for node in nodes
-        if isinstance(node, ast.Assign) and len(node.targets) == 1
-        for target in node.targets
-        if isinstance(target, ast.Name) and times[target.id] == 1
-    }
-
-
-def get_function_name(call: ast.Call) -> str:
-    """Return the last name of the called function."""
-    return call.func.attr if isinstance(call.func, ast.Attribute) else str(getattr(call.func, "id", ""))
-
-
 def _names_xacro(node: ast.AST) -> bool:
     """Whether a node is the program xacro (alone or first in a command) or Python's module of that name."""
     if isinstance(node, ast.Constant):
         return isinstance(node.value, str) and node.value.split()[:1] == ["xacro"]
     return isinstance(node, ast.Name) and node.id == "xacro"
-
-
-def _join_paths(parts: list[str]) -> str:
-    return os.path.normpath(os.path.join(*parts))
-
-
-def get_package_name(node: ast.AST) -> str | None:
-    """Return ``p`` of ``get_package_share_directory("p")``, ``FindPackageShare("p")`` and the like."""
-    if not isinstance(node, ast.Call) or not re.search("package_share|PackageShare", get_function_name(node)):
-        return None
-    arguments = [*node.args, *(keyword.value for keyword in node.keywords)]
-    return str(arguments[0].value) if arguments and isinstance(arguments[0], ast.Constant) else None
 
 
 def _collect_path_pieces(node: ast.AST) -> list[ast.Constant]:
@@ -360,6 +339,29 @@ def _collect_path_pieces(node: ast.AST) -> list[ast.Constant]:
         parts, node = [node.right, *parts], node.left
     texts = itertools.takewhile(lambda p: isinstance(p, ast.Constant) and isinstance(p.value, str), reversed(parts))
     return [p for p in texts if isinstance(p, ast.Constant)][::-1]
+
+
+def _list_path_parts(node: ast.AST, texts: PythonTexts) -> list[ast.expr]:
+    """Return the parts of a path that a call or slashes join."""
+    parts: list[ast.expr] = []
+    if isinstance(node, ast.Call) and get_function_name(node) == "PathJoinSubstitution" and len(node.args) == 1:
+        parts = list(texts.list_elements(node.args[0]))
+    elif isinstance(node, ast.Call) and get_function_name(node) in {"join", "joinpath"}:
+        parts = list(node.args)
+    while isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
+        parts.insert(0, node.right)
+        node = node.left
+        if not isinstance(node, ast.BinOp) and isinstance(node, ast.expr):
+            parts.insert(0, node)
+    return parts
+
+
+def _find_files_named(name: str, folder: Path) -> Iterator[Path]:
+    """Yield the files of this name in a package."""
+    for place, names, files in walk(folder):
+        names[:] = [n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS]
+        if name in files:
+            yield Path(place, name)
 
 
 def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinder) -> Path | None:
@@ -396,9 +398,9 @@ def _is_model_path(text: object) -> bool:
 
 
 def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> bool:
-    """Whether a package's build may create or install a missing file.
+    """Whether a package's build or a program of its own may make or install a missing file.
 
-    It may if the package has a file of that name with other suffixes, or the build mentions the name.
+    It may if the package has a file of that name with other suffixes, if the build mentions the name, or if git ignores it.
     """
     stem = path.name.partition(".")[0]
     for _, names, files in walk(package):
@@ -408,7 +410,23 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SU
             return True
     reach = FileReach.from_paths([package], [])
     builds = [package / name for name in ("CMakeLists.txt", "setup.py")]
-    return any(path.name in _read_text(build) for build in builds if reach.can_open(build))
+    if any(path.name in _read_text(build) for build in builds if reach.can_open(build)):
+        return True
+    return is_git_ignored(path, reach)
+
+
+def is_git_ignored(path: Path, reach: FileReach) -> bool:
+    """Whether a ``.gitignore`` around a file names it: then it is made, and no checkout has it."""
+    ignored = False
+    # A hidden file is never in reach; this one is, unless it is a link to elsewhere.
+    folders = [f for f in path.parents if reach.can_open(f) and not (f / ".gitignore").is_symlink()]
+    for folder in reversed(folders):  # the last pattern that fits decides, in the innermost file
+        names = split_relative_path(path, folder)
+        for line in _read_text(folder / ".gitignore").splitlines()[:MAX_PATHS]:
+            pattern = line.strip().removeprefix("!")
+            if pattern and not pattern.startswith("#") and match_any_pattern([pattern], names):
+                ignored = not line.strip().startswith("!")
+    return ignored
 
 
 def _read_text(path: Path) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from urdfcheck.source.launch.python_launch_file import MAX_LENGTH
+from urdfcheck.source.launch.python_texts import MAX_LENGTH
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.xml import Attribute, Element
 

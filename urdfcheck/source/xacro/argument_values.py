@@ -78,7 +78,10 @@ def find_argument_choices(path: Path, finder: PackageFinder) -> list[ArgumentCho
     for tree, folder in trees:
         for element in tree.walk():
             for text in _list_paths(element):
-                for name, value in _iter_path_values(text, folder, finder):
+                fitting = _list_path_values(text, folder, finder)
+                for name, value, _ in (
+                    _drop_misfits(fitting, trees, finder) if element.tag == "xacro:include" else fitting
+                ):
                     if name in usages:
                         usages[name].values[value] = None
     choices = [_make_choice(name, usage) for name, usage in usages.items()]
@@ -218,11 +221,60 @@ def _find_included_files(text: str, folder: Path, finder: PackageFinder) -> list
     return [Path(file) for _, _, file in _iter_fitting_files(path, finder)]
 
 
-def _iter_path_values(text: str, folder: Path, finder: PackageFinder) -> Iterator[tuple[str, str]]:
-    """Yield arguments and values for which a path with an argument in it leads to a file."""
+def _list_path_values(text: str, folder: Path, finder: PackageFinder) -> list[tuple[str, str, str]]:
+    """Return argument, value and file for each value with which a path leads to a file."""
     path = _resolve_path(text, folder, finder)
-    if path is not None:
-        yield from ((name, value) for name, value, _ in _iter_fitting_files(path, finder))
+    return [] if path is None else list(_iter_fitting_files(path, finder))
+
+
+def _drop_misfits(
+    fitting: Sequence[tuple[str, str, str]], trees: Sequence[tuple[Element, Path]], finder: PackageFinder
+) -> list[tuple[str, str, str]]:
+    """Return the files of an include with an argument without those that lack a macro which the model calls in any case.
+
+    ``ros2_control/$(arg type).xacro`` finds the files of all robots of a package, and each robot calls a macro of its own.
+    """
+    candidates = {format_path(Path(file)) for _, _, file in fitting}
+    defined = {_get_file(tree): _list_macros(tree) for tree, _ in trees if _get_file(tree) in candidates}
+    chosen = candidates - _list_plain_includes(trees, finder)
+    outside = [tree for tree, _ in trees if _get_file(tree) not in chosen]
+    called = {
+        element.tag.removeprefix("xacro:")
+        for tree in outside
+        for element in tree.walk()
+        if element.tag.startswith("xacro:") and not _depends_on_condition(element)
+    }
+    needed = called.difference(*map(_list_macros, outside)).intersection(set().union(*defined.values()))
+    able = [found for found in fitting if needed <= defined.get(format_path(Path(found[2])), set())]
+    return able or list(fitting)
+
+
+def _list_plain_includes(trees: Sequence[tuple[Element, Path]], finder: PackageFinder) -> set[str]:
+    """Return the files that includes name without an argument."""
+    elements = (
+        (element, folder) for tree, folder in trees for element in tree.walk() if element.tag == "xacro:include"
+    )
+    paths = (_resolve_path(element.get("filename"), folder, finder) for element, folder in elements)
+    return {format_path(Path(path)) for path in paths if path is not None and "$" not in path}
+
+
+def _get_file(tree: Element) -> str:
+    return "" if tree.span is None else tree.span.file
+
+
+def _list_macros(tree: Element) -> set[str]:
+    macros = (element.get("name") for element in tree.walk() if element.tag == "xacro:macro")
+    return {name.removeprefix("xacro:") for name in macros}
+
+
+def _depends_on_condition(element: Element) -> bool:
+    """Whether an element is in a condition, or in a macro, which may never be called."""
+    around = element.parent
+    while around is not None:
+        if around.tag in {"xacro:if", "xacro:unless", "xacro:macro"}:
+            return True
+        around = around.parent
+    return False
 
 
 def _iter_fitting_files(path: str, finder: PackageFinder) -> Iterator[tuple[str, str, str]]:

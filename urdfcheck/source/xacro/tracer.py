@@ -261,7 +261,13 @@ class Tracer:
                     stack = [os.path.realpath(f) for f in xacro.filestack if f]
                     if stack.count(stack[-1]) >= _MAX_INCLUDED:
                         raise RecursionError(CYCLE)
-                    original(node, macros, symbols, func)
+                    try:
+                        original(node, macros, symbols, func)
+                    except xacro.XacroException as error:
+                        # Its name was the last text that was evaluated before the file could not be opened.
+                        if self.trace.failed_at is None and isinstance(error.exc, OSError):
+                            self.trace.failed_reads += self.last_reads
+                        raise
             finally:
                 self.trace.calls.pop()
             self.trace.forget_failure()  # of an optional include, which did not end the expansion

@@ -10,7 +10,14 @@ from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import escape_html, render_prose
 from urdfcheck.output.html.sections.code_listing import render_code_frame, render_diff
 from urdfcheck.output.shared.anchors import FindingCard, parse_element_key
-from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, format_place, get_base_name, group_by_effect
+from urdfcheck.output.shared.wording import (
+    PROGRAM_NAMES,
+    describe_models,
+    format_count,
+    format_place,
+    get_base_name,
+    group_by_effect,
+)
 
 MOST_SUBJECTS = 6
 MOST_EDITS = 4
@@ -76,11 +83,14 @@ def _has_element(finding: Finding) -> bool:
 
 
 def _render_variants(run: Run, finding: Finding) -> str:
-    """Render the arguments with which a finding appears, if not all variants of the model have it."""
+    """Render the models that share a finding, and the arguments with which it appears if not all variants have it."""
     arguments = " ".join(
         f"<code>{escape_html(n)}:={escape_html(v)}</code>"
         for n, v in sorted(run.find_variant_arguments(finding).items())
     )
+    if models := describe_models(run, finding):
+        with_ = f" with {arguments}" if arguments else ""
+        return f'<p class="variants">In {escape_html(models)}{with_}.</p>'
     others = len(finding.variants) - 1
     also = f"in {format_count(others, 'other variant')}" if others > 0 else ""
     sentence = f"With {arguments}{', and ' if also else ''}{also}" if arguments else f"Also {also}" if also else ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 
 from urdfcheck.core import Run, Severity
+from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import escape_html, format_number, render_path
 from urdfcheck.output.html.report_parts import ReportPart
 from urdfcheck.output.html.sections.drop_test_section import render_drop_test
@@ -18,7 +19,7 @@ from urdfcheck.output.html.tables.meshes_table import render_meshes_table
 from urdfcheck.output.html.tables.physics_table import render_physics_table
 from urdfcheck.output.shared.anchors import compute_severity_marks
 from urdfcheck.output.shared.robot_picture import render_scene
-from urdfcheck.output.shared.wording import format_count
+from urdfcheck.output.shared.wording import describe_found_arguments, format_count
 
 # Width and height of the picture, in px.
 STILL_SIZE = (960, 640)
@@ -36,7 +37,9 @@ def render_model(run: Run, part: ReportPart, *, is_only_model: bool) -> str:
     # Problems are beside the drawing on a wide page.
     beside = " beside" if part.scene is not None and any(part.counts.get(s) for s in PROBLEMS) else ""
     problems = render_problems(run, part.cards, model_file=part.path, id_prefix=part.id)
-    body = f'<section class="findings{beside}" id="{part.id}-findings">{problems}</section>'
+    if not any(c.finding.suppressed is None and c.finding.severity in PROBLEMS for c in part.cards) and part.shared:
+        problems = ""  # not the sentence that there is none
+    body = f'<section class="findings{beside}" id="{part.id}-findings">{problems}{_render_shared(part)}</section>'
     notes = render_notes(run, part.cards, model_file=part.path, id_prefix=part.id)
     last = f'<section class="findings">{notes}</section>' if notes else ""
     return head + body + _render_scene_sections(run, part) + last + "</section>"
@@ -51,14 +54,27 @@ def _render_model_head(run: Run, part: ReportPart, is_only_model: bool) -> str:
         return f'<div class="head"><h2>{title}</h2>{path}{contents}</div>'
     facts = [format_count(info.links, "link"), format_count(info.joints, "joint")]
     facts += [f"{format_number(info.mass)} kg"] if info.mass is not None else []
+    told = describe_found_arguments(info)
+    found = f'<p class="facts">{escape_html(told[:1].upper() + told[1:])}</p>' if told else ""
     status = f'<p class="status">{STATUS_TEXTS[info.status]}</p>' if info.status in STATUS_TEXTS else ""
     if len(run.models) == 1:
         # The header of the page has the rest.
-        return f'<div class="head"><h2 class="sr">{title}</h2>{status}{contents}</div>'
+        return f'<div class="head"><h2 class="sr">{title}</h2>{status}{found}{contents}</div>'
     state = status or f'<p class="facts">{" · ".join(facts)}</p>'
     links = "" if is_only_model or not part.sections else _render_section_links(part)
     path = render_path(info.path, info.args)
-    return f'<div class="head"><h2>{title}</h2>{path}{state}{links}{contents}</div>'
+    return f'<div class="head"><h2>{title}</h2>{path}{state}{found}{links}{contents}</div>'
+
+
+def _render_shared(part: ReportPart) -> str:
+    """Render links to the findings that this model shares with another, where their cards are."""
+    items = "".join(
+        f'<li><a href="#{card.anchors[0]}">{render_glyph(card.finding.severity)} {escape_html(card.finding.code)} '
+        f"{escape_html(card.finding.name)}</a> <code>{escape_html(', '.join(card.finding.subjects[:1]))}</code></li>"
+        for card in part.shared
+        if card.finding.suppressed is None
+    )
+    return f'<h4>Shared with other models, told there</h4><ul class="subjects">{items}</ul>' if items else ""
 
 
 def _render_still_image(part: ReportPart) -> str:
@@ -88,9 +104,9 @@ def _render_scene_sections(run: Run, part: ReportPart) -> str:
     def render_section(css_class: str, anchor: str, content: str) -> str:
         return f'<section class="{css_class}" id="{part.id}-{anchor}">{content}</section>'
 
-    marks = compute_severity_marks(part.cards, scene.frames)
+    marks = compute_severity_marks(part.all_cards, scene.frames)
     tree = render_tree(scene, marks, f"Kinematic tree of {part.title}")
-    programs = render_consumers_table((card.finding for card in part.cards), run.rules)
+    programs = render_consumers_table((card.finding for card in part.all_cards), run.rules)
     sections = [render_section("kinematics", "tree", f"<h3>Kinematic tree</h3>{tree}")]
     if part.drop is not None:
         sections.append(render_section("drop", "drop", render_drop_test(part.drop)))

@@ -1,0 +1,203 @@
+"""One defect is one finding: of all elements that a macro line makes, and of all models that a text is part of."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from conftest import check
+
+from urdfcheck.cli import FINDINGS, OK, main
+from urdfcheck.core import Run
+from urdfcheck.output import html, junit, markdown, sarif, text
+from urdfcheck.output.json import render as render_json
+from urdfcheck.policy.config import ConfigResolver
+from urdfcheck.run.shared_findings import is_computed
+
+XACRO = '<robot name="{}" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
+# The formula of izz is wrong for any mass and radius; then the number is handed on from the call.
+FORMULA = (
+    '<xacro:macro name="disc" params="name m"><link name="${name}"><inertial><mass value="${m}"/>'
+    '<inertia ixx="${m * 0.1}" ixy="0" ixz="0" iyy="${m * 0.1}" iyz="0" izz="${m * 0.9}"/></inertial></link></xacro:macro>'
+)
+PASSED = FORMULA.replace("${m * 0.1}", "0.1").replace("${m * 0.9}", "${m}")
+JOINT = '<joint name="j_{0}" type="fixed"><parent link="base"/><child link="{0}"/></joint>'
+DISCS = '<link name="base"/><xacro:disc name="wheel" m="1"/><xacro:disc name="lidar" m="2"/>' + (
+    JOINT.format("wheel") + JOINT.format("lidar")
+)
+
+
+def write_robots(folder: Path, macros: str, **bodies: str) -> Path:
+    """A folder of models that include one file of macros."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "macros.xacro").write_text(XACRO.format("m", macros))
+    for name, body in bodies.items():
+        body = f'<xacro:include filename="macros.xacro"/>{body}'
+        (folder / f"{name}.urdf.xacro").write_text(XACRO.format(name, body))
+    return folder
+
+
+def disc(name: str = "wheel", m: str = "1") -> str:
+    return f'<xacro:disc name="{name}" m="{m}"/>'
+
+
+def find(folder: Path, *codes: str, **settings: object) -> Run:
+    return check(folder, codes=set(codes or {"INR003"}), tier="source", **settings)
+
+
+@pytest.mark.parametrize(
+    ("typed", "expected"),
+    [
+        ("1.5", False),
+        ("${mass}", False),
+        ("package://arm/${name}-part/$(arg type)", False),
+        ("${I.xx}", False),
+        ("${sizes['a-b']}", False),
+        ("${2 * mass}", True),
+        ("${sqrt(mass)}", True),
+        ("$(eval mass / 2)", True),
+    ],
+)
+def test_a_text_that_computes(typed: str, expected: bool) -> None:
+    assert is_computed(typed) == expected
+
+
+class TestMacroLines:
+    def test_a_line_that_makes_only_wrong_elements_is_one_finding(self, tmp_path: Path) -> None:
+        (found,) = find(write_robots(tmp_path, FORMULA, a=DISCS)).findings
+        assert [s.split("/")[0] for s in found.subjects] == ["link[wheel]", "link[lidar]"]
+        assert [place.span.start for place in found.related if place.subject == "call" and place.span]
+        assert found.fix is not None
+        assert found.fix.title.startswith(
+            "correct what this line computes: it makes 2 elements (for the first of them: "
+        )
+
+    def test_numbers_that_calls_hand_over_stay_apart(self, tmp_path: Path) -> None:
+        assert len(find(write_robots(tmp_path, PASSED, a=DISCS)).findings) == 2
+
+    def test_a_line_that_makes_sound_elements_too_is_not_to_blame(self, tmp_path: Path) -> None:
+        """Of three discs one is sound: the calls of the others are told."""
+        macros = FORMULA.replace("${m * 0.9}", "${m * 0.9 if m > 0.5 else m * 0.1}")
+        run = find(write_robots(tmp_path, macros, a=DISCS + disc("small", "0.1") + JOINT.format("small")))
+        assert len(run.findings) == 2
+
+
+class TestModels:
+    def test_a_wrong_macro_line_is_one_finding_of_all_models(self, tmp_path: Path) -> None:
+        run = find(write_robots(tmp_path, FORMULA, b=disc(m="1"), a=disc(), c=disc("other", "7")))
+        (found,) = run.findings
+        assert (found.model, list(found.variants)) == (
+            "a.urdf.xacro",
+            ["a.urdf.xacro", "b.urdf.xacro", "c.urdf.xacro"],
+        )
+        assert found.variants["c.urdf.xacro"] == ("link[other]/inertial/inertia",)
+        assert run.find_variant_arguments(found) == {}
+
+    def test_what_each_model_types_itself_stays_apart(self, tmp_path: Path) -> None:
+        """The macro hands the number on: both calls are to be repaired."""
+        assert len(find(write_robots(tmp_path, PASSED, a=disc(), b=disc())).findings) == 2
+
+    def test_a_number_of_one_yaml_is_one_finding(self, tmp_path: Path) -> None:
+        load = "${xacro.load_yaml('sizes.yaml')['%s']}"
+        bodies = {name: disc(name, load % key) for name, key in (("a", "x"), ("b", "x"), ("c", "y"))}
+        folder = write_robots(tmp_path, PASSED, **bodies)
+        (folder / "sizes.yaml").write_text("x: 1\ny: 2\n")
+        assert [list(f.subjects_by_model) for f in find(folder).findings] == [
+            ["a.urdf.xacro", "b.urdf.xacro"],
+            ["c.urdf.xacro"],
+        ]
+
+    def test_a_missing_file_is_one_finding(self, tmp_path: Path) -> None:
+        macros = (
+            '<xacro:macro name="part" params="file"><link name="l"><visual><geometry><mesh filename="${file}"/>'
+            "</geometry></visual></link></xacro:macro>"
+        )
+        part = '<xacro:part file="file://$(dirname)/{}.stl"/>'
+        folder = write_robots(tmp_path, macros, a=part.format("x"), b=part.format("x"), c=part.format("y"))
+        assert [list(f.subjects_by_model) for f in find(folder, "PKG002").findings] == [
+            ["a.urdf.xacro", "b.urdf.xacro"],
+            ["c.urdf.xacro"],
+        ]
+
+    def test_launch_files_that_say_the_same_of_one_file_are_one_finding(self, tmp_path: Path) -> None:
+        (tmp_path / "package.xml").write_text('<package format="2"><name>car</name><version>1.0.0</version></package>')
+        (tmp_path / "launch").mkdir()
+        for name in "abc":
+            line = '<param name="robot_description" textfile="$(find car)/urdf/never.urdf"/>'
+            (tmp_path / f"launch/{name}.launch").write_text(f"<launch>{line}</launch>")
+        (found,) = find(tmp_path, "LCH001").findings
+        assert len(found.variants) == 3
+        assert len({place.span.file for place in found.related if place.span}) == 2
+
+    def test_what_a_configuration_judges_otherwise_stays_apart(self, tmp_path: Path) -> None:
+        folder = write_robots(tmp_path, FORMULA, a=disc(), c=disc())
+        (folder / "old").mkdir()
+        (folder / "old/b.urdf.xacro").write_text((folder / "a.urdf.xacro").read_text().replace("macros", "../macros"))
+        (folder / "old/urdfcheck.toml").write_text('fail-on = "never"\n')
+        run = find(folder, config_resolver=ConfigResolver())
+        found = [f for f in run.findings if f.code == "INR003"]
+        models = [[Path(model).name for model in f.subjects_by_model] for f in found]
+        assert dict(zip([run.fail_on.get(f.model) for f in found], models, strict=True)) == {
+            "error": ["a.urdf.xacro", "c.urdf.xacro"],
+            "never": ["b.urdf.xacro"],
+        }
+
+    def test_a_finding_that_only_one_has_is_its_own(self, tmp_path: Path) -> None:
+        folder = write_robots(tmp_path, FORMULA, a=disc(), b='<link name="l"/>')
+        (found,) = find(folder).findings
+        assert (found.model, found.variants) == ("a.urdf.xacro", {})
+
+
+class TestOutputs:
+    @pytest.fixture
+    def run(self, tmp_path: Path) -> Run:
+        names = {name: disc() for name in ("fer", "fp3", "fr3", "duo")}
+        return find(write_robots(tmp_path, FORMULA, **names))
+
+    def test_every_format_names_the_models(self, run: Run) -> None:
+        assert "\n  in    duo, fer, fp3 and 1 more\n" in text.render(run)
+        assert "duo, fer, fp3 and 1 more" in markdown.render(run)
+        assert "In duo, fer, fp3 and 1 more." in html.render(run)
+        (result,) = json.loads(sarif.render(run))["runs"][0]["results"]
+        assert "In duo, fer, fp3 and 1 more." in result["message"]["text"]
+        assert len(result["properties"]["models"]) == 4
+
+    def test_json_has_the_fingerprints_of_each_model(self, run: Run, tmp_path: Path) -> None:
+        """They are those that a run of this model alone has."""
+        (found,) = json.loads(render_json(run))["findings"]
+        alone = find(tmp_path / "fr3.urdf.xacro", root=tmp_path).findings[0]
+        by_id = {model["id"]: model["fingerprints"] for model in found["models"]}
+        assert by_id["fr3.urdf.xacro"] == list(alone.fingerprints)
+        assert by_id[found["model"]] == found["fingerprints"]
+        assert found["variants"] == list(by_id)
+
+    def test_each_model_fails_in_junit_and_is_refused_in_json(self, run: Run) -> None:
+        suites = ElementTree.fromstring(junit.render(run)).iter("testsuite")
+        assert {suite.get("name"): suite.get("failures") for suite in suites if "xacro" in str(suite.get("name"))} == {
+            f"{name}.urdf.xacro": "1" for name in ("duo", "fer", "fp3", "fr3")
+        }
+        outcomes = json.loads(render_json(run))["consumers"]
+        assert {outcome["gazebo"]["verdict"] for outcome in outcomes.values()} == {"refuses"}
+
+    def test_no_model_of_the_page_looks_clean(self, run: Run) -> None:
+        page = html.render(run)
+        assert "No findings" not in page
+        assert page.count("Shared with other models, told there") == 3
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("one_process")
+def test_a_baseline_knows_it_in_every_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / ".git").mkdir()
+    (tmp_path / "urdfcheck.toml").write_text('tier = "source"\nselect = ["INR003", "URC904"]\n')
+    write_robots(tmp_path, FORMULA, a=disc(), b=disc())
+    monkeypatch.chdir(tmp_path)
+    assert main(["."]) == FINDINGS
+    assert main(["baseline", "write"]) == OK
+    assert main(["."]) == OK
+    assert main(["b.urdf.xacro"]) == OK
+    write_robots(tmp_path, FORMULA, c=disc())
+    assert main(["."]) == FINDINGS
+    assert main(["a.urdf.xacro"]) == OK

@@ -1,0 +1,179 @@
+"""Arguments that launch files pass to a xacro and that nobody gave."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import check
+
+from urdfcheck.core import Run
+from urdfcheck.output import text
+from urdfcheck.output.json import render as render_json
+from urdfcheck.source.launch.passed_arguments import find_passed_arguments
+from urdfcheck.source.package.finder import PackageFinder
+
+ARM = """<robot name="$(arg name)" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="name" default="arm"/>
+  <xacro:arg name="type" default="none"/>
+  <xacro:include filename="$(find arm)/config/$(arg type)/parts.xacro"/>
+  <link name="$(arg prefix)base"/>
+</robot>
+"""
+IMPORTS = """from launch.actions import DeclareLaunchArgument
+from launch.substitutions import Command, FindExecutable, LaunchConfiguration, PathJoinSubstitution
+"""
+# As the launch files of Universal Robots do it.
+COMMAND = (
+    IMPORTS
+    + """
+def generate_launch_description():
+    arguments = [
+        DeclareLaunchArgument("type", choices=["large", "small"]),
+        DeclareLaunchArgument("description_package", default_value="arm"),
+        DeclareLaunchArgument("description_file", default_value="arm.urdf.xacro"),
+        DeclareLaunchArgument("prefix", default_value='""'),
+    ]
+    kind = LaunchConfiguration("type")
+    package = LaunchConfiguration("description_package")
+    file = LaunchConfiguration("description_file")
+    content = Command([
+        PathJoinSubstitution([FindExecutable(name="xacro")]), " ",
+        PathJoinSubstitution([FindPackageShare(package), "urdf", file]), " ",
+        "name:=", "ur", " ", "type:=", kind, " ", "prefix:=", LaunchConfiguration("prefix"), " ",
+        "unknown:=", LaunchConfiguration("never_declared"),
+    ])
+"""
+)
+
+
+def make_package(folder: Path, launches: dict[str, str], model: str = ARM) -> Path:
+    """A package with a model and these launch files; the model's path."""
+    files = {
+        "package.xml": '<package format="3"><name>arm</name><version>1.0.0</version></package>',
+        "urdf/arm.urdf.xacro": model,
+        "config/large/parts.xacro": '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>',
+        "config/small/parts.xacro": '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>',
+        **{f"launch/{name}": content for name, content in launches.items()},
+    }
+    for name, content in files.items():
+        path = folder / "arm" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content)
+    return folder / "arm/urdf/arm.urdf.xacro"
+
+
+def list_found(model: Path) -> dict[str, tuple[str, int]]:
+    """Value and line of each argument that launch files pass."""
+    passed = find_passed_arguments(model, PackageFinder(model))
+    return {a.name: (a.value, a.location.span.line if a.location.span else 0) for a in passed.values()}
+
+
+class TestPassedArguments:
+    def test_command(self, tmp_path: Path) -> None:
+        model = make_package(tmp_path, {"view.launch.py": COMMAND})
+        assert list_found(model) == {"name": ("ur", 17), "type": ("large", 6), "prefix": ("", 9)}
+
+    @pytest.mark.parametrize(
+        "call",
+        [
+            'Command(["xacro ", os.path.join(share, "urdf", "arm.urdf.xacro"), " name:=ur"])',
+            'Command("xacro " + share + "/urdf/arm.urdf.xacro name:=ur")',
+            'xacro.process_file(os.path.join(share, "urdf", "arm.urdf.xacro"), mappings={"name": "ur", "x": compute()})',
+            'Command(["xacro ", PathJoinSubstitution([share, "urdf", "arm.urdf.xacro"]), " ", "name:=ur"])',
+            'Command([FindExecutable(name="xacro"), " ", PathJoinSubstitution([compute(), "arm.urdf.xacro"]), " name:=", "ur"])',
+        ],
+    )
+    def test_forms(self, call: str, tmp_path: Path) -> None:
+        start = 'share = get_package_share_directory("arm")\n'
+        assert list_found(make_package(tmp_path, {"a.launch.py": start + f"x = {call}\n"})) == {"name": ("ur", 2)}
+
+    @pytest.mark.parametrize(
+        "call",
+        [
+            'Command(["xacro ", share, "/urdf/hand.urdf.xacro name:=ur"])',
+            'Command(["cat ", share, "/urdf/arm.urdf.xacro name:=ur"])',
+            'Command(["xacro ", compute(), " name:=ur"])',
+            'Command(["xacro ", share, "/urdf/arm.urdf.xacro name:=", compute()])',
+            'process_file(share + "/urdf/arm.urdf.xacro", mappings=compute())',
+        ],
+    )
+    def test_what_says_nothing_of_this_model(self, call: str, tmp_path: Path) -> None:
+        start = 'share = get_package_share_directory("arm")\n'
+        assert list_found(make_package(tmp_path, {"a.launch.py": start + f"x = {call}\n"})) == {}
+
+    def test_a_typed_value_comes_before_a_default_and_this_before_a_choice(self, tmp_path: Path) -> None:
+        def launch(declared: str, value: str) -> str:
+            path = 'get_package_share_directory("arm"), "/urdf/arm.urdf.xacro'
+            return f'{IMPORTS}{declared}\nx = Command(["xacro ", {path} type:=", {value}])'
+
+        choice = launch('DeclareLaunchArgument("t", choices=["a", "b"])', 'LaunchConfiguration("t")')
+        default = launch('DeclareLaunchArgument("t", default_value="c")', 'LaunchConfiguration("t")')
+        model = make_package(tmp_path, {"a.launch.py": choice, "b.launch.py": default})
+        assert list_found(model)["type"][0] == "c"
+        (model.parents[1] / "launch/c.launch.py").write_text(launch("", '"d"'))
+        assert list_found(model)["type"][0] == "d"
+
+    def test_xml(self, tmp_path: Path) -> None:
+        command = "xacro $(find arm)/urdf/arm.urdf.xacro name:=$(arg n)"
+        text_ = f'<launch><arg name="n" default="ur"/><param name="robot_description" command="{command}"/></launch>'
+        assert list_found(make_package(tmp_path, {"a.launch": text_})) == {"name": ("ur", 1)}
+
+    def test_another_package_of_the_repository(self, tmp_path: Path) -> None:
+        model = make_package(tmp_path, {})
+        (tmp_path / ".git").mkdir()
+        bringup = tmp_path / "bringup/launch/view.launch.py"
+        bringup.parent.mkdir(parents=True)
+        bringup.write_text(COMMAND)
+        assert list_found(model)["name"][0] == "ur"
+
+    def test_nothing_runs(self, tmp_path: Path) -> None:
+        mark = tmp_path / "ran"
+        make_package(tmp_path, {"a.launch.py": f"open({str(mark)!r}, 'w')\n{COMMAND}"})
+        assert check(tmp_path).models[0].status == "checked"
+        assert not mark.exists()
+
+
+class TestModels:
+    @pytest.fixture
+    def run(self, tmp_path: Path) -> Run:
+        make_package(tmp_path, {"view.launch.py": COMMAND})
+        return check(tmp_path / "arm")
+
+    def test_is_expanded_with_them(self, run: Run) -> None:
+        (model,) = run.models
+        assert (model.status, model.robot, model.id) == ("checked", "ur", "urdf/arm.urdf.xacro")
+        assert model.args == {"name": "ur", "type": "large", "prefix": ""}
+        assert not [f for f in run.findings if f.code in {"XAC001", "XAC010"}]
+
+    def test_the_report_says_where_they_come_from(self, run: Run) -> None:
+        shown = " ".join(text.render(run).split())
+        assert "expanded with name:=ur (" in shown
+        assert "view.launch.py:6), type" not in shown
+        assert run.models[0].found_args["type"].endswith("launch/view.launch.py:6")
+        assert '"found_args": {\n        "name"' in render_json(run)
+
+    def test_what_is_given_counts(self, tmp_path: Path) -> None:
+        make_package(tmp_path, {"view.launch.py": COMMAND})
+        (model,) = check(tmp_path / "arm", arguments={"name": "mine", "type": "small"}).models
+        assert (model.robot, dict(model.found_args).keys()) == ("mine", {"prefix"})
+
+    def test_a_default_that_works_is_kept(self, tmp_path: Path) -> None:
+        make_package(tmp_path, {"view.launch.py": COMMAND}, ARM.replace('default="none"', 'default="small"'))
+        assert check(tmp_path / "arm").models[0].args == {"name": "ur", "prefix": ""}
+
+    def test_a_value_that_does_not_help_is_not_used(self, tmp_path: Path) -> None:
+        make_package(tmp_path, {"view.launch.py": COMMAND.replace('"large"', '"none"').replace('"small"', '"none"')})
+        run = check(tmp_path / "arm")
+        assert (run.models[0].status, "type" in run.models[0].args) == ("failed", False)
+        (found,) = [f for f in run.findings if f.code == "XAC001"]
+        assert found.message.endswith("which does not exist; there are large, small")
+        assert found.location.subject == "argument[type]"
+
+    def test_choices_are_told_where_no_launch_file_decides(self, tmp_path: Path) -> None:
+        model = ARM.replace('  <xacro:arg name="type" default="none"/>\n', "").replace("$(arg name)", "arm")
+        make_package(tmp_path, {}, model)
+        (found,) = [f for f in check(tmp_path / "arm").findings if f.code == "XAC010"]
+        assert found.message.endswith("was not given; there are large, small")
+        assert found.fix is not None
+        assert "--arg type:=large --arg prefix:=…" in found.fix.title

@@ -1,0 +1,251 @@
+"""One defect is one finding, however many links, models and sets of arguments show it.
+
+A model is what a run checks: a file with one set of arguments. A finding that several models share belongs to the one with the
+fewest arguments, and lists all (``variants``).
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from urdfcheck.core import Applicability, Finding, Fix, Location, Span
+from urdfcheck.policy.fix_safety import ElementCounts
+from urdfcheck.run.jobs import Unit
+from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import EXPRESSION
+
+# The family of rules about launch files, whose text is not part of a model.
+_LAUNCH_FAMILY = "LCH"
+# The families of rules about files that a model names.
+_FILE_FAMILIES = ("PKG", "MSH")
+_STRING = re.compile(r"'[^']*'|\"[^\"]*\"")
+_OPERATOR = re.compile(r"[-+*/%(]")
+
+
+def is_computed(text: str) -> bool:
+    """Whether a typed text computes a value, so that it can be wrong itself; ``${mass}`` only hands one on."""
+    expressions = (a or b for a, b in EXPRESSION.findall(text))
+    return any(_OPERATOR.search(_STRING.sub("", expression)) for expression in expressions)
+
+
+def merge_macro_lines(findings: Iterable[Finding], root: Element | None, texts: Mapping[str, str]) -> list[Finding]:
+    """Merge findings of one model about all elements that a line of a macro makes: then the line is wrong, and not its calls.
+
+    ``root``: the expanded model; ``texts``: the files by name. The line must compute something: the wrong numbers of several
+    calls are several defects, and so are findings with a repair of their own.
+    """
+    findings = list(findings)
+    groups: dict[tuple[Any, ...], list[Finding]] = {}
+    for finding in findings:
+        groups.setdefault((finding.suppressed, finding.location.span, *_get_claim(finding)), []).append(finding)
+    if root is None or len(groups) == len(findings):
+        return findings
+    made = ElementCounts(root)
+    merged: dict[int, Finding | None] = {}
+    for group in groups.values():
+        span = group[0].location.span
+        if len(group) < 2 or span is None or not is_computed(_get_text(span, texts)):
+            continue
+        subjects = {subject for finding in group for subject in finding.subjects}
+        if len(subjects) >= made.count_elements(span) and not any(_list_edits(finding) for finding in group):
+            merged |= {id(finding): None for finding in group}
+            merged[id(group[0])] = _join_calls(group)
+    kept = (merged.get(id(finding), finding) for finding in findings)
+    return [finding for finding in kept if finding is not None]
+
+
+def merge_across_models(
+    findings: Iterable[Finding], units: Iterable[Unit], texts: Mapping[str, str] | None = None
+) -> list[Finding]:
+    """Merge what several models of a run show at one text: first those of one file with several sets of arguments.
+
+    ``texts``: the files with findings, by name. Models of several files share a finding if its text, rule, message, cause and
+    repair are the same, and if besides the text itself computes the value, it was computed from the same definitions, or a file
+    is at fault, which the message names. Launch files share what they say of one file. What different configurations and
+    baselines judge stays apart.
+    """
+    units = list(units)
+    by_id = {unit.id: unit for unit in units}
+
+    def get_home(finding: Finding) -> tuple[Any, ...] | None:
+        unit, span = by_id.get(finding.model), finding.location.span
+        if unit is None or finding.is_about_urdfcheck or span is None:
+            return None
+        return unit.fail_on, unit.baseline_home, finding.suppressed, *_get_claim(finding), _list_edits(finding)
+
+    def get_message_key(finding: Finding) -> tuple[Any, ...] | None:
+        home = get_home(finding)
+        if home is None or not finding.code.startswith((*_FILE_FAMILIES, _LAUNCH_FAMILY)):
+            return None
+        place = None if finding.code.startswith(_LAUNCH_FAMILY) else finding.location.span
+        return *home, place, finding.message
+
+    def get_text_key(finding: Finding) -> tuple[Any, ...] | None:
+        home, span = get_home(finding), finding.location.span
+        if home is None or span is None:
+            return None
+        return *home, span, () if is_computed(_get_text(span, texts or {})) else _list_value_definitions(finding)
+
+    def rank(finding: Finding) -> tuple[Any, ...]:
+        return len(by_id[finding.model].arguments), finding.model
+
+    merged = _merge_groups(_merge_variants(findings, units), get_message_key, rank=rank)
+    return _merge_groups(merged, get_text_key, rank=rank)
+
+
+def _merge_groups(
+    findings: Iterable[Finding],
+    get_key: Callable[[Finding], tuple[Any, ...] | None],
+    *,
+    rank: Callable[[Finding], tuple[Any, ...]],
+) -> list[Finding]:
+    """Merge the findings of one key; those with the key None stay as they are."""
+    alone: list[Finding] = []
+    groups: dict[tuple[Any, ...], list[Finding]] = {}
+    for finding in findings:
+        key = get_key(finding)
+        if key is None:
+            alone.append(finding)
+        else:
+            groups.setdefault(key, []).append(finding)
+    for group in groups.values():
+        for same in _split_repeated(group):
+            alone.append(same[0] if len(same) == 1 else _join_models(same, rank=rank))
+    return alone
+
+
+def _split_repeated(group: Sequence[Finding]) -> list[list[Finding]]:
+    """Split findings of which a model has several by their measured values; what is still repeated stays apart."""
+    parts = [list(group)]
+    if _has_repeated_model(group):
+        by_numbers: dict[tuple[Any, ...], list[Finding]] = {}
+        for finding in group:
+            numbers = tuple(sorted((k, v) for k, v in finding.data.items() if isinstance(v, (int, float))))
+            by_numbers.setdefault(numbers, []).append(finding)
+        parts = list(by_numbers.values())
+    return [some for part in parts for some in ([[f] for f in part] if _has_repeated_model(part) else [part])]
+
+
+def _has_repeated_model(group: Sequence[Finding]) -> bool:
+    models = [model for finding in group for model in finding.subjects_by_model]
+    return len(set(models)) < len(models)
+
+
+def _join_models(group: Sequence[Finding], *, rank: Callable[[Finding], tuple[Any, ...]]) -> Finding:
+    """Return the finding of the first model, with all models and with the places of the others that are elsewhere."""
+    ordered = sorted(group, key=rank)
+    first = ordered[0]
+    variants = {model: subjects for finding in ordered for model, subjects in finding.subjects_by_model.items()}
+    places = {f.location.span: f.location for f in ordered if f.location.span != first.location.span}
+    related = dict.fromkeys((*first.related, *places.values()))
+    # What is not safe in one model is not safe.
+    fixes = [finding.fix for finding in group if finding.fix is not None]
+    order = list(Applicability)
+    return replace(
+        first,
+        fix=max(fixes, key=lambda fix: order.index(fix.applicability), default=None),
+        variants=dict(sorted(variants.items())),
+        severity=max(finding.severity for finding in group),
+        related=tuple(related),
+    )
+
+
+def _join_calls(group: Sequence[Finding]) -> Finding:
+    """Return the first finding with the elements of all, and with the calls that made those of the others."""
+    first = group[0]
+    calls = (finding.location.via[-1] for finding in group[1:] if finding.location.via)
+    shown = {call: Location("call", call) for call in calls if call not in first.location.via}
+    places = dict.fromkeys((*shown.values(), *(place for finding in group for place in finding.related)))
+    subjects = tuple(dict.fromkeys(subject for finding in group for subject in finding.subjects))
+    title = f"correct what this line computes: it makes {len(subjects)} elements"
+    if first.fix is not None:
+        title += f" (for the first of them: {first.fix.title})"
+    return replace(
+        first,
+        subjects=subjects,
+        fix=Fix(title),
+        severity=max(finding.severity for finding in group),
+        related=tuple(places),
+    )
+
+
+# -- variants of one file ----------------------------------------------------------------------------------------------
+
+
+def _merge_variants(findings: Iterable[Finding], units: Iterable[Unit]) -> list[Finding]:
+    """Merge findings that several sets of arguments of one file show at the same text."""
+    files = _find_variant_files(units)
+    alike: dict[tuple[Any, ...], list[Finding]] = {}
+    found: list[Finding] = []
+    for finding in findings:
+        if finding.model in files:
+            alike.setdefault((files[finding.model][0], finding.suppressed, *get_defect_key(finding)), []).append(
+                finding
+            )
+        else:
+            found.append(finding)
+    for group in alike.values():
+        for same in _split_by_subjects(group):
+            first = min(same, key=lambda f: (files[f.model][1], f.model))
+            variants = {f.model: f.subjects for f in sorted(same, key=lambda f: f.model)}
+            found.append(replace(first, variants=variants, severity=max(f.severity for f in same)))
+    return found
+
+
+def _split_by_subjects(group: list[Finding]) -> list[list[Finding]]:
+    """Split findings at one text: if a model has several, by their subjects, and equal ones by their order."""
+    if len({finding.model for finding in group}) == len(group):
+        return [group]
+    seen: Counter[tuple[str, tuple[str, ...]]] = Counter()
+    apart: dict[tuple[tuple[str, ...], int], list[Finding]] = {}
+    for finding in group:
+        seen[finding.model, finding.subjects] += 1
+        apart.setdefault((finding.subjects, seen[finding.model, finding.subjects]), []).append(finding)
+    return list(apart.values())
+
+
+def _find_variant_files(units: Iterable[Unit]) -> dict[str, tuple[str, int]]:
+    """Return file and number of arguments, by id, of the models of which the run has several variants."""
+    found = {unit.id: (os.path.realpath(unit.path), len(unit.arguments)) for unit in units if unit.kind == "model"}
+    number = Counter(file for file, _ in found.values())
+    return {name: (file, length) for name, (file, length) in found.items() if number[file] > 1}
+
+
+# -- what makes two findings the same ----------------------------------------------------------------------------------
+
+
+def get_defect_key(finding: Finding) -> tuple[Any, ...]:
+    """Return what identifies one defect in all variants: the same text, with a value from the same definitions."""
+    span = finding.location.span
+    made_of = frozenset(_list_definitions(finding, ("property[", "yaml[")))
+    return finding.code, finding.message_id, finding.subjects if span is None else (span, made_of)
+
+
+def _get_claim(finding: Finding) -> tuple[str, str, str]:
+    """Return rule, message and cause."""
+    return finding.code, finding.message_id, "" if finding.cause is None else finding.cause.id
+
+
+def _list_definitions(finding: Finding, kinds: tuple[str, ...]) -> tuple[Span | None, ...]:
+    """Return the places of the definitions that the value was computed from, in a stable order."""
+    spans = {place.span for place in finding.related if place.subject.startswith(kinds)}
+    return tuple(sorted(span for span in spans if span is not None))
+
+
+def _list_value_definitions(finding: Finding) -> tuple[Span | None, ...]:
+    """Return the definitions that decide the value: those in yaml where there are any, for the others only lead there."""
+    in_yaml = _list_definitions(finding, ("yaml[",))
+    return in_yaml or _list_definitions(finding, ("property[", "parameter[", "argument["))
+
+
+def _list_edits(finding: Finding) -> tuple[Any, ...]:
+    return () if finding.fix is None else finding.fix.edits
+
+
+def _get_text(span: Span, texts: Mapping[str, str]) -> str:
+    return texts.get(span.file, "")[span.start : span.end]

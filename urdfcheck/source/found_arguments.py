@@ -1,0 +1,81 @@
+"""Expanding a xacro whose arguments are not all given: launch files that start it say what it is used with."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from urdfcheck.source.launch.passed_arguments import PassedArgument, find_passed_arguments
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.xacro.expand import Expansion, expand_xacro
+
+# How many arguments are found one after the other: the robot with most of them has 79, nearly all with defaults.
+MOST_FOUND = 64
+# What follows in xacro's messages on the reason, and its reason for a file that it cannot open.
+IN_EXPRESSION = " when evaluating expression '"
+MISSING_FILE = re.compile(r"No such file or directory: '?([^'\n]+?)'?(?: \[Errno.*)?$")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FoundExpansion:
+    """An expansion with the arguments that it took."""
+
+    expansion: Expansion
+    arguments: Mapping[str, str]
+    found: Mapping[str, PassedArgument]
+    """Those of the arguments that were not given, by name."""
+
+
+def expand_with_found_arguments(
+    path: Path, arguments: Mapping[str, str], finder: PackageFinder, *, environment: frozenset[str]
+) -> FoundExpansion:
+    """Expand a xacro. An argument without which there is no model gets the value that a launch file passes.
+
+    This is one that is read and has no value, or one whose default leads to a file that does not exist.
+    """
+    expansion = expand_xacro(path, arguments, finder, extra_environment=environment)
+    found: dict[str, PassedArgument] = {}
+    passed: Mapping[str, PassedArgument] | None = None
+    for _ in range(MOST_FOUND):
+        names = _list_wanted_arguments(expansion.problems)
+        if not names:
+            break
+        if passed is None:
+            passed = find_passed_arguments(path, finder)
+        new = {name: passed[name] for name in names if name in passed and name not in {**arguments, **found}}
+        if not new:
+            break
+        values = {name: argument.value for name, argument in {**found, **new}.items()}
+        further = expand_xacro(path, {**arguments, **values}, finder, extra_environment=environment)
+        if further.root is None and _has_same_failure(expansion, further):
+            break
+        expansion, found = further, {**found, **new}
+    values = {name: argument.value for name, argument in found.items()}
+    return FoundExpansion(expansion, {**arguments, **values}, found)
+
+
+def _list_wanted_arguments(problems: tuple[Problem, ...]) -> list[str]:
+    """Return the arguments that have no value, or that a path to a missing file was made of."""
+    names: list[str] = []
+    for problem in problems:
+        if problem.kind == "argument-missing":
+            names.append(str(problem.data["argument"]))
+        elif problem.kind == "expansion-failed" and _is_about_missing_file(problem):
+            subjects = (place.subject for place in problem.related)
+            names += [subject[len("argument[") : -1] for subject in subjects if subject.startswith("argument[")]
+    return names
+
+
+def _is_about_missing_file(problem: Problem) -> bool:
+    return MISSING_FILE.search(problem.message.split(IN_EXPRESSION)[0]) is not None
+
+
+def _has_same_failure(first: Expansion, second: Expansion) -> bool:
+    failures = [
+        {(p.kind, p.message) for p in expansion.problems if p.kind in {"argument-missing", "expansion-failed"}}
+        for expansion in (first, second)
+    ]
+    return failures[0] == failures[1]

@@ -1,0 +1,210 @@
+"""The values that launch files pass to a model's xacro arguments. Nothing is executed."""
+
+from __future__ import annotations
+
+import ast
+import fnmatch
+import glob
+import os
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from urdfcheck.core import Location
+from urdfcheck.source.launch.launch_file import load_launch
+from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunchReader
+from urdfcheck.source.launch.python_texts import (
+    MAX_LENGTH,
+    DeclaredArgument,
+    find_call_argument,
+    get_function_name,
+    read_declared_arguments,
+)
+from urdfcheck.source.launch.substitutions import split_command
+from urdfcheck.source.package.file_kinds import is_launch
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.text.xml import SourceFile
+from urdfcheck.system.files import read_regular, walk
+
+# Limit on launch files that are read for one model: the largest repository of a hundred has 130.
+MOST_LAUNCHES = 200
+# Stands for a piece of text that is only known at launch.
+_UNKNOWN = "\x01"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PassedArgument:
+    """A value that a launch file passes to an argument of a model."""
+
+    name: str
+    value: str
+    location: Location
+    """Where the launch file passes it on, or declares its value."""
+    rank: int
+    """0: typed as it is; 1: the default of an argument of the launch file; 2: the first of its choices."""
+
+
+def find_passed_arguments(model: Path, finder: PackageFinder) -> dict[str, PassedArgument]:
+    """Return by name what the launch files of a model's package pass to its arguments.
+
+    Where several pass a value, a typed one comes before a default, and then the first file counts. The repository around the
+    package gives what its own launch files leave open.
+    """
+    real = os.path.realpath(model)
+    package = finder.find_package_of(model.absolute())
+    inner = model.absolute().parent if package is None else package.path
+    outer = next((folder for folder in inner.parents if (folder / ".git").exists()), None)
+    found: dict[str, PassedArgument] = {}
+    visited: set[Path] = set()
+    for folder in (inner, outer):
+        if folder is None or not finder.can_open(folder):
+            continue
+        known: dict[str, PassedArgument] = {}
+        for launch in _iter_launch_files(folder, finder):
+            if launch in visited or len(visited) >= MOST_LAUNCHES:
+                continue
+            visited.add(launch)
+            for passed in read_passed_arguments(launch, real, finder):
+                before = known.get(passed.name)
+                if before is None or passed.rank < before.rank:
+                    known[passed.name] = passed
+        found = {**known, **found}
+    return found
+
+
+def read_passed_arguments(launch: Path, model: str, finder: PackageFinder) -> list[PassedArgument]:
+    """Return what one launch file passes to the arguments of a model; ``model``: its real path."""
+    try:
+        data = read_regular(launch, MAX_PYTHON)
+    except OSError:
+        return []
+    if b"xacro" not in data:
+        return []
+    if launch.suffix == ".py":
+        return list(_read_python(launch, data, model, finder))
+    return [
+        PassedArgument(name=name, value=value, location=description.at.location, rank=0)
+        for description in load_launch(launch, finder).descriptions
+        if description.path is not None and os.path.realpath(description.path) == model
+        for name, value in description.arguments.items()
+    ]
+
+
+def _iter_launch_files(folder: Path, finder: PackageFinder) -> Iterator[Path]:
+    """Yield the launch files below a folder, in the order of their paths."""
+    files: list[Path] = []
+    for place, names, inside in walk(folder):
+        names[:] = [n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS]
+        files += [path for name in inside if is_launch(path := Path(place, name)) and finder.can_open(path)]
+    yield from sorted(files)
+
+
+def _read_python(launch: Path, data: bytes, model: str, finder: PackageFinder) -> Iterator[PassedArgument]:
+    file = SourceFile(launch, format_path(launch), text=data.decode("utf-8-sig", "replace"))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(file.text)
+        yield from XacroCallReader(PythonLaunchReader(tree, file, path=launch, finder=finder)).read(model)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return
+
+
+class XacroCallReader:
+    """Reads the commands and calls of a Python launch file that hand a model to xacro."""
+
+    def __init__(self, reader: PythonLaunchReader) -> None:
+        self.reader = reader
+        self.declared = read_declared_arguments(reader.nodes, reader.texts)
+        self.texts = reader.at_plain_launch
+
+    def read(self, model: str) -> Iterator[PassedArgument]:
+        """Yield the arguments that are passed to a model, given by its real path."""
+        for node in self.reader.nodes:
+            if not isinstance(node, ast.Call):
+                continue
+            function = get_function_name(node)
+            if function == "Command" and node.args:
+                yield from self.read_command(node.args[0], model)
+            elif function in {"process_file", "process"} and node.args:
+                mappings = self.texts.follow_name(find_call_argument(node, -1, "mappings"))
+                if isinstance(mappings, ast.Dict) and self.may_mean(self.evaluate(node.args[0]), model):
+                    yield from self.read_mappings(mappings)
+
+    def read_command(self, command: ast.expr, model: str) -> Iterator[PassedArgument]:
+        """Yield the arguments in ``xacro FILE name:=value …``, a text or the pieces of one."""
+        followed = self.texts.follow_name(command) or command
+        pieces = self.texts.list_elements(followed) or [followed]
+        texts = [self.evaluate(piece) for piece in pieces]
+        line = "".join(texts)
+        if len(line) > MAX_LENGTH:
+            return
+        words = split_command(line)
+        if not words or "xacro" not in words[0]:
+            return
+        if not any(self.may_mean(word, model) for word in words[1:] if ":=" not in word and not word.startswith("-")):
+            return
+        for word in words[1:]:
+            name, assigned, value = word.partition(":=")
+            if assigned and name.isprintable() and _UNKNOWN not in word:
+                place = _find_piece(texts, f"{name}:=")
+                typed = texts[place].rstrip().endswith(":=") and place + 1 < len(pieces)
+                yield self.make_passed(name, value, pieces[place + 1] if typed else pieces[place])
+
+    def read_mappings(self, mappings: ast.Dict) -> Iterator[PassedArgument]:
+        """Yield the arguments of ``xacro.process_file(…, mappings={…})``."""
+        for key, node in zip(mappings.keys, mappings.values, strict=True):
+            name = None if key is None else self.texts.evaluate(key)
+            value = self.texts.evaluate(node)
+            if name and value is not None:
+                yield self.make_passed(name, value, node)
+
+    def make_passed(self, name: str, value: str, node: ast.expr) -> PassedArgument:
+        """Return a value that a node passes, at the place where it is typed."""
+        read = None if self.reader.texts.evaluate(node) is not None else self.find_declaration(node)
+        place = self.reader.locate_node(node if read is None else read.place)
+        rank = 0 if read is None else 2 if read.default is None else 1
+        return PassedArgument(name=name, value=value, location=place, rank=rank)
+
+    def find_declaration(self, node: ast.expr) -> DeclaredArgument | None:
+        """Return the declaration of the launch argument that a node reads."""
+        followed = self.texts.follow_name(node)
+        for inner in ast.walk(followed) if followed is not None else ():
+            if isinstance(inner, ast.expr) and (name := self.texts.get_argument_name(inner)):
+                return self.declared.get(name)
+        return None
+
+    def evaluate(self, node: ast.expr) -> str:
+        """Return the text of a node, with a mark for each part that is unknown."""
+        text = self.texts.evaluate(node)
+        if text is not None:
+            return text
+        followed = self.texts.follow_name(node)
+        if not isinstance(followed, ast.Call):
+            return _UNKNOWN
+        function = get_function_name(followed)
+        if function == "FindExecutable":
+            name = find_call_argument(followed, -1, "name")
+            return (None if name is None else self.texts.evaluate(name)) or _UNKNOWN
+        if function == "PathJoinSubstitution" and followed.args:
+            return "/".join(map(self.evaluate, self.texts.list_elements(followed.args[0])))
+        if function == "join":
+            return "/".join(map(self.evaluate, followed.args))
+        return _UNKNOWN
+
+    def may_mean(self, text: str, model: str) -> bool:
+        """Whether a path, with marks for what is unknown, means the model: its name must be known."""
+        path = text if _UNKNOWN in text or os.path.isabs(text) else str(self.reader.own_folder / text)
+        if _UNKNOWN in path.rpartition("/")[2]:
+            return False
+        if _UNKNOWN not in path:
+            return os.path.realpath(path) == model
+        pattern = "*".join(map(glob.escape, path.split(_UNKNOWN)))
+        return fnmatch.fnmatchcase(model, pattern if pattern.startswith(("*", "/")) else f"*/{pattern}")
+
+
+def _find_piece(texts: Sequence[str], begin: str) -> int:
+    """Return the index of the piece that an assignment begins in."""
+    return next((i for i, text in enumerate(texts) if begin in text), 0)

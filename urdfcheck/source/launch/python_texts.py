@@ -1,0 +1,193 @@
+"""The texts that expressions of a Python launch file stand for. Nothing in it is executed."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from urdfcheck.source.package.finder import PackageFinder
+
+# A longer text is not a path: it comes from names that multiply each other.
+MAX_LENGTH = 4000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DeclaredArgument:
+    """An argument that a launch file declares, with its literal default (None without one) and the values that it may have."""
+
+    default: str | None
+    choices: tuple[str, ...]
+    place: ast.expr
+    """Where the default is typed, else the choices, else the declaration."""
+
+    @property
+    def value(self) -> str | None:
+        """The value at a plain launch: the default, else the first choice."""
+        return self.choices[0] if self.default is None and self.choices else self.default
+
+
+class PythonTexts:
+    """Evaluates the expressions of one syntax tree that consist of literals, names assigned once and packages' folders.
+
+    ``arguments``: values of launch arguments; without them ``LaunchConfiguration`` has no value.
+    """
+
+    def __init__(
+        self, nodes: Sequence[ast.AST], finder: PackageFinder, *, arguments: Mapping[str, str] | None = None
+    ) -> None:
+        self.assigned = _find_single_assignments(nodes)
+        self.finder = finder
+        self.arguments = dict(arguments or {})
+        self.values: dict[int, str | None] = {}
+
+    def evaluate(self, node: ast.AST) -> str | None:
+        """Return the text of a node; None if it is unknown."""
+        if id(node) not in self.values:
+            self.values[id(node)] = None  # while it is computed: a name made of itself has no value
+            text = self.compute_text(node)
+            self.values[id(node)] = None if text is None or len(text) > MAX_LENGTH else text
+        return self.values[id(node)]
+
+    def compute_text(self, node: ast.AST) -> str | None:
+        """Return the text of a node, not from memory."""
+        if isinstance(node, ast.Constant):
+            return node.value if isinstance(node.value, str) else None
+        if isinstance(node, ast.Name):
+            return self.evaluate(self.assigned[node.id]) if node.id in self.assigned else None
+        if isinstance(node, ast.JoinedStr):
+            return self.evaluate_all(node.values, "".join)
+        if isinstance(node, ast.FormattedValue):
+            return self.evaluate(node.value) if node.conversion == -1 and node.format_spec is None else None
+        if isinstance(node, ast.BinOp):
+            joins = {ast.Add: "".join, ast.Div: join_paths}
+            join = joins.get(type(node.op))
+            return None if join is None else self.evaluate_all([node.left, node.right], join)
+        if isinstance(node, ast.Call):
+            return self.evaluate_call(node)
+        return None
+
+    def evaluate_call(self, node: ast.Call) -> str | None:
+        """Return the text of a call that finds a package, joins paths or reads a launch argument."""
+        package = self.get_package(node)
+        if package is not None:
+            folder = self.finder.find(package)
+            return None if folder is None else str(folder)
+        function = get_function_name(node)
+        if function == "find" and isinstance(node.func, ast.Attribute):  # FindPackageShare("p").find("p")
+            share = node.func.value
+            return self.evaluate(share) if isinstance(share, ast.Call) and self.get_package(share) else None
+        if function in {"join", "joinpath", "Path", "PathSubstitution", "str"} and not node.keywords:
+            before = [node.func.value] if function == "joinpath" and isinstance(node.func, ast.Attribute) else []
+            return self.evaluate_all([*before, *node.args], join_paths)
+        if function == "PathJoinSubstitution" and len(node.args) == 1:
+            return self.evaluate_all(self.list_elements(node.args[0]), join_paths)
+        return self.evaluate_argument(node, function)
+
+    def evaluate_argument(self, node: ast.Call, function: str) -> str | None:
+        """Return the value of the launch argument that a call reads."""
+        if function == "LaunchConfiguration":
+            return self.arguments.get(self.get_argument_name(node))
+        if function == "perform_substitution" and node.args:  # context.perform_substitution(LaunchConfiguration(…))
+            return self.evaluate(node.args[-1])
+        if function == "perform" and isinstance(node.func, ast.Attribute):  # LaunchConfiguration(…).perform(context)
+            return self.evaluate(node.func.value)
+        return None
+
+    def get_argument_name(self, node: ast.expr) -> str:
+        """Return the launch argument that ``LaunchConfiguration(…)`` reads; empty for anything else."""
+        if not isinstance(node, ast.Call) or get_function_name(node) != "LaunchConfiguration":
+            return ""
+        name = find_call_argument(node, 0, "variable_name")
+        return "" if name is None else self.evaluate(name) or ""
+
+    def evaluate_all(self, nodes: Sequence[ast.AST], join: Callable[[list[str]], str]) -> str | None:
+        """Return the texts of all nodes together; None if one is unknown."""
+        texts = [self.evaluate(node) for node in nodes]
+        parts = [text for text in texts if text is not None]
+        return join(parts) if parts and len(parts) == len(texts) else None
+
+    def get_package(self, node: ast.AST) -> str | None:
+        """Return the package that a call looks up, if its name is known."""
+        name = get_package_name(node)
+        if name is not None or not self.arguments or not is_package_lookup(node) or not isinstance(node, ast.Call):
+            return name
+        asked = find_call_argument(node, 0, "package", "package_name")
+        return None if asked is None else self.evaluate(asked)
+
+    def follow_name(self, node: ast.expr | None) -> ast.expr | None:
+        """Return the value of a name that is assigned once; anything else as it is."""
+        for _ in range(8):
+            if not isinstance(node, ast.Name) or node.id not in self.assigned:
+                break
+            node = self.assigned[node.id]
+        return node
+
+    def list_elements(self, node: ast.expr | None) -> Sequence[ast.expr]:
+        """Return the elements of a list; none if it is not a list."""
+        node = self.follow_name(node)
+        return node.elts if isinstance(node, (ast.List, ast.Tuple)) else []
+
+
+def read_declared_arguments(nodes: Sequence[ast.AST], texts: PythonTexts) -> dict[str, DeclaredArgument]:
+    """Return the arguments that ``DeclareLaunchArgument`` declares."""
+    declared: dict[str, DeclaredArgument] = {}
+    for node in nodes:
+        if isinstance(node, ast.Call) and get_function_name(node) == "DeclareLaunchArgument":
+            name_node, default_node = find_call_argument(node, 0, "name"), find_call_argument(node, 1, "default_value")
+            name = None if name_node is None else texts.evaluate(name_node)
+            choices_node = find_call_argument(node, -1, "choices")
+            choices = [texts.evaluate(choice) for choice in texts.list_elements(choices_node)]
+            default = None if default_node is None else texts.evaluate(default_node)
+            if name and (default_node is None or default is not None):
+                known = tuple(choice for choice in choices if choice is not None)
+                place = default_node or next(iter(texts.list_elements(choices_node)), node)
+                declared.setdefault(name, DeclaredArgument(default, known, place))
+    return declared
+
+
+def find_call_argument(call: ast.Call, position: int, *names: str) -> ast.expr | None:
+    """Return an argument of a call by one of its names or, if not negative, by its position."""
+    for keyword in call.keywords:
+        if keyword.arg in names:
+            return keyword.value
+    return call.args[position] if 0 <= position < len(call.args) else None
+
+
+def get_function_name(call: ast.Call) -> str:
+    """Return the last name of the called function."""
+    return call.func.attr if isinstance(call.func, ast.Attribute) else str(getattr(call.func, "id", ""))
+
+
+def is_package_lookup(node: ast.AST) -> bool:
+    """Whether a node calls ``get_package_share_directory``, ``FindPackageShare`` or the like."""
+    return isinstance(node, ast.Call) and bool(re.search("package_share|PackageShare", get_function_name(node)))
+
+
+def get_package_name(node: ast.AST) -> str | None:
+    """Return ``p`` of ``get_package_share_directory("p")``, ``FindPackageShare("p")`` and the like."""
+    if not isinstance(node, ast.Call) or not is_package_lookup(node):
+        return None
+    arguments = [*node.args, *(keyword.value for keyword in node.keywords)]
+    return str(arguments[0].value) if arguments and isinstance(arguments[0], ast.Constant) else None
+
+
+def join_paths(parts: list[str]) -> str:
+    """Join the parts of a path."""
+    return os.path.normpath(os.path.join(*parts))
+
+
+def _find_single_assignments(nodes: Sequence[ast.AST]) -> dict[str, ast.expr]:
+    """Return the value of each name that is assigned in one place only."""
+    times = Counter(n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
+    times.update(n.arg for n in nodes if isinstance(n, ast.arg))
+    return {
+        target.id: node.value
+        for node in nodes
+        if isinstance(node, ast.Assign) and len(node.targets) == 1
+        for target in node.targets
+        if isinstance(target, ast.Name) and times[target.id] == 1
+    }
