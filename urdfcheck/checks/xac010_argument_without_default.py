@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Finding, Rule
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.xacro.usage import find_unprefixed_tags, iter_elements_by_tag
 
@@ -18,14 +18,15 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         at = locate_expression(source, problem, f"$(arg {name})")
         declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
         missing = [name, *(n for n in _find_undeclared_arguments(source) if n != name)]
+        options = " ".join(f"--arg {n}:=…" for n in missing)
         yield rule.finding(
             "too-late" if declared else "missing",
             at=at,
             related=[*declared, *(r for r in (problem.location, *problem.related) if r.span != at.span)],
-            severity=Severity.ERROR if source.explicit else None,
             argument=name,
             missing=missing,
-            options=" ".join(f"--arg {n}:=…" for n in missing),
+            options=options,
+            remedy=options,
             default=declared[0].get("default") if declared else "",
             between=[
                 e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name

@@ -14,6 +14,18 @@ if TYPE_CHECKING:
     from urdfcheck.core.scene import Scene
 
 
+@dataclass(frozen=True, slots=True)
+class NotChecked:
+    """Why nothing is known of a model, and what helps."""
+
+    reason: str
+    """A sentence: the message of the finding at the cause."""
+    remedy: str = ""
+    """Options of the command with which the model may be checked, like ``--arg name:=…``; empty where the file is wrong."""
+    accepted: bool = False
+    """Whether the configuration or the command line accepts that the model is not checked (``unchecked``)."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelInfo:
     """One model of a run."""
@@ -33,11 +45,38 @@ class ModelInfo:
     """Name of the model in the report: its path from the configuration's root, and its arguments."""
     seconds: float = 0.0
     """Duration of the check."""
+    not_checked: NotChecked | None = None
+    """Why nothing is known of the model; None if it was checked."""
 
     @classmethod
-    def unread(cls, *, path: str, model_id: str, arguments: Mapping[str, str], status: str = "failed") -> ModelInfo:
+    def unread(
+        cls,
+        *,
+        path: str,
+        model_id: str,
+        arguments: Mapping[str, str],
+        status: str = "failed",
+        not_checked: NotChecked | None = None,
+    ) -> ModelInfo:
         """Return the line of a model that could not be read."""
-        return cls(path=path, robot="", args=dict(arguments), links=0, joints=0, mass=None, status=status, id=model_id)
+        return cls(
+            path=path,
+            robot="",
+            args=dict(arguments),
+            links=0,
+            joints=0,
+            mass=None,
+            status=status,
+            id=model_id,
+            not_checked=not_checked,
+        )
+
+    @property
+    def unchecked_severity(self) -> Severity | None:
+        """How bad it is that the model was not checked: an error, or a warning where that is accepted; None if it was."""
+        if self.status == "checked":
+            return None
+        return Severity.WARNING if self.not_checked is not None and self.not_checked.accepted else Severity.ERROR
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,6 +117,8 @@ class Run:
     """Model id → least severity of a finding that fails the run, where a configuration sets it."""
     baselines: frozenset[str] = frozenset()
     """Names of the baseline files."""
+    unused_macro_files: tuple[str, ...] = ()
+    """Files that define macros and that no checked model has read: they were not checked."""
 
     def count_findings(self, severity: Severity) -> int:
         """Count the findings of exactly this severity that are not suppressed."""
@@ -88,6 +129,11 @@ class Run:
         if not finding.variants:
             return {}
         return next((info.args for info in self.models if info.id == finding.model), {})
+
+    @property
+    def unchecked_models(self) -> tuple[ModelInfo, ...]:
+        """The models of which nothing is known; without findings they are not clean."""
+        return tuple(info for info in self.models if info.status != "checked")
 
     @property
     def active_findings(self) -> tuple[Finding, ...]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.source.folder_index import FolderIndex, ModelFile, resolve_path
+from urdfcheck.source.folder_index import FolderIndex, ModelFile, explain_unreadable, resolve_path
 from urdfcheck.source.launch.launch_file import load_launch
 from urdfcheck.source.launch.python_launch_file import read_python_launch
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES, is_launch, is_srdf
@@ -88,6 +88,8 @@ class Plan:
     """Packages in a folder that was given, which are checked with all their files."""
     config_errors: tuple[str, ...] = ()
     """Errors in configurations, each text beginning with its place."""
+    macro_files: tuple[Path, ...] = ()
+    """Files in the given folders that define macros."""
 
 
 def discover_targets(
@@ -145,6 +147,7 @@ class _Planner:
         self.unused: list[tuple[str, str]] = []
         self.folders: dict[Path, FolderIndex] = {}
         self.given_folders: list[Path] = []
+        self.macro_files: dict[Path, None] = {}
 
     def make_finder(self, start: Path) -> PackageFinder:
         config = self.get_config(start)
@@ -176,6 +179,8 @@ class _Planner:
         try:
             if self.reach is not None and not self.reach.can_open(path):
                 self.missing.append((str(path), OUT_OF_REACH))
+            elif reason := explain_unreadable(path):
+                self.missing.append((str(path), reason))
             elif path.is_dir():
                 self.add_folder(path)
             elif path.is_file():
@@ -203,6 +208,13 @@ class _Planner:
             if resolve_path(model) not in self.models:
                 self.add_model(ModelTarget(path=model, arguments=self.arguments))
         self.unused += [(format_path(link), OUT_OF_REACH) for link in sorted(folder.outside)]
+        for place, reason in sorted(folder.unreadable):
+            # An excluded folder is excluded with all that may be in it.
+            config = self.get_config(place.parent)
+            if config is None or not (config.excludes(place) or config.excludes(place / "_")):
+                self.missing.append((format_path(place), reason))
+        macro_files = (path for path, file in folder.files.items() if file.defines_macros)
+        self.macro_files.update(dict.fromkeys(path for path in macro_files if self.is_usable(path, named=False)))
 
     def add_file(self, path: Path) -> None:
         if is_launch(path):
@@ -402,6 +414,7 @@ class _Planner:
             configs={str(path): config for path in checked if (config := self.get_config(path)) is not None},
             whole_packages=frozenset(filter(self.is_in_given_folder, packages)),
             config_errors=tuple(self.config_errors),
+            macro_files=tuple(self.macro_files),
         )
 
     def list_targets(self) -> list[ModelTarget]:

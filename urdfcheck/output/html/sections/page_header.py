@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from urdfcheck.core import ModelInfo, Run
 from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_number, render_path
-from urdfcheck.output.shared.wording import format_count, get_base_name, summarize_verdict
+from urdfcheck.output.shared.verdict.verdict import summarize_verdict
+from urdfcheck.output.shared.wording import format_count, get_base_name
 
 MOST_NAMES = 3
 DEPTHS = {"source": "source only", "mesh": "source and meshes", "full": "full"}
