@@ -5,6 +5,9 @@ from __future__ import annotations
 import errno
 import json
 import os
+import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -247,6 +250,36 @@ def test_a_named_file_that_cannot_be_read_is_a_failure(
     outcome = check(Path(name))
     assert outcome.failures == (f"{name}: cannot be read: Permission denied",)
     assert compute_exit_code(outcome, "never") == FAILED
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("named", [".", "secret", "shut/r.urdf", "secret.urdf"])
+def test_what_the_system_really_refuses_is_a_failure(named: str, tmp_path: Path) -> None:
+    """Without a mock: root gives up the right to read everything."""
+    write(tmp_path, {"secret/r.urdf": SOUND, "shut/r.urdf": SOUND, "secret.urdf": SOUND, "sound.urdf": SOUND})
+    unprivileged: list[str] = []
+    if os.geteuid() == 0:
+        rights = "-dac_override,-dac_read_search"
+        if shutil.which("setpriv") is None:
+            pytest.skip("root cannot give up its rights without setpriv")
+        unprivileged = ["setpriv", f"--bounding-set={rights}", f"--inh-caps={rights}"]
+    try:
+        for name, mode in (("secret", 0), ("shut", 0o644), ("secret.urdf", 0)):
+            (tmp_path / name).chmod(mode)
+        words = [*unprivileged, sys.executable, "-I", "-m", "urdfcheck", named, "--select", "INR003"]
+        done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
+    finally:
+        for name in ("secret", "shut", "secret.urdf"):
+            (tmp_path / name).chmod(0o755)
+    assert done.returncode == FAILED
+    wanted = ["secret", "secret.urdf", "shut"] if named == "." else [named]
+    told = [line.partition(": cannot be read: Permission denied")[0] for line in done.stdout.splitlines()]
+    assert (
+        sorted(line.removeprefix("urdfcheck failed: ") for line in told if line.startswith("urdfcheck failed"))
+        == wanted
+    )
+    assert f"\n⊘ not finished: {len(wanted)} failure" in done.stdout
+    assert not done.stderr
 
 
 def test_a_folder_that_lies_too_deep_to_be_read_hides_no_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -394,6 +394,8 @@ def _format_summary(run: Run) -> Text:
         return text.append(_describe_suppressed(run), "dim")
     counts = [(s, run.count_findings(s)) for s in SEVERITY_ORDER]
     text = Text()
+    if run.failures:
+        text.append(f"{GLYPH} not finished: {format_count(len(run.failures), 'failure')}  ", "bold red")
     if unchecked:
         text.append_text(_format_glyph(run.unchecked_models)).append(f"{unchecked}  ", "bold")
     for severity, count in counts:

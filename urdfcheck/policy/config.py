@@ -151,7 +151,7 @@ class ConfigResolver:
         :raises UrdfcheckError: as for :func:`find_config`.
         """
         folder = Path(os.path.abspath(path))
-        folder = folder if folder.is_dir() else folder.parent
+        folder = folder if os.path.isdir(folder) else folder.parent  # Path.is_dir() raises where access is denied
         found = None if self.isolated else self._find_above(folder)
         if found is not None:
             return found
@@ -241,7 +241,7 @@ def make_default_config(start: Path) -> Config:
     """
     start = start.absolute()
     for folder in (start, *start.parents):
-        if (folder / ".git").exists() or (folder / DEFAULT_NAME).is_file():
+        if os.path.exists(folder / ".git") or os.path.isfile(folder / DEFAULT_NAME):
             return Config(root=folder)
     return Config(root=Path.cwd())
 
@@ -249,10 +249,10 @@ def make_default_config(start: Path) -> Config:
 def _read_folder_config(folder: Path) -> Config | None:
     """Read the configuration in a folder."""
     own, project = folder / OWN_FILE, folder / PROJECT_FILE
-    if own.is_file():
+    if os.path.isfile(own):
         text = _read_text(own)
         return _parse_config(own, text, table=_parse_toml(own, text), key=())
-    if project.is_file():
+    if os.path.isfile(project):
         text = _read_text(project)
         tools = _parse_toml(project, text).get("tool", {})
         table = tools.get("urdfcheck") if isinstance(tools, dict) else None

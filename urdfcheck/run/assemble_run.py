@@ -182,7 +182,7 @@ def _list_complete_rules(request: Request, units: Iterable[Unit]) -> dict[str, f
     command line says nothing of what its other targets would do.
     """
     root = Path(os.path.realpath(request.root))
-    folders = [Path(os.path.realpath(path)) for path in request.paths if path.is_dir()]
+    folders = [Path(os.path.realpath(path)) for path in request.paths if os.path.isdir(path)]
     is_partial = not any(folder == root or folder in root.parents for folder in folders)
     has_other_targets = request.config_resolver is not None and request.config_resolver.overrides.target is not None
     missed = {

@@ -182,7 +182,7 @@ def read_baseline(options: RunOptions, config: Config) -> Baseline | None:
     from urdfcheck.policy import baseline
 
     file = find_baseline_file(options, config)
-    if not file.is_file() and (options.baseline is None or options.may_lack_baseline):
+    if not os.path.isfile(file) and (options.baseline is None or options.may_lack_baseline):
         return None
     if options.baseline is None and options.isolated:
         return None

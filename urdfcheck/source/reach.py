@@ -45,12 +45,13 @@ def find_project_folder(path: Path) -> Path:
     """
     absolute = Path(os.path.abspath(path))
     place = Path(os.path.realpath(absolute.parent), absolute.name)
-    folder = place if place.is_dir() and not place.is_symlink() else place.parent
+    # Not Path.is_dir() and Path.exists(), which raise where access is denied.
+    folder = place if os.path.isdir(place) and not os.path.islink(place) else place.parent
     home = os.path.realpath(os.path.expanduser("~"))
     around = [f for f in (folder, *folder.parents) if str(f) != home]  # a whole home folder may be a repository
     for mark in (".git", "package.xml"):
         for outer in around:
-            if (outer / mark).exists():
+            if os.path.exists(outer / mark):
                 return outer
     return folder.parent if folder.name.lower() in _PARTS else folder
 
