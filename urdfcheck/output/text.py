@@ -153,7 +153,8 @@ def _iter_not_checked(run: Run, width: int) -> Iterator[Text]:
         return
     yield _format_separator(Text("not checked"), width)
     for group in group_unchecked(models):
-        names = Text(escape_one_line(join_first([info.id for info in group.models], MAX_MODELS)), "bold")
+        ids = [f"{info.id} (accepted)" if is_accepted(info) else info.id for info in group.models]
+        names = Text(escape_one_line(join_first(ids, MAX_MODELS)), "bold")
         yield from _wrap_text(names, width, _format_glyph(group.models))
         yield from _wrap_text(Text(escape_invisible(group.reason)), width, Text("  "))
         if group.command:  # on a line of its own, to be copied

@@ -249,7 +249,9 @@ def _render_model_row(row: UnitRow, links: Mapping[str, str]) -> str:
     counts = "".join(_render_count_cell(n, str(s)) for s, n in zip(SEVERITY_ORDER, row.counts, strict=True))
     status = row.status if row.kind == "model" else row.kind if row.status == "checked" else f"{row.kind}, {row.status}"
     sign = f"{render_glyph('unchecked')} not checked: " if row.is_unchecked else ""
-    size = _render_count_cell(row.links) if row.kind == "model" else f'<td class="num" data-v="-1">{NO_VALUE}</td>'
+    status += " (accepted)" if row.accepted else ""
+    is_known = row.kind == "model" and not row.is_unchecked
+    size = _render_count_cell(row.links) if is_known else f'<td class="num" data-v="-1">{NO_VALUE}</td>'
     return (
         f'<tr class="{worst}" data-status="{escape_html(row.status)}"{hidden}><th scope="row">{name}{robot}</th>'
         f'{counts}<td class="codes">{codes}{more}</td><td>{sign}{escape_html(status)}</td>{size}'

@@ -50,7 +50,7 @@ def _render_facts(run: Run) -> str:
     facts: list[tuple[str, str]] = []
     if len(run.models) > MOST_NAMES:
         facts.append(("Robots", _render_robot_names(list(dict.fromkeys(map(_get_robot_name, run.models))))))
-    if len(run.models) == 1:
+    if len(run.models) == 1 and not run.unchecked_models:
         # A sum over models is meaningless: they are often versions of one robot.
         info = run.models[0]
         facts += [("Links", str(info.links)), ("Joints", str(info.joints))]
