@@ -46,11 +46,19 @@ def run(folder: pytest.Pytester, *words: str) -> pytest.RunResult:
 
 def test_each_model_is_a_test_and_a_failure_reads_like_the_report(folder: pytest.Pytester) -> None:
     done = run(folder, "--urdfcheck", "-ra")
-    done.assert_outcomes(passed=2, failed=1, skipped=1)
+    done.assert_outcomes(passed=2, failed=2)
     done.stdout.fnmatch_lines(["broken.urdf:3:* error INR003 triangle-inequality", "  3 │*", "*│*^^^*"])
-    done.stdout.fnmatch_lines(["SKIPPED*waiting.xacro: *argument side has no default*--arg NAME:=VALUE*"])
     done.stdout.fnmatch_lines(["FAILED broken.urdf::urdfcheck - INR003 *"])
+    done.stdout.fnmatch_lines(["FAILED waiting.xacro::urdfcheck - XAC010 *"])
+    done.stdout.fnmatch_lines(["  urdfcheck waiting.xacro --arg side:=*"])
     done.stdout.no_fnmatch_line("*pytest_plugin.py*Failed*")
+
+
+@pytest.mark.parametrize("word", ["--urdfcheck-args=--unchecked=warning", "--urdfcheck-fail-on=never"])
+def test_a_model_that_may_stay_unchecked_is_skipped_and_does_not_pass(folder: pytest.Pytester, word: str) -> None:
+    done = run(folder, "--urdfcheck", "-ra", word, "waiting.xacro", "sound.urdf")
+    done.assert_outcomes(passed=1, skipped=1)
+    done.stdout.fnmatch_lines(["SKIPPED*waiting.xacro: not checked: *argument side has no default*--arg NAME:=VALUE*"])
 
 
 def test_models_are_selected_as_any_test_is(folder: pytest.Pytester) -> None:

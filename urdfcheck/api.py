@@ -27,6 +27,7 @@ def check(
     ignore: Words = (),
     target: Words | None = None,
     tier: str | None = None,
+    unchecked: str | None = None,
     arguments: Mapping[str, str] | None = None,
     all_arguments: bool = False,
     packages: Mapping[str, AnyPath] | None = None,
@@ -65,6 +66,8 @@ def check(
         is an error. None: the configuration decides.
     :param tier: how much is computed: ``source`` (the text), ``mesh`` (and the mesh files) or ``full`` (and the motion). None:
         the configuration decides; by default ``full``.
+    :param unchecked: how bad it is that a model cannot be checked: ``error`` or ``warning``, which accepts it. None: the
+        configuration decides; by default ``error``.
     :param arguments: values of xacro arguments, for all models.
     :param all_arguments: whether to expand each xacro with all values that its text gives for its arguments.
     :param packages: folder of each ROS package that would not be found, by its name.
@@ -80,8 +83,8 @@ def check(
     :param memory: MiB for one model, at least 512; None: 4096.
     :param scene: whether the outcome holds what graphical formats draw (``html``, ``png``).
     :returns: the outcome. `Run.findings` holds all findings, `Run.active_findings` those that are not suppressed;
-        `Run.failures` says what could not be checked, paths that do not exist included: only without failures, no finding
-        is good news.
+        `Run.unchecked_models` are the models of which nothing is known, and `Run.failures` says what else went wrong, paths
+        that do not exist included: only where both are empty, no finding is good news.
     :raises UrdfcheckError: for a wrong argument or configuration. What is wrong with a model is a finding.
     :raises KeyboardInterrupt: when the user interrupts.
     """
@@ -91,6 +94,7 @@ def check(
         ignore=_list_words(ignore),
         target=None if target is None else _list_words(target),
         tier=tier,
+        unchecked=unchecked,
         arguments={name: str(value) for name, value in (arguments or {}).items()},
         all_arguments=all_arguments,
         packages=packages or {},

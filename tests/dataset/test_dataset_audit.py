@@ -545,8 +545,9 @@ def test_the_command_counts_and_says_what_it_did(
     (audit.models / "001.urdf").write_text("<robot name='r'><link")
     assert main([*command, "--fail-on", "never"]) == OK
     said = capsys.readouterr()
-    assert "failed: models/001.urdf\n" in said.out
-    assert "in 6 models (1 failed); errors in 3 models\n5 unchanged, 1 checked; " in said.out
+    assert "⊘ not checked (failed): models/001.urdf\n" in said.out
+    assert "⊘ 1 of 6 models not checked; 3 errors, " in said.out
+    assert "in 6 models; errors in 3 models\n5 unchanged, 1 checked; " in said.out
 
 
 def test_nothing_to_check_and_a_wrong_path_make_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,6 +14,7 @@ from urdfcheck.core import (
     Fix,
     Location,
     ModelInfo,
+    NotChecked,
     Rule,
     Run,
     Severity,
@@ -253,3 +254,53 @@ def a_run(*findings: Finding, **changes: Any) -> Run:
         units=1,
     )
     return replace(plain, **changes)
+
+
+# One model of two was not checked, for want of an argument; a macro file is used by no checked model.
+NOT_CHECKED = a_run(
+    finding(
+        code="XAC010",
+        name="argument-without-default",
+        message_id="missing",
+        message="argument side has no default",
+        subjects=("robot",),
+        location=Location("robot", span_of('<robot name="rover">')),
+        related=(),
+        cause=None,
+        consequences={},
+        model="arm.urdf.xacro",
+        fix=None,
+        blocks_check=True,
+    ),
+    models=(
+        info(
+            path="arm.urdf.xacro",
+            id="arm.urdf.xacro",
+            robot="",
+            status="needs-arguments",
+            links=0,
+            joints=0,
+            mass=None,
+            not_checked=NotChecked("argument side has no default", "--arg side:=…"),
+        ),
+        info(),
+    ),
+    unused_macro_files=("wheel.xacro",),
+    skipped=(),
+    units=2,
+    unit_ids=frozenset({"arm.urdf.xacro", MODEL}),
+)
+ACCEPTED = replace(
+    NOT_CHECKED,
+    findings=(replace(NOT_CHECKED.findings[0], severity=Severity.WARNING),),
+    models=(
+        replace(
+            NOT_CHECKED.models[0],
+            not_checked=NotChecked("argument side has no default", "--arg side:=…", accepted=True),
+        ),
+        info(),
+    ),
+)
+UNUSED_MACROS = replace(
+    a_run(), findings=(), skipped=(), units=1, unit_ids=frozenset({MODEL}), unused_macro_files=("wheel.xacro",)
+)

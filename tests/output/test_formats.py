@@ -22,7 +22,23 @@ from hypothesis import strategies as st
 from lxml import etree
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
-from output.runs import FILE, MODEL, SOURCE, a_run, chain, finding, info, rule, scene, span, span_of, star
+from output.runs import (
+    ACCEPTED,
+    FILE,
+    MODEL,
+    NOT_CHECKED,
+    SOURCE,
+    UNUSED_MACROS,
+    a_run,
+    chain,
+    finding,
+    info,
+    rule,
+    scene,
+    span,
+    span_of,
+    star,
+)
 
 from urdfcheck.cli.commands import job_summary
 from urdfcheck.cli.output_files import parse_outputs
@@ -32,6 +48,7 @@ from urdfcheck.core import (
     Edit,
     Fix,
     Location,
+    NotChecked,
     Run,
     Severity,
     SkippedCheck,
@@ -250,6 +267,9 @@ RUNS = {
         models=(info(status="needs-arguments", links=0, joints=0, mass=None),),
         scenes=(),
     ),
+    "not checked": NOT_CHECKED,
+    "accepted": ACCEPTED,
+    "unused macros": UNUSED_MACROS,
     "no place": a_run(finding(location=Location("robot[rover]", None), subjects=("robot[rover]",))),
     "no model": a_run(finding(model="rover/package.xml", location=Location("name", None), subjects=("name",))),
     "suppressed": a_run(KNOWN),
@@ -330,10 +350,12 @@ def test_no_name_acts(name: str, output_format: str) -> None:
         model=own,
     )
     model = info(path=at.file, robot=name, args={name: name}, id=own)
+    unread = replace(model, id=f"{own}2", status="failed", not_checked=NotChecked(name, name))
     drawn = scene(model=own, links=(*scene().links, replace(scene().links[0], name=name)), root=name)
     run = a_run(
-        *(bad, replace(bad, severity=Severity.INFO, suppressed=None)),
-        models=(model,),
+        *(replace(bad, blocks_check=True), replace(bad, severity=Severity.INFO, suppressed=None)),
+        models=(model, unread),
+        unused_macro_files=(f"{name}.xacro",),
         sources={at.file: source},
         failures=(f"it: {name}",),
         scenes=(drawn,),
@@ -531,7 +553,9 @@ def test_junit_has_a_case_for_each_element_and_each_rule_that_passed() -> None:
 
 def test_junit_passes_nothing_that_was_not_looked_at() -> None:
     run = judged(replace(RUNS["needs arguments"], findings=(), skipped=()))
-    assert cases(run) == {"the model is checked": "skipped"}
+    assert cases(run) == {"the model is checked": "error"}
+    accepted = replace(run, models=(replace(run.models[0], not_checked=NotChecked("why", accepted=True)),))
+    assert cases(accepted) == {"the model is checked": "skipped"}
     stopped = judged(replace(a_run(), findings=(), skipped=(SkippedCheck("ALL", MODEL, "the check was stopped"),)))
     assert cases(stopped) == {"all rules": "skipped"}
     assert cases(RUNS["nothing to check"]) == {"there is something to check": "skipped"}

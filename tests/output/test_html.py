@@ -15,6 +15,7 @@ import pytest
 from output.documents import Document, read
 from output.runs import (
     FILE,
+    NOT_CHECKED,
     SOURCE,
     a_run,
     chain,
@@ -29,7 +30,19 @@ from output.runs import (
     star,
 )
 
-from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Run, Severity, SkippedCheck, Span, Suppression
+from urdfcheck.core import (
+    Applicability,
+    Edit,
+    Finding,
+    Fix,
+    Location,
+    NotChecked,
+    Run,
+    Severity,
+    SkippedCheck,
+    Span,
+    Suppression,
+)
 from urdfcheck.core.scene import Scene, SceneFrame
 from urdfcheck.output.html import render
 from urdfcheck.output.html.html_text import (
@@ -127,7 +140,11 @@ def test_names_from_files_are_inert_wherever_they_appear() -> None:
     joints = (make_joint(HOSTILE, HOSTILE, "b", type=HOSTILE),)
     run = a_run(
         hostile,
-        models=(info(path=HOSTILE, robot=HOSTILE, args={HOSTILE: HOSTILE}, id=HOSTILE),),
+        models=(
+            info(path=HOSTILE, robot=HOSTILE, args={HOSTILE: HOSTILE}, id=HOSTILE),
+            info(path=HOSTILE, id=f"{HOSTILE}2", status="failed", not_checked=NotChecked(HOSTILE, HOSTILE)),
+        ),
+        unused_macro_files=(HOSTILE,),
         skipped=(SkippedCheck(HOSTILE, HOSTILE, HOSTILE),),
         rules={
             "INR003": rule(
@@ -175,7 +192,10 @@ def test_lone_surrogates_of_undecodable_file_names_can_be_written() -> None:
         (a_run(finding(severity=Severity.WARNING)), "No errors, 1 warning to look at"),
         (a_run(finding(severity=Severity.INFO)), "No errors and no warnings"),
         (a_run(finding(suppressed=Suppression("source", "known"))), "No errors and no warnings"),
-        (a_run(finding(severity=Severity.INFO), models=(info(status="failed"),)), "1 model of 1 could not be checked"),
+        (
+            a_run(finding(severity=Severity.INFO), models=(info(status="failed"),)),
+            "1 of 1 model was not checked. No errors and no warnings",
+        ),
         (replace(a_run(), models=(), findings=(), scenes=(), units=0), "Nothing was checked"),
         (replace(a_run(), models=(), findings=(), scenes=()), "No errors and no warnings"),
         (a_run(failures=("INR003 crashed",)), "Not finished"),
@@ -445,8 +465,11 @@ def test_models_of_one_name_are_told_apart_by_their_files() -> None:
 
 def test_a_model_that_could_not_be_checked_says_so() -> None:
     text = document(a_run(finding(), models=(info(robot="", status="needs-arguments"),), scenes=())).text
-    assert "cannot be expanded without arguments" in text
+    assert "Not checked: the model could not be read." in text
     assert "rover.urdf" in text
+    text = document(NOT_CHECKED).text
+    assert "Not checked: argument side has no default." in text
+    assert "urdfcheck arm.urdf.xacro --arg side:=…" in text
 
 
 def test_a_run_without_scene_has_findings_only() -> None:
@@ -737,5 +760,5 @@ def test_names_in_other_scripts_stay_as_they_are() -> None:
 def test_finding_type_is_the_contract() -> None:
     """Every field of a finding reaches the page: a new field must be shown or left out on purpose."""
     shown = {"code", "name", "severity", "confidence", "message", "location", "subjects", "related", "cause"}
-    shown |= {"consequences", "data", "fix", "model", "suppressed", "variants"}
+    shown |= {"consequences", "data", "fix", "model", "suppressed", "variants", "blocks_check"}
     assert set(Finding.__dataclass_fields__) - shown == {"message_id"}

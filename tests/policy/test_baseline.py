@@ -9,7 +9,7 @@ import pytest
 from conftest import check
 
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, main
-from urdfcheck.core import UrdfcheckError
+from urdfcheck.core import Severity, UrdfcheckError
 from urdfcheck.policy import baseline
 from urdfcheck.policy.config import CliOverrides, ConfigResolver
 
@@ -71,13 +71,15 @@ def test_a_finding_of_another_value_at_the_same_place_is_the_same(folder: Path) 
     assert main(["."]) == OK
 
 
-def test_entries_whose_finding_is_gone_fail_until_they_are_pruned(
+def test_entries_whose_finding_is_gone_are_a_warning_until_they_are_pruned(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """A repair fails no build: only who asks for it is strict."""
     (folder / "urdf/r.urdf").write_text(ROBOT.replace('lower="1.2"', 'lower="-1.2"'))
+    assert main([".", "--fail-on", "warning"]) == FINDINGS
     capsys.readouterr()
-    assert main(["."]) == FINDINGS
-    assert main(["baseline", "check"]) == FINDINGS
+    assert main(["."]) == OK
+    assert main(["baseline", "check"]) == OK
     shown = " ".join(capsys.readouterr().out.split())
     assert "URC904" in shown
     assert "JNT005 of joint[j]/limit" in shown
@@ -141,8 +143,8 @@ def test_a_part_of_the_folder_shows_nothing_to_be_gone(folder: Path, monkeypatch
     assert (folder / baseline.DEFAULT_NAME).read_text() == text
     monkeypatch.chdir(folder)
     (folder / "r.launch").write_text(LAUNCHED["r.launch"].replace('type="state', 'type="robot_state'))
-    assert main(["urdf"]) == OK
-    assert main(["."]) == FINDINGS
+    assert main(["urdf", "--fail-on", "warning"]) == OK
+    assert main([".", "--fail-on", "warning"]) == FINDINGS
 
 
 def test_a_lower_tier_that_has_less_to_say_shows_nothing_to_be_gone(folder: Path) -> None:
@@ -295,9 +297,18 @@ def test_each_stale_entry_is_told_at_its_line(folder: Path) -> None:
 
 def test_the_configuration_decides_how_bad_a_stale_entry_is(folder: Path) -> None:
     (folder / "urdf/r.urdf").write_text(ROBOT.replace('"1.2"', '"-1.2"'))
-    assert main(["."]) == FINDINGS
-    (folder / "urdfcheck.toml").write_text('[severity]\nURC904 = "warning"\n')
-    assert main(["."]) == OK
+    strict = 'tier = "source"\nstrict-baseline = true\n'
+    for text, code in (
+        ('tier = "source"\nstrict-baseline = false\n', OK),
+        (strict, FINDINGS),
+        (f'{strict}[severity]\nURC904 = "info"\n', OK),
+        (f'{strict}[severity]\nURC = "warning"\n', OK),
+    ):
+        (folder / "urdfcheck.toml").write_text(text)
+        assert main(["."]) == code, text
+        assert main(["baseline", "check"]) == code, text
+    (folder / "urdfcheck.toml").write_text(strict)
+    assert main([".", "--isolated", "--baseline", baseline.DEFAULT_NAME]) == OK, "a gate heeds no configuration"
 
 
 def test_a_gate_believes_no_baseline_that_was_not_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -335,13 +346,13 @@ def test_each_configuration_has_its_own_baseline_from_wherever_it_is_run(
     monkeypatch.chdir(tmp_path / "sub")
     assert main(["."]) == OK
     (tmp_path / "sub/r.urdf").write_text(ROBOT.replace('lower="1.2"', 'lower="-1.2"'))
-    assert main(["."]) == FINDINGS
+    assert main([".", "--fail-on", "warning"]) == FINDINGS
     monkeypatch.chdir(tmp_path)
     capsys.readouterr()
-    assert main(["."]) == FINDINGS
+    assert main([".", "--fail-on", "warning"]) == FINDINGS
     assert "sub/urdfcheck-baseline.json:" in capsys.readouterr().out
     assert main(["baseline", "prune"]) == OK
-    assert main(["."]) == OK
+    assert main([".", "--fail-on", "warning"]) == OK
 
 
 def test_without_git_and_configuration_models_are_named_from_the_baseline(
@@ -354,3 +365,32 @@ def test_without_git_and_configuration_models_are_named_from_the_baseline(
     assert main(["baseline", "write"]) == OK
     monkeypatch.chdir(tmp_path)
     assert main(["package"]) == OK
+
+
+NEEDY = '<robot name="n" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="$(arg side)"/></robot>'
+
+
+@pytest.mark.parametrize("action", ["write", "prune"])
+def test_why_a_model_was_not_checked_never_goes_into_a_baseline(
+    action: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "needy.urdf.xacro").write_text(NEEDY)
+    before = (folder / baseline.DEFAULT_NAME).read_text()
+    capsys.readouterr()
+    assert main(["baseline", action]) == FINDINGS
+    assert "1 of 2 models was not checked: the baseline knows nothing of what is in it" in capsys.readouterr().err
+    assert (folder / baseline.DEFAULT_NAME).read_text() == before
+    assert main(["."]) == FINDINGS
+    assert main(["baseline", action, "--unchecked", "warning"]) == OK
+    assert (folder / baseline.DEFAULT_NAME).read_text() == before
+
+
+def test_an_old_entry_of_the_cause_hides_nothing_and_is_not_stale(folder: Path) -> None:
+    (folder / "needy.urdf.xacro").write_text(NEEDY)
+    entry = {"code": "XAC010", "subject": "link@name", "message": "missing"}
+    known = json.loads((folder / baseline.DEFAULT_NAME).read_text())
+    known["models"]["needy.urdf.xacro"] = [entry]
+    (folder / baseline.DEFAULT_NAME).write_text(json.dumps(known))
+    run = check(folder, baseline=baseline.read_baseline(folder / baseline.DEFAULT_NAME, folder))
+    assert [f.code for f in run.active_findings if f.severity > Severity.INFO] == ["XAC010"]
+    assert [m.id for m in run.unchecked_models] == ["needy.urdf.xacro"]

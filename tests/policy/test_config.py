@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from urdfcheck import cli
+from urdfcheck.cli import FINDINGS, OK, compute_exit_code
 from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.policy import config
 from urdfcheck.policy.config import CliOverrides, ConfigResolver
@@ -251,6 +252,63 @@ class TestModels:
         assert run(tmp_path / "arm.urdf.xacro").models[0].args == {"n": "true"}
 
 
+class TestUnchecked:
+    """A model that cannot be checked is an error, or a warning where the configuration or the command line accepts it."""
+
+    @pytest.fixture
+    def folder(self, tmp_path: Path) -> Path:
+        for name in ("legacy/old.urdf.xacro", "new.urdf.xacro"):
+            write(tmp_path / name, XACRO.format('<link name="$(arg n)"/>'))
+        return tmp_path
+
+    @pytest.mark.parametrize(
+        ("text", "given", "accepted"),
+        [
+            ("", None, []),
+            ('unchecked = "error"', None, []),
+            ('unchecked = "warning"', None, ["legacy/old.urdf.xacro", "new.urdf.xacro"]),
+            ('unchecked = ["legacy/**"]', None, ["legacy/old.urdf.xacro"]),
+            ('unchecked = ["legacy"]', None, ["legacy/old.urdf.xacro"]),
+            ('unchecked = ["old.urdf.xacro", "none"]', None, ["legacy/old.urdf.xacro"]),
+            ("unchecked = []", None, []),
+            ('unchecked = "warning"', "error", []),
+            ('unchecked = ["legacy/**"]', "warning", ["legacy/old.urdf.xacro", "new.urdf.xacro"]),
+        ],
+    )
+    def test_who_is_accepted(self, text: str, given: str | None, accepted: list[str], folder: Path) -> None:
+        write(folder / "urdfcheck.toml", text)
+        outcome = run(folder, given=CliOverrides(unchecked=given))
+        assert [m.id for m in outcome.models if m.not_checked is not None and m.not_checked.accepted] == accepted
+        assert {f.model: str(f.severity) for f in outcome.findings if f.code == "XAC010"} == {
+            m.id: "warning" if m.id in accepted else "error" for m in outcome.models
+        }
+        assert compute_exit_code(outcome, "error") == (OK if len(accepted) == 2 else FINDINGS)
+
+    def test_isolated_heeds_none(self, folder: Path) -> None:
+        write(folder / "urdfcheck.toml", 'unchecked = "warning"')
+        assert compute_exit_code(run(folder), "error") == OK
+        assert compute_exit_code(run(folder, isolated=True), "error") == FINDINGS
+
+    @pytest.mark.parametrize(
+        "text",
+        [
+            'ignore = ["XAC"]',
+            'select = ["INR003"]',
+            'severity = { XAC010 = "info" }',
+            '[[paths]]\nmatch = ["**"]\nignore = ["XAC010"]',
+            '[[suppress]]\ncodes = ["XAC010"]\nreason = "we know"',
+        ],
+    )
+    def test_nothing_else_hides_the_cause(self, text: str, folder: Path) -> None:
+        write(folder / "urdfcheck.toml", text)
+        outcome = run(folder, given=CliOverrides())
+        assert [(f.code, str(f.severity)) for f in outcome.active_findings if f.blocks_check] == [
+            ("XAC010", "error")
+        ] * 2
+        assert "XAC010" in outcome.rules
+        assert compute_exit_code(outcome, "error") == FINDINGS
+
+
 class TestSuppress:
     def test_findings_stay_and_do_not_count(self, tmp_path: Path) -> None:
         text = """
@@ -291,6 +349,10 @@ MISTAKES = [
     ('paths = [{ match = ["a"] },\n]\nmodels = 3\n', 3, "models must be tables: [[models]]"),
     ('[[models]]\npath = "r.urdf"\n[[models]]\nname = "x"\n', 3, "path is missing"),
     ('[[models]]\npath = "r.urdf"\n[models.arguments]\nok = 1\nbad = [1]\n', 5, "bad must be a text, a number"),
+    ('\nunchecked = "never"\n', 2, "unchecked must be one of error, warning, or a list of patterns for models"),
+    ("unchecked = true\n", 1, "unchecked must be one of error, warning"),
+    ('unchecked = ["a", 1]\n', 1, "unchecked must be a list of strings"),
+    ('strict-baseline = "yes"\n', 1, "strict-baseline must be true or false"),
     ('[[models]]\npath = "none.urdf"\n', 2, "path must be a file that exists; none.urdf is none"),
     ('[[models]]\npath = "./rr.urdf"\n', 2, "./rr.urdf is none; did you mean ./r.urdf?"),
     (
@@ -487,6 +549,17 @@ reason = "scanned"
             "*: scanned",
         ):
             assert words in said
+
+    def test_what_holds_for_models_that_cannot_be_checked(
+        self, folder: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        text = '[tool.urdfcheck]\nunchecked = ["legacy/**"]\nstrict-baseline = true\n'
+        (folder / "pyproject.toml").write_text(text)
+        said = {s["name"]: (s["value"], s["source"]) for s in self.answer(capsys, "hands")["settings"]}  # type: ignore[attr-defined]
+        assert said["unchecked"] == ("warning for legacy/**", "pyproject.toml:2")
+        assert said["strict-baseline"] == ("true", "pyproject.toml:3")
+        said = {s["name"]: (s["value"], s["source"]) for s in self.answer(capsys, "--unchecked", "warning")["settings"]}  # type: ignore[attr-defined]
+        assert said["unchecked"] == ("warning", "command line")
 
     def test_a_folder_without_a_file_and_an_isolated_one(
         self, folder: Path, capsys: pytest.CaptureFixture[str]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import format_choices
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.xacro.argument_values import find_argument_choices
@@ -21,14 +21,15 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
         missing = [name, *(n for n in _find_undeclared_arguments(source) if n != name)]
         known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
+        options = " ".join(f"--arg {n}:={known[n][0] if n in known else '…'}" for n in missing)
         yield rule.finding(
             "too-late" if declared else "missing",
             at=at,
             related=[*declared, *(r for r in (problem.location, *problem.related) if r.span != at.span)],
-            severity=Severity.ERROR if source.explicit else None,
             argument=name,
             missing=missing,
-            options=" ".join(f"--arg {n}:={known[n][0] if n in known else '…'}" for n in missing),
+            options=options,
+            remedy=options,
             choices=format_choices(known.get(name, ())),
             default=declared[0].get("default") if declared else "",
             between=[

@@ -16,13 +16,14 @@ if TYPE_CHECKING:
 
 # How the command line spells the fields of `RunOptions`.
 _SPELLING = {
-    **{name: f"--{name}" for name in ("tier", "target", "timeout", "memory", "jobs")},
+    **{name: f"--{name}" for name in ("tier", "target", "unchecked", "timeout", "memory", "jobs")},
     "packages": "--package",
     "package_paths": "--package-path",
     "allow_read": "--allow-read",
 }
 EPILOG = """\
-exit codes: 0 nothing at or above --fail-on, 1 findings, 2 urdfcheck or its configuration failed, 3 nothing to check
+exit codes: 0 nothing at or above --fail-on, 1 findings or a model that could not be checked,
+            2 urdfcheck or its configuration failed, 3 nothing to check
 urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
 
 
@@ -42,6 +43,11 @@ def add_options(p: argparse.ArgumentParser) -> None:
     p.add_argument("--ignore", action="append", metavar="CODES", help="not these rules")
     p.add_argument(
         "--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)"
+    )
+    p.add_argument(
+        "--unchecked",
+        choices=("error", "warning"),
+        help="how bad it is that a model cannot be checked (default: error; warning accepts it)",
     )
     add_access_options(p)
     p.add_argument(
@@ -106,6 +112,7 @@ def read_options(options: argparse.Namespace, paths: Sequence[str]) -> RunOption
         ignore=split_words(given.get("ignore") or ()),
         fail_on=given.get("fail_on"),
         tier=given.get("tier"),
+        unchecked=given.get("unchecked"),
         target=None if target is None else split_words([target]),
         baseline=given.get("baseline"),
         may_lack_baseline=given.get("action") == "write",  # urdfcheck baseline write --baseline FILE

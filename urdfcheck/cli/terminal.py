@@ -140,10 +140,16 @@ def _format_seconds(seconds: float) -> str:
 def compute_exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
     """Return the exit code: failures of urdfcheck outweigh findings, and these outweigh an empty run.
 
+    A model that was not checked counts as an error, or as a warning where that is accepted.
+
     :param fail_on: the least severity that fails the run, except for models whose configuration sets another.
     """
     codes = {FAILED if run.failures else OK}
     codes |= {combine_exit_code(False, f.severity, run.fail_on.get(f.model, fail_on)) for f in run.active_findings}
+    # Whatever the findings are: nothing is known of a model that was not checked.
+    codes |= {
+        combine_exit_code(False, info.unchecked_severity, run.fail_on.get(info.id, fail_on)) for info in run.models
+    }
     code = max(codes)
     return NOTHING if code == OK and not run.units and not allow_empty else code
 

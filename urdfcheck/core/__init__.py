@@ -26,7 +26,7 @@ if TYPE_CHECKING:
         Verdict,
     )
     from urdfcheck.core.rule import Rule, RuleFamily, RuleOption
-    from urdfcheck.core.run import ModelInfo, Run
+    from urdfcheck.core.run import ModelInfo, NotChecked, Run
 
 __all__ = [
     "NEWLINE",
@@ -41,6 +41,7 @@ __all__ = [
     "Located",
     "Location",
     "ModelInfo",
+    "NotChecked",
     "Rule",
     "RuleFamily",
     "RuleOption",
@@ -77,7 +78,7 @@ _HOMES = {
         "findings",
     ),
     **dict.fromkeys(("Rule", "RuleFamily", "RuleOption"), "rule"),
-    **dict.fromkeys(("ModelInfo", "Run"), "run"),
+    **dict.fromkeys(("ModelInfo", "NotChecked", "Run"), "run"),
 }
 
 if not TYPE_CHECKING:  # a type checker would accept any name

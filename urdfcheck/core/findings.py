@@ -200,6 +200,8 @@ class Finding:
     variants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Where several models of a run show it, or a xacro was expanded with several sets of arguments: the ids of the models
     with this finding, each with its subjects there."""
+    blocks_check: bool = False
+    """Whether its model could not be checked because of it. Nothing suppresses such a finding: see `Policy.unchecked`."""
 
     @property
     def subjects_by_model(self) -> Mapping[str, tuple[str, ...]]:

@@ -14,6 +14,18 @@ if TYPE_CHECKING:
     from urdfcheck.core.scene import Scene
 
 
+@dataclass(frozen=True, slots=True)
+class NotChecked:
+    """Why nothing is known of a model, and what helps."""
+
+    reason: str
+    """A sentence: the message of the finding at the cause."""
+    remedy: str = ""
+    """Options of the command with which the model may be checked, like ``--arg name:=…``; empty where the file is wrong."""
+    accepted: bool = False
+    """Whether the configuration or the command line accepts that the model is not checked (``unchecked``)."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelInfo:
     """One model of a run."""
@@ -35,11 +47,38 @@ class ModelInfo:
     """Duration of the check."""
     found_args: Mapping[str, str] = field(default_factory=dict)
     """Of the arguments those that were not given, with the places, ``file:line``, that pass them."""
+    not_checked: NotChecked | None = None
+    """Why nothing is known of the model; None if it was checked."""
 
     @classmethod
-    def unread(cls, *, path: str, model_id: str, arguments: Mapping[str, str], status: str = "failed") -> ModelInfo:
+    def unread(
+        cls,
+        *,
+        path: str,
+        model_id: str,
+        arguments: Mapping[str, str],
+        status: str = "failed",
+        not_checked: NotChecked | None = None,
+    ) -> ModelInfo:
         """Return the line of a model that could not be read."""
-        return cls(path=path, robot="", args=dict(arguments), links=0, joints=0, mass=None, status=status, id=model_id)
+        return cls(
+            path=path,
+            robot="",
+            args=dict(arguments),
+            links=0,
+            joints=0,
+            mass=None,
+            status=status,
+            id=model_id,
+            not_checked=not_checked,
+        )
+
+    @property
+    def unchecked_severity(self) -> Severity | None:
+        """How bad it is that the model was not checked: an error, or a warning where that is accepted; None if it was."""
+        if self.status == "checked":
+            return None
+        return Severity.WARNING if self.not_checked is not None and self.not_checked.accepted else Severity.ERROR
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +119,8 @@ class Run:
     """Model id → least severity of a finding that fails the run, where a configuration sets it."""
     baselines: frozenset[str] = frozenset()
     """Names of the baseline files."""
+    unused_macro_files: tuple[str, ...] = ()
+    """Files that define macros and that no checked model has read: they were not checked."""
 
     def count_findings(self, severity: Severity) -> int:
         """Count the findings of exactly this severity that are not suppressed."""
@@ -93,6 +134,11 @@ class Run:
         if info is None or sum(other.path == info.path for other in self.models) < 2:
             return {}
         return info.args
+
+    @property
+    def unchecked_models(self) -> tuple[ModelInfo, ...]:
+        """The models of which nothing is known; without findings they are not clean."""
+        return tuple(info for info in self.models if info.status != "checked")
 
     @property
     def active_findings(self) -> tuple[Finding, ...]:

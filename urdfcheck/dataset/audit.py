@@ -109,14 +109,13 @@ def _find_worst_severities(
     units: Sequence[Unit], keys: Sequence[str], *, journal: Journal, summary: unit_lines.AuditSummary
 ) -> dict[str | None, Severity]:
     if len({unit.fail_on for unit in units}) == 1:  # and what belongs to none of them
-        worst = max((severity for severity, number in summary.counts.items() if number), default=None)
+        worst = summary.worst_severity
         return {} if worst is None else {units[0].fail_on: worst}
     found: dict[str | None, Severity] = {}
     for unit, key in zip(units, keys, strict=True):
-        counts = unit_lines.parse_unit_line(text).counts if (text := journal.read_text(key)) else ()
-        for severity, number in zip((Severity.ERROR, Severity.WARNING, Severity.INFO), counts, strict=False):
-            if number:
-                found[unit.fail_on] = max(severity, found.get(unit.fail_on, severity))
+        severity = unit_lines.parse_unit_line(text).worst if (text := journal.read_text(key)) else None
+        if severity is not None:
+            found[unit.fail_on] = max(severity, found.get(unit.fail_on, severity))
     return found
 
 
@@ -193,6 +192,7 @@ def _describe_settings(request: Request, settings: AuditSettings) -> dict[str, A
         "severities": dict(settings.policy.severities),
         "options of rules": {code: dict(values) for code, values in settings.policy.options.items()},
         "--tier": settings.policy.tier,
+        "--unchecked": str(settings.policy.unchecked),
         "--package": {name: str(path) for name, path in settings.packages.by_name.items()},
         "--package-path": list(map(str, settings.packages.search_path)),
         "--target": list(settings.policy.targets),

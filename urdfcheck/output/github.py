@@ -11,15 +11,14 @@ from collections.abc import Iterator, Sequence
 from urdfcheck.core import Finding, Run, Severity
 from urdfcheck.output.shared.escaping import escape_for_log
 from urdfcheck.output.shared.positions import to_utf16_region
+from urdfcheck.output.shared.verdict.finding_details import iter_details
+from urdfcheck.output.shared.verdict.verdict import describe_checked_units, summarize_verdict
 from urdfcheck.output.shared.wording import (
     GLYPHS,
     SEVERITY_ORDER,
-    describe_checked_units,
     find_finding_file,
     format_count,
-    iter_details,
     sort_worst_first,
-    summarize_verdict,
 )
 
 COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}

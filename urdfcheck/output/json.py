@@ -29,12 +29,14 @@ def render(run: Run) -> str:
         "consumers": {info.id: _build_consumer_outcomes(run, info) for info in run.models if info.status == "checked"},
         "findings": [build_finding_object(finding, run.find_variant_arguments(finding)) for finding in run.findings],
         "skipped": [build_skip_object(skip) for skip in run.skipped],
+        "unused_macro_files": list(run.unused_macro_files),
         **({"drops": [to_json_value(build_drop_test_object(drop)) for drop in run.drops]} if run.drops else {}),
         "failures": list(run.failures),
         "partial": run.partial,
         "summary": {
             **{str(s): run.count_findings(s) for s in (Severity.ERROR, Severity.WARNING, Severity.INFO)},
             "suppressed": sum(run.suppressed_counts.values()),
+            "not_checked": len(run.unchecked_models),
         },
         "seconds": round(run.seconds, 3),
     }

@@ -16,13 +16,16 @@ from urdfcheck.core import Finding, ModelInfo, Run, Severity
 from urdfcheck.output.shared.code_frames import extract_code_frame
 from urdfcheck.output.shared.diffs import iter_diff_lines
 from urdfcheck.output.shared.escaping import escape_for_xml, escape_invisible, escape_one_line
-from urdfcheck.output.shared.wording import format_place, iter_details
+from urdfcheck.output.shared.verdict.finding_details import iter_details
+from urdfcheck.output.shared.verdict.not_checked import (
+    build_command,
+    describe_unused_macros,
+    explain_unchecked,
+    is_accepted,
+)
+from urdfcheck.output.shared.wording import format_place
 
 OTHER_SUITE = "launch files and packages"
-STATUS_TEXTS = {
-    "needs-arguments": "not checked: the model cannot be expanded without arguments",
-    "failed": "not checked: the model could not be expanded; the findings say why",
-}
 LONGEST_LINE = 200
 # XML cannot hold these, not even as references; other controls are escaped already.
 _NO_XML = re.compile("[\ufffe\uffff]")
@@ -67,11 +70,13 @@ def _iter_model_cases(run: Run, info: ModelInfo) -> Iterator[JUnitCase]:
         fired = {finding.code for finding in findings}
         yield from _iter_passed_cases(run, info.id, fired=fired, scopes={"file", "model"})
     else:
+        # Accepting it is no failure, and no success either.
         yield JUnitCase(
             name="the model is checked",
-            outcome="skipped",
+            outcome="skipped" if is_accepted(info) else "error",
             failure_type=info.status,
-            message=STATUS_TEXTS.get(info.status, info.status),
+            message=f"not checked: {_get_first_line(explain_unchecked(info))}",
+            text=build_command(info),
         )
     yield from _iter_skipped_cases(run, {info.id})
 
@@ -96,6 +101,14 @@ def _iter_urdfcheck_cases(run: Run) -> Iterator[JUnitCase]:
             failure_type="urdfcheck",
             message=_get_first_line(failure),
             text=failure,
+        )
+    if run.unused_macro_files:
+        yield JUnitCase(
+            name="macro files are used by a model",
+            outcome="skipped",
+            failure_type="unused",
+            message=describe_unused_macros(run),
+            text="\n".join(run.unused_macro_files),
         )
     if not run.units and not run.failures:
         yield JUnitCase(

@@ -21,17 +21,25 @@ from urdfcheck.output.shared.escaping import (
     format_code_span,
 )
 from urdfcheck.output.shared.mermaid_chart import build_mermaid_chart
+from urdfcheck.output.shared.verdict.not_checked import (
+    ACCEPTANCE,
+    GLYPH,
+    UncheckedGroup,
+    describe_status,
+    group_unchecked,
+    is_accepted,
+)
+from urdfcheck.output.shared.verdict.verdict import describe_checked_units, summarize_verdict
 from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
     SEVERITY_ORDER,
-    describe_checked_units,
     describe_found_arguments,
     describe_models,
     format_count,
     format_place,
     group_by_effect,
+    join_first,
     sort_worst_first,
-    summarize_verdict,
 )
 
 # At the top of a comment, so that a bot finds and replaces its own.
@@ -39,7 +47,7 @@ MARKER = "<!-- urdfcheck report -->"
 # In bytes: GitHub accepts comments of 65,536 characters and summaries of 1 MiB from a step.
 COMMENT_LIMIT, SUMMARY_LIMIT = 65_000, 1_000_000
 SIGNS = {Severity.ERROR: "❌", Severity.WARNING: "⚠️", Severity.INFO: "ℹ️"}
-VERDICT_SIGNS = {"error": "❌", "warning": "⚠️", "ok": "✅"}
+VERDICT_SIGNS = {"error": "❌", "unchecked": GLYPH, "warning": "⚠️", "ok": "✅"}
 APPLICABILITY_TEXTS = {
     Applicability.SAFE: "safe to apply as shown",
     Applicability.UNSAFE: "review it before it is applied",
@@ -47,6 +55,8 @@ APPLICABILITY_TEXTS = {
 # Limits of a table cell and of a diff, in characters, effects and lines: the other reports have everything.
 LONGEST_TEXT, MOST_EFFECTS, MOST_LINES = 600, 3, 30
 MOST_TREES = 5
+# Models that are named together.
+MOST_NAMED = 5
 # Bytes reserved for the last line and the end of a fold.
 RESERVE = 500
 _TICKS = re.compile("`+")
@@ -136,6 +146,16 @@ def _add_head(page: _BoundedPage, run: Run) -> None:
     page.add_lines(f"{counts} · in {describe_checked_units(run)}{hidden}", "")
     failures = [[f"- urdfcheck failed: {escape_for_markdown(_truncate_text(failure))}"] for failure in run.failures]
     page.add_group("failure", head=[], blocks=failures, foot=[""])
+    blocks = [[_format_unchecked_group(group)] for group in group_unchecked(run.unchecked_models)]
+    page.add_group("reason why models were not checked", head=[], blocks=blocks, foot=[""])
+    if not all(map(is_accepted, run.unchecked_models)):
+        page.add_lines(f"To accept that: {format_code_span(ACCEPTANCE)}", "")
+
+
+def _format_unchecked_group(group: UncheckedGroup) -> str:
+    names = join_first([format_code_span(info.id) for info in group.models], MOST_NAMED)
+    how = f": {format_code_span(group.command)}" if group.command else ""
+    return f"- {GLYPH} {names} not checked, {escape_for_markdown(_truncate_text(group.reason))}{how}"
 
 
 def _add_findings(page: _BoundedPage, run: Run) -> None:
@@ -213,7 +233,7 @@ def _iter_model_rows(run: Run) -> Iterator[str]:
         if info.status == "checked":
             cells += [str(info.links), str(info.joints), "" if info.mass is None else f"{info.mass:.4g} kg"]
         else:
-            cells += [info.status, "", ""]
+            cells += [f"{GLYPH} {describe_status(info)}", "", ""]
         yield f"| {' | '.join([*cells, *map(str, counts)])} |"
 
 

@@ -8,7 +8,8 @@ from typing import Any
 from urdfcheck.core import Edit, Finding, Run, Severity, Span
 from urdfcheck.output.shared.escaping import escape_for_json, escape_for_markdown
 from urdfcheck.output.shared.positions import to_utf8_region
-from urdfcheck.output.shared.wording import find_finding_file, iter_details, sort_worst_first
+from urdfcheck.output.shared.verdict.finding_details import iter_details
+from urdfcheck.output.shared.wording import find_finding_file, sort_worst_first
 
 
 def render(run: Run) -> str:

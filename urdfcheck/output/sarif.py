@@ -20,6 +20,14 @@ from urdfcheck.output.shared.escaping import escape_for_json, escape_invisible, 
 from urdfcheck.output.shared.json_objects import build_subject_object
 from urdfcheck.output.shared.positions import to_utf16_region
 from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, iter_inline_pieces, split_sections
+from urdfcheck.output.shared.verdict.finding_details import BLOCK_LABEL
+from urdfcheck.output.shared.verdict.not_checked import (
+    build_command,
+    describe_unused_macros,
+    explain_block,
+    explain_unchecked,
+    is_accepted,
+)
 from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
     describe_models,
@@ -86,7 +94,9 @@ def _build_run(run: Run, left_out: int, index: Mapping[str, int]) -> Json:
         "originalUriBaseIds": {BASE: {"description": {"text": "The working directory of the run."}}},
         "invocations": [
             {
-                "executionSuccessful": not run.failures and not run.partial,
+                "executionSuccessful": not run.failures
+                and not run.partial
+                and all(map(is_accepted, run.unchecked_models)),
                 "toolExecutionNotifications": list(_iter_notifications(run, left_out, index)),
             }
         ],
@@ -153,6 +163,18 @@ def _iter_notifications(run: Run, left_out: int, index: Mapping[str, int]) -> It
     if left_out:
         text = f"{format_count(left_out, 'finding')} are left out: code scanning takes no more than {MOST_RESULTS:,}."
         yield {"level": "warning", "message": _build_message(text)}
+    for info in run.unchecked_models:
+        command = build_command(info)
+        text = f"{info.id} was not checked: {explain_unchecked(info)}{f'; {command}' if command else ''}"
+        where = {"physicalLocation": {"artifactLocation": _build_artifact_location(info.path)}}
+        level = LEVELS[Severity.WARNING if is_accepted(info) else Severity.ERROR]
+        yield {"level": level, "message": _build_message(text), "locations": [where]}
+    if run.unused_macro_files:
+        where_all = [
+            {"physicalLocation": {"artifactLocation": _build_artifact_location(file)}}
+            for file in run.unused_macro_files[:MOST_LOCATIONS]
+        ]
+        yield {"level": "note", "message": _build_message(describe_unused_macros(run)), "locations": where_all}
     paths = {info.id: info.path for info in run.models}
     skipped: dict[tuple[str, str], list[str]] = {}
     for skip in run.skipped:
@@ -219,6 +241,8 @@ def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str
         paragraphs.append(f"In {models}")
     if arguments := run.find_variant_arguments(finding):
         paragraphs.append("With " + " ".join(f"{name}:={value}" for name, value in sorted(arguments.items())))
+    if block := explain_block(run, finding):
+        paragraphs.append(f"{BLOCK_LABEL}: {block}")
     if finding.cause_text is not None:
         paragraphs.append(f"Why: {finding.cause_text}")
     for effect, programs in group_by_effect(finding.consequences).items():

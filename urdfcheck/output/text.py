@@ -17,11 +17,20 @@ if TYPE_CHECKING:
 from urdfcheck.output.shared.code_frames import extract_code_frame
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line, find_ci_command
 from urdfcheck.output.shared.rule_statistics import count_by_rule, format_table
+from urdfcheck.output.shared.verdict.not_checked import (
+    ACCEPTANCE,
+    GLYPH,
+    describe_not_checked,
+    describe_status,
+    describe_unused_macros,
+    group_unchecked,
+    is_accepted,
+)
+from urdfcheck.output.shared.verdict.verdict import describe_checked_units
 from urdfcheck.output.shared.wording import (
     GLYPHS,
     PROGRAM_NAMES,
     SEVERITY_ORDER,
-    describe_checked_units,
     describe_found_arguments,
     describe_models,
     format_count,
@@ -35,6 +44,8 @@ FIX_OPTIONS = {Applicability.SAFE: "--fix", Applicability.UNSAFE: "--fix --unsaf
 WIDTH = 100
 EMPTY_TEXT = Text()
 MAX_RELATED = 4
+# Models that are named together.
+MAX_MODELS = 3
 MAX_CODES = 8
 # A report with more findings repeats its errors and warnings at the end.
 RECAP_THRESHOLD = 8
@@ -124,6 +135,7 @@ def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> 
         yield from _iter_skipped(run, width)
         yield from _iter_recap(run, width)
     yield from _iter_failures(run, width)
+    yield from _iter_not_checked(run, width)
     closing = "; ".join(filter(None, (_describe_fixable(run), _describe_hidden(brief))))
     if closing and detail is not DetailLevel.QUIET:
         yield from _wrap_text(Text(closing, "dim"), width)
@@ -137,6 +149,31 @@ def _needs_full_detail(run: Run, finding: Finding, fail_on: str) -> bool:
 def _iter_failures(run: Run, width: int) -> Iterator[Text]:
     for failure in run.failures:
         yield from _wrap_text(Text.assemble(("urdfcheck failed: ", "bold red"), escape_invisible(failure)), width)
+
+
+def _iter_not_checked(run: Run, width: int) -> Iterator[Text]:
+    """Yield the models of which nothing is known, with the commands that may check them, and unused macro files."""
+    models = run.unchecked_models
+    if not models and not run.unused_macro_files:
+        return
+    yield _format_separator(Text("not checked"), width)
+    for group in group_unchecked(models):
+        ids = [f"{info.id} (accepted)" if is_accepted(info) else info.id for info in group.models]
+        names = Text(escape_one_line(join_first(ids, MAX_MODELS)), "bold")
+        yield from _wrap_text(names, width, _format_glyph(group.models))
+        yield from _wrap_text(Text(escape_invisible(group.reason)), width, Text("  "))
+        if group.command:  # on a line of its own, to be copied
+            yield Text(f"  {escape_one_line(group.command)}")
+    if not all(map(is_accepted, models)):
+        yield from _wrap_text(Text(f"to accept that: {ACCEPTANCE}", "dim"), width, Text("  "))
+    if run.unused_macro_files:
+        shown = escape_one_line(join_first(run.unused_macro_files, MAX_MODELS))
+        yield from _wrap_text(Text(f"{describe_unused_macros(run)}: {shown}"), width, Text(f"{GLYPH} ", "bold yellow"))
+    yield Text()
+
+
+def _format_glyph(models: Sequence[ModelInfo]) -> Text:
+    return Text(f"{GLYPH} ", "bold yellow" if all(map(is_accepted, models)) else "bold red")
 
 
 def _iter_statistics(run: Run, width: int) -> Iterator[Text]:
@@ -154,6 +191,7 @@ def _iter_statistics(run: Run, width: int) -> Iterator[Text]:
             yield text
         yield Text()
     yield from _iter_failures(run, width)
+    yield from _iter_not_checked(run, width)
     if fixable := _describe_fixable(run):
         yield from _wrap_text(Text(fixable, "dim"), width)
     yield from _wrap_text(_format_summary(run), width)
@@ -194,7 +232,7 @@ def _format_model_heading(info: ModelInfo | None, model: str, width: int) -> Tex
         if info.mass is not None:
             facts.append(f"{info.mass:.4g} kg")
     elif info is not None:
-        facts = [info.status]
+        facts = [describe_status(info)]
     lead = "  "
     for fact in facts:
         addition = Text(lead + fact, style="dim")
@@ -362,20 +400,24 @@ def _iter_recap(run: Run, width: int) -> Iterator[Text]:
 def _format_summary(run: Run) -> Text:
     if not run.units and not run.failures:
         return Text("nothing to check: no model, launch file or package was found there", "bold")
-    if not run.active_findings and not run.failures and all(info.status != "failed" for info in run.models):
-        where = f"in {describe_checked_units(run)}{_describe_statuses(run.models)}"
+    unchecked = describe_not_checked(run)
+    if not run.active_findings and not run.failures and not unchecked:
+        where = f"in {describe_checked_units(run)}"
         if not set(run.rules) - {"URC900"}:  # it reports crashes, whatever is selected
             return Text(f"nothing was looked for {where}: no rule is selected (urdfcheck config says by what)", "bold")
         text = Text(f"✔ no findings {where}", "bold green")
         return text.append(_describe_suppressed(run), "dim")
     counts = [(s, run.count_findings(s)) for s in SEVERITY_ORDER]
     text = Text()
+    if run.failures:
+        text.append(f"{GLYPH} not finished: {format_count(len(run.failures), 'failure')}  ", "bold red")
+    if unchecked:
+        text.append_text(_format_glyph(run.unchecked_models)).append(f"{unchecked}  ", "bold")
     for severity, count in counts:
         text.append(f"{GLYPHS[severity]} {format_count(count, str(severity))}", STYLES[severity] if count else "dim")
         text.append("  ")
-    states = _describe_statuses(run.models)
     took = f", {run.seconds:.1f} s" if run.seconds else ""  # a reproducible report has no duration
-    text.append(f"in {describe_checked_units(run)}{states}{took}{_describe_suppressed(run)}", "dim")
+    text.append(f"in {describe_checked_units(run)}{took}{_describe_suppressed(run)}", "dim")
     return text
 
 
@@ -403,9 +445,3 @@ def _describe_suppressed(run: Run) -> str:
     }
     counted = [f"{count} {where[kind]}" for kind, count in run.suppressed_counts.items() if count]
     return f"; not shown: {', '.join(counted)}" if counted else ""
-
-
-def _describe_statuses(models: Iterable[ModelInfo]) -> str:
-    others = [m.status for m in models if m.status != "checked"]
-    counted = [f"{others.count(s)} {s}" for s in sorted(set(others))]
-    return f" ({', '.join(counted)})" if counted else ""

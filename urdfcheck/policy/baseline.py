@@ -25,6 +25,8 @@ from urdfcheck.system.files import read_regular
 # Its default name, beside the configuration.
 DEFAULT_NAME = "urdfcheck-baseline.json"
 SCHEMA = "urdfcheck-baseline/1"
+# The rule about entries whose finding is gone.
+STALE_BASELINE = "URC904"
 MAX_FILE_SIZE = 64 * 1024**2
 # Bound of an entry's count: more than the largest model has elements.
 MAX_COUNT = 10**6
@@ -133,9 +135,12 @@ def collect_entries(findings: Iterable[Finding]) -> dict[str, Counter[EntryKey]]
 
 
 def is_baseline_candidate(finding: Finding) -> bool:
-    """Whether a baseline accepts a finding, or could: not if it is about urdfcheck itself, or suppressed otherwise."""
+    """Whether a baseline accepts a finding, or could.
+
+    It does not if the finding is about urdfcheck itself, is why nothing is known of its model, or is suppressed otherwise.
+    """
     is_candidate = finding.suppressed is None or finding.suppressed.kind == "baseline"
-    return is_candidate and not finding.is_about_urdfcheck
+    return is_candidate and not finding.is_about_urdfcheck and not finding.blocks_check
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -202,7 +207,7 @@ def _is_gone(root: Path, name: str) -> bool:
 
 def report_stale_entries(baseline: Baseline, stale: Mapping[str, Mapping[EntryKey, int]]) -> Iterator[Finding]:
     """Yield a finding URC904 for each model with stale entries, at the first of them."""
-    rule = load_rules()["URC904"]
+    rule = load_rules()[STALE_BASELINE]
     spans = _locate_entries(baseline)
     for model, entries in stale.items():
         first, *others = sorted(entries)

@@ -13,7 +13,7 @@ from typing import Any
 import tomli
 
 from urdfcheck.core import Severity, UrdfcheckError
-from urdfcheck.policy.baseline import DEFAULT_NAME
+from urdfcheck.policy.baseline import DEFAULT_NAME, STALE_BASELINE
 from urdfcheck.policy.policy import TIERS, Policy
 from urdfcheck.policy.suppression import SuppressionEntry
 from urdfcheck.rules import load_rules, select_rules
@@ -29,6 +29,7 @@ MAX_FILE_SIZE = 4 * 1024**2
 MAX_ENTRIES, MAX_TEXT_LENGTH = 1_000, 1_000
 OWN_FILE, PROJECT_FILE = "urdfcheck.toml", "pyproject.toml"
 FAIL_ON = ("error", "warning", "info", "never")
+UNCHECKED = ("error", "warning")
 _KINDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", list: "a list"}
 TARGETS = ("gazebo", "mujoco", "drake", "bullet", "isaac", "moveit", "rviz", "pinocchio", "ros2_control", "kdl")
 
@@ -72,6 +73,10 @@ class Config:
     """The table itself, then its ``[[paths]]``."""
     fail_on: str = "error"
     tier: str = "full"
+    unchecked: str | tuple[str, ...] = "error"
+    """How bad it is that a model cannot be checked: error | warning, or patterns of the models for which it is a warning."""
+    strict_baseline: bool = False
+    """Whether a baseline entry whose finding is gone is an error."""
     exclude: tuple[str, ...] = ()
     packages: Mapping[str, Path] = field(default_factory=dict)
     package_path: tuple[Path, ...] = ()
@@ -88,6 +93,12 @@ class Config:
     def excludes(self, path: Path) -> bool:
         """Whether a file that is discovered in a folder is skipped."""
         return bool(self.exclude) and match_any_pattern(self.exclude, split_relative_path(path, self.root))
+
+    def grade_unchecked(self, path: Path) -> str:
+        """Return how bad it is that this model cannot be checked: error | warning."""
+        if isinstance(self.unchecked, str):
+            return self.unchecked
+        return "warning" if match_any_pattern(self.unchecked, split_relative_path(path, self.root)) else "error"
 
     def get_sections(self, path: Path) -> tuple[Section, ...]:
         """Return the table, and the sections that match a file."""
@@ -109,6 +120,7 @@ class CliOverrides:
     fail_on: str | None = None
     tier: str | None = None
     target: tuple[str, ...] | None = None
+    unchecked: str | None = None
     baseline: Path | None = None
 
 
@@ -139,7 +151,7 @@ class ConfigResolver:
         :raises UrdfcheckError: as for :func:`find_config`.
         """
         folder = Path(os.path.abspath(path))
-        folder = folder if folder.is_dir() else folder.parent
+        folder = folder if os.path.isdir(folder) else folder.parent  # Path.is_dir() raises where access is denied
         found = None if self.isolated else self._find_above(folder)
         if found is not None:
             return found
@@ -166,16 +178,25 @@ class ConfigResolver:
             config,
             sections=config.get_sections(path),
             suppressions=config.get_suppressions(path),
+            unchecked=config.grade_unchecked(path),
             overrides=self.overrides,
         )
 
 
 def resolve_config(
-    config: Config, *, sections: Sequence[Section], suppressions: tuple[SuppressionEntry, ...], overrides: CliOverrides
+    config: Config,
+    *,
+    sections: Sequence[Section],
+    suppressions: tuple[SuppressionEntry, ...],
+    unchecked: str,
+    overrides: CliOverrides,
 ) -> EffectiveConfig:
-    """Merge the sections, each over those before it, and the command line over all of them."""
+    """Merge the sections, each over those before it, and the command line over all of them.
+
+    ``unchecked``: see `Config.grade_unchecked`.
+    """
     codes = frozenset(load_rules()) if overrides.select is None else overrides.select
-    severities: dict[str, str] = {}
+    severities = {STALE_BASELINE: "error"} if config.strict_baseline else {}
     options: dict[str, dict[str, Any]] = {}
     targets: tuple[str, ...] = ()
     for number, section in enumerate(sections):
@@ -194,6 +215,7 @@ def resolve_config(
         severities=severities,
         targets=targets if overrides.target is None else overrides.target,
         suppress=suppressions,
+        unchecked=Severity.parse(overrides.unchecked or unchecked),
     )
     return EffectiveConfig(
         policy=policy,
@@ -219,7 +241,7 @@ def make_default_config(start: Path) -> Config:
     """
     start = start.absolute()
     for folder in (start, *start.parents):
-        if (folder / ".git").exists() or (folder / DEFAULT_NAME).is_file():
+        if os.path.exists(folder / ".git") or os.path.isfile(folder / DEFAULT_NAME):
             return Config(root=folder)
     return Config(root=Path.cwd())
 
@@ -227,10 +249,10 @@ def make_default_config(start: Path) -> Config:
 def _read_folder_config(folder: Path) -> Config | None:
     """Read the configuration in a folder."""
     own, project = folder / OWN_FILE, folder / PROJECT_FILE
-    if own.is_file():
+    if os.path.isfile(own):
         text = _read_text(own)
         return _parse_config(own, text, table=_parse_toml(own, text), key=())
-    if project.is_file():
+    if os.path.isfile(project):
         text = _read_text(project)
         tools = _parse_toml(project, text).get("tool", {})
         table = tools.get("urdfcheck") if isinstance(tools, dict) else None
@@ -273,7 +295,7 @@ def _parse_toml(path: Path, text: str) -> dict[str, Any]:
 
 _KEYS = (
     *("select", "ignore", "severity", "options", "target", "fail-on", "tier", "exclude", "packages", "package-path"),
-    *("baseline", "paths", "models", "suppress"),
+    *("unchecked", "baseline", "strict-baseline", "paths", "models", "suppress"),
 )
 _SECTION_KEYS = ("match", "select", "ignore", "severity", "options", "target")
 _MODEL_KEYS = ("path", "name", "arguments")
@@ -298,6 +320,8 @@ def _parse_config(path: Path, text: str, *, table: Any, key: Key) -> Config:
         sections=tuple(_parse_section(r, key) for r in (reader, *reader.read_tables("paths", _SECTION_KEYS))),
         fail_on=reader.read_choice("fail-on", FAIL_ON, "error"),
         tier=reader.read_choice("tier", TIERS, "full"),
+        unchecked=_parse_unchecked(reader),
+        strict_baseline=reader.read_flag("strict-baseline"),
         exclude=reader.read_words("exclude") or (),
         packages={name: root / folder for name, folder in packages.items()},
         package_path=tuple(root / p for p in package_path),
@@ -305,6 +329,16 @@ def _parse_config(path: Path, text: str, *, table: Any, key: Key) -> Config:
         models=_parse_models(reader),
         suppress=tuple(_parse_suppression(entry) for entry in reader.read_tables("suppress", _SUPPRESS_KEYS)),
     )
+
+
+def _parse_unchecked(reader: _TableReader) -> str | tuple[str, ...]:
+    """Read how bad it is that a model cannot be checked, or the patterns of the models for which it is accepted."""
+    value = reader.table.get("unchecked", "error")
+    if isinstance(value, list):
+        return reader.read_words("unchecked") or ()
+    if value not in UNCHECKED:
+        raise reader.make_type_error("unchecked", f"one of {', '.join(UNCHECKED)}, or a list of patterns for models")
+    return str(value)
 
 
 def _parse_section(reader: _TableReader, table: Key) -> Section:
@@ -463,6 +497,12 @@ class _TableReader:
         if value not in choices:
             raise self.make_type_error(key, f"one of {', '.join(choices)}")
         return str(value)
+
+    def read_flag(self, key: str) -> bool:
+        value = self.table.get(key, False)
+        if not isinstance(value, bool):
+            raise self.make_type_error(key, "true or false")
+        return value
 
     def read_texts(self, key: str) -> dict[str, str]:
         value = self.table.get(key, {})

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from urdfcheck.core import Severity
 from urdfcheck.policy.suppression import SuppressionEntry
 
 # How much is computed, each with all before it.
@@ -28,3 +29,11 @@ class Policy:
     """Programs that will read the model; what one of them rejects or drops is an error."""
     suppress: tuple[SuppressionEntry, ...] = ()
     """Entries of the configuration that suppress findings."""
+    unchecked: Severity = Severity.ERROR
+    """Severity of the causes for which a model cannot be checked; a warning where that is accepted. Neither `codes`,
+    `severities` nor `suppress` hold for these causes."""
+
+    @property
+    def accepts_unchecked(self) -> bool:
+        """Whether a model that cannot be checked is accepted."""
+        return self.unchecked < Severity.ERROR

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 
 # `link[wheel]` of `link[wheel]/inertial/inertia@izz`, whatever the name contains.
 _ELEMENT = re.compile(r"[^/@\[]*\[.*?\](?=[/@]|$)", re.DOTALL)
@@ -17,7 +17,8 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
 
     The stronger finding lists the dropped codes in its data (``hides``). A finding is dropped if all elements of its subjects
     belong to stronger findings. A finding about a difference, which names one element in its subjects and all in its data
-    (``between``), is dropped if one of these does.
+    (``between``), is dropped if one of these does. A finding that takes the place of the one for which the model could not be
+    checked is the cause in its stead.
     """
     findings = list(findings)
     index_by_element: dict[tuple[str, str], int] = {}
@@ -26,6 +27,7 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
             index_by_element.setdefault((finding.code, _get_element(subject)), index)
     dropped: set[int] = set()
     hides: dict[int, set[str]] = {}
+    inherited: dict[int, Severity] = {}
     for index, finding in enumerate(findings):
         rule = rules.get(finding.code)
         stronger = rule.hidden_by if rule is not None else ()
@@ -41,11 +43,16 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
             dropped.add(index)
             for other in superseding.values():
                 hides.setdefault(other, set()).add(finding.code)
-    return [
-        replace(f, data={**f.data, "hides": sorted(hides[i])}) if i in hides else f
-        for i, f in enumerate(findings)
-        if i not in dropped
-    ]
+                if finding.blocks_check:
+                    inherited[other] = max(finding.severity, findings[other].severity)
+    return [_take_place(f, hides.get(i), inherited.get(i)) for i, f in enumerate(findings) if i not in dropped]
+
+
+def _take_place(finding: Finding, hidden: Collection[str] | None, severity: Severity | None) -> Finding:
+    """Return a finding with the codes that it hides; ``severity``: that of a cause in whose place it stands."""
+    if hidden is not None:
+        finding = replace(finding, data={**finding.data, "hides": sorted(hidden)})
+    return finding if severity is None else replace(finding, severity=severity, blocks_check=True)
 
 
 def _get_element(subject: str) -> str:

@@ -91,7 +91,7 @@ def mark_suppressed(
     taken: set[tuple[str, str, Span | None, tuple[str, ...]]] = set()
     marked = []
     for finding in findings:
-        if finding.suppressed is not None or finding.is_about_urdfcheck:
+        if finding.suppressed is not None or finding.is_about_urdfcheck or finding.blocks_check:
             marked.append(finding)
             continue
         reasons = []

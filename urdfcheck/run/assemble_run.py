@@ -40,6 +40,7 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
     complete_rules = _list_complete_rules(request, units)
     unit_names = _group_by_baseline(units)
     baselines = list(_read_baselines(request, unit_names))
+    unused_macro_files = _list_unused_macro_files(plan, audited_units)
 
     def review(findings: Sequence[Finding], needed: AbstractSet[Span]) -> Iterator[Finding]:
         """Report on comments, libraries, configurations and baselines, given all findings about models."""
@@ -56,11 +57,12 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
         for known, names in baselines:
             yield from _report_outdated(known, view, names)
 
+    findings = finalize_run_findings(audited_units, request.policy, across_models=across_models, review=review)
     return Run(
         models=models,
-        findings=finalize_run_findings(audited_units, request.policy, across_models=across_models, review=review),
+        findings=findings,
         skipped=skipped,
-        rules=_select_rules(request, units),
+        rules=_select_rules(request, units, findings),
         versions=collect_versions(full=request.options.scene),
         sources=_collect_sources(plan, reports, [known for known, _ in baselines]),
         scenes=tuple(report.scene for report in reports if report.scene is not None),
@@ -75,7 +77,17 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
         targets=request.policy.targets,
         fail_on={unit.id: unit.fail_on for unit in units if unit.fail_on is not None},
         baselines=frozenset(format_path(known.path) for known, _ in baselines),
+        unused_macro_files=unused_macro_files,
     )
+
+
+def _list_unused_macro_files(plan: Plan, audited_units: AuditedUnits) -> tuple[str, ...]:
+    """Return the files with macros that no checked model has read."""
+    read = {os.path.realpath(unit.path) for unit, _ in audited_units}
+    for _, report in audited_units:
+        if report.info is not None and report.info.status == "checked":
+            read.update(map(os.path.realpath, report.files))
+    return tuple(sorted(format_path(path) for path in plan.macro_files if os.path.realpath(path) not in read))
 
 
 def _collect_skips(plan: Plan, reports: Iterable[UnitReport]) -> tuple[SkippedCheck, ...]:
@@ -159,9 +171,9 @@ def _union_codes(request: Request, units: Iterable[Unit]) -> frozenset[str]:
     return request.policy.codes.union(*(unit.policy.codes for unit in units if unit.policy is not None))
 
 
-def _select_rules(request: Request, units: Iterable[Unit]) -> dict[str, Rule]:
-    """Return the rules that may have findings."""
-    codes = _union_codes(request, units) | {"URC900"}
+def _select_rules(request: Request, units: Iterable[Unit], findings: Iterable[Finding]) -> dict[str, Rule]:
+    """Return the rules that may have findings: those selected, and those that say why a model could not be checked."""
+    codes = _union_codes(request, units) | {"URC900"} | {f.code for f in findings if f.blocks_check}
     return {code: rule for code, rule in load_rules().items() if code in codes}
 
 
@@ -172,7 +184,7 @@ def _list_complete_rules(request: Request, units: Iterable[Unit]) -> dict[str, f
     command line says nothing of what its other targets would do.
     """
     root = Path(os.path.realpath(request.root))
-    folders = [Path(os.path.realpath(path)) for path in request.paths if path.is_dir()]
+    folders = [Path(os.path.realpath(path)) for path in request.paths if os.path.isdir(path)]
     is_partial = not any(folder == root or folder in root.parents for folder in folders)
     has_other_targets = request.config_resolver is not None and request.config_resolver.overrides.target is not None
     missed = {

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck.core import Finding, ModelInfo, SkippedCheck
+from urdfcheck.core import Finding, ModelInfo, NotChecked, SkippedCheck
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.suppression import BaselineEntries, CommentUsage
@@ -134,11 +134,17 @@ class Unit:
     is_reduced: bool = False
     """Whether the unit was made to find the arguments that a finding takes."""
 
-    def describe_unread(self) -> ModelInfo | None:
+    def describe_unread(self, not_checked: NotChecked, status: str = "failed") -> ModelInfo | None:
         """Return what a run knows of the model if it could not be read; None if the unit is not a model."""
         if self.kind != "model":
             return None
-        return ModelInfo.unread(path=format_path(Path(self.path)), model_id=self.id, arguments=self.arguments)
+        return ModelInfo.unread(
+            path=format_path(Path(self.path)),
+            model_id=self.id,
+            arguments=self.arguments,
+            status=status,
+            not_checked=not_checked,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,16 +17,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Run, UrdfcheckError
+from urdfcheck.core import NotChecked, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.policy import baseline
 from urdfcheck.policy.baseline import Baseline
 from urdfcheck.policy.config import Config
-from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.rules import find_pages_folder
 from urdfcheck.run.assemble_run import build_run
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, UnitReport
-from urdfcheck.run.unit_audit import audit_unit, report_stopped_unit
+from urdfcheck.run.unchecked import build_stopped_report
+from urdfcheck.run.unit_audit import audit_unit
 from urdfcheck.run.variants import format_arguments, propose_smaller_variants
 from urdfcheck.source.discover import Plan, discover_targets
 from urdfcheck.source.model_role import MODEL
@@ -439,19 +439,21 @@ def stream_reports(
     for place, answer in map_in_processes(
         _audit_in_worker, work, at_once, warm_worker=warm_worker, on_idle=on_idle, timeout=longest, is_spent=_is_stopped
     ):
-        yield order[place], _report_answer(units[order[place]], answer, limits)
+        yield order[place], _report_answer(units[order[place]], answer, settings)
 
 
-def _report_answer(unit: Unit, answer: UnitReport | WorkerDiedError, limits: ResourceLimits) -> UnitReport:
+def _report_answer(unit: Unit, answer: UnitReport | WorkerDiedError, settings: AuditSettings) -> UnitReport:
     """Return the report of a worker, or one about its end."""
     if isinstance(answer, WorkerTimeoutError):
-        return UnitReport(
-            info=unit.describe_unread(), findings=(report_stopped_unit(unit, limits=limits, message="killed"),)
-        )
+        return build_stopped_report(unit, settings, "killed")
     if isinstance(answer, WorkerDiedError):
-        failure = f"the worker for {unit.id} {_describe_exit(answer.exit_code)}"
-        return UnitReport(info=unit.describe_unread(), failures=(failure,))
+        return _build_failed_report(unit, f"the worker for {unit.id} {_describe_exit(answer.exit_code)}")
     return answer
+
+
+def _build_failed_report(unit: Unit, failure: str) -> UnitReport:
+    """Return the report on a unit of which nothing is known, because urdfcheck itself failed."""
+    return UnitReport(info=unit.describe_unread(NotChecked(failure)), failures=(failure,))
 
 
 def _is_stopped(report: UnitReport) -> bool:
@@ -489,9 +491,6 @@ def _audit_in_worker(unit: Unit, settings: AuditSettings) -> UnitReport:
         with sandbox.enforce_deadline(limits.seconds):
             return audit_unit(unit, settings)
     except ModelTimeout:  # for the second time: while the first was being handled
-        return UnitReport(
-            info=unit.describe_unread(), findings=(report_stopped_unit(unit, limits=limits, message="time"),)
-        )
+        return build_stopped_report(unit, settings, "time")
     except Exception as error:  # ours, not the model's: reading and checking turn what is wrong there into findings
-        text = f"the audit of {unit.id} crashed: {type(error).__name__}: {error}"
-        return UnitReport(info=unit.describe_unread(), failures=(text,))
+        return _build_failed_report(unit, f"the audit of {unit.id} crashed: {type(error).__name__}: {error}")

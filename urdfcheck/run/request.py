@@ -36,6 +36,8 @@ class RunOptions:
     """Least severity of a finding that fails the run: error | warning | info | never."""
     tier: str | None = None
     """How much is computed: source | mesh | full."""
+    unchecked: str | None = None
+    """How bad it is that a model cannot be checked: error | warning."""
     target: Sequence[str] | None = None
     """Programs that will read the models."""
     baseline: AnyPath | None = None
@@ -84,7 +86,7 @@ def make_config_resolver(options: RunOptions) -> ConfigResolver:
 
     :raises UrdfcheckError: for unknown rules and targets.
     """
-    from urdfcheck.policy.config import CliOverrides, ConfigResolver, explain_unknown_target
+    from urdfcheck.policy.config import UNCHECKED, CliOverrides, ConfigResolver, explain_unknown_target
     from urdfcheck.rules import select_rules
 
     def select_codes(words: Sequence[str] | None) -> frozenset[str] | None:
@@ -92,6 +94,8 @@ def make_config_resolver(options: RunOptions) -> ConfigResolver:
 
     if options.tier not in {None, *TIERS}:
         raise UrdfcheckError(f"{options.spell('tier')} {options.tier}: one of {', '.join(TIERS)}")
+    if options.unchecked not in {None, *UNCHECKED}:
+        raise UrdfcheckError(f"{options.spell('unchecked')} {options.unchecked}: one of {', '.join(UNCHECKED)}")
     for name in options.target or ():
         if (problem := explain_unknown_target(name)) is not None:
             raise UrdfcheckError(f"{options.spell('target')}: {problem}")
@@ -101,6 +105,7 @@ def make_config_resolver(options: RunOptions) -> ConfigResolver:
         fail_on=options.fail_on,
         tier=options.tier,
         target=None if options.target is None else tuple(options.target),
+        unchecked=options.unchecked,
         baseline=None if options.baseline is None else Path(options.baseline),
     )
     return ConfigResolver(overrides, options.isolated, tuple(map(Path, options.paths)))
@@ -177,7 +182,7 @@ def read_baseline(options: RunOptions, config: Config) -> Baseline | None:
     from urdfcheck.policy import baseline
 
     file = find_baseline_file(options, config)
-    if not file.is_file() and (options.baseline is None or options.may_lack_baseline):
+    if not os.path.isfile(file) and (options.baseline is None or options.may_lack_baseline):
         return None
     if options.baseline is None:
         return None if options.isolated else baseline.read_found_baseline(file, config.root)

@@ -13,26 +13,33 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.core import FactUnavailableError, Finding, Location, ModelInfo, Rule, SkippedCheck, Span
+from urdfcheck.core import (
+    FactUnavailableError,
+    Finding,
+    ModelInfo,
+    Rule,
+    Severity,
+    SkippedCheck,
+)
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.export.link_pairs import LinkPairs, compute_link_pairs
 from urdfcheck.export.outline import ModelOutline, build_outline
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import TIERS
+from urdfcheck.policy.report_limits import truncate_texts
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.comment_usage import assess_comments
 from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.unchecked import explain_unchecked, locate_unit, mark_cause, report_stopped_unit
 from urdfcheck.source.launch.launch_file import Launch, load_launch
 from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.model_role import MODEL, collect_robot_files, find_model_role
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
-from urdfcheck.source.reach import FileReach
+from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.resources import find_uninstalled_files
-from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.suppression_comments import find_ignore_comments
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.array_cache import ArrayCache
@@ -71,19 +78,6 @@ def audit_unit(unit: Unit, settings: AuditSettings) -> UnitReport:
     return replace(audit.build_report(time.perf_counter() - start), reads=reads)
 
 
-def report_stopped_unit(unit: Unit, *, limits: ResourceLimits, message: str, problem: Problem | None = None) -> Finding:
-    """Return the finding that the check of a unit was stopped (``message``: time | memory | killed).
-
-    With ``problem`` its expansion was stopped there.
-    """
-    at = _locate_unit(unit) if problem is None else problem.location
-    related, reason = ((), "") if problem is None else (problem.related, problem.message)
-    finding = load_rules()["URC906"].finding(
-        message, at=at, related=related, seconds=limits.seconds, memory=limits.memory, reason=reason
-    )
-    return replace(finding, model=unit.id)
-
-
 class _UnitAudit:
     """Loads a unit, runs the checks on it and collects what they report."""
 
@@ -106,6 +100,7 @@ class _UnitAudit:
         self.findings_cache: FindingsCache | None = None
         self.source: Source | None = None
         self.role = MODEL
+        self.unread_status = ""
         self.rules = {c: r for c, r in load_rules().items() if c in self.policy.codes and has_check(r)}
 
     def make_finder(self, start: Path) -> PackageFinder:
@@ -126,19 +121,40 @@ class _UnitAudit:
         self.role = find_model_role(source, is_part=self.unit.is_part, is_tentative=self.unit.is_tentative)
         if self.role != MODEL:
             return
-        self.run_checks("file", source)
-        model: Model | None = None
-        is_readable = not (source.is_part and source.find_problems("prefix"))
-        if source.root is not None and source.root.tag == "robot" and is_readable:
-            model = self.build_model(source, source.root)
-            self.check_model(model)
-        else:
-            # Everything else is about a robot that is not available: the findings so far say why.
+        is_unbound = source.is_part and bool(source.find_problems("prefix"))
+        if source.root is None or source.root.tag != "robot" or is_unbound:
+            self.unread_status = "needs-arguments" if source.find_problems("argument-missing") else "failed"
+            self.report_causes(source)
+            # Everything else is about a robot that is not available.
             self.skip_scope("model", "the model could not be expanded")
+            self.audit_launches(None)
+            return
+        self.run_checks("file", source)
+        model = self.build_model(source, source.root)
+        self.check_model(model)
         self.audit_launches(model)
         self.info = _describe_model(self.unit, source, model)
-        if model is not None:
-            self.build_extras(model)
+        self.build_extras(model)
+
+    def report_causes(self, source: Source) -> None:
+        """Report why there is no model, whatever the configuration says of these rules, and what they find beside that."""
+        for rule in load_rules().values():
+            if "file" in rule.scopes and has_check(rule):
+                self.run_guarded(rule.code, partial(self.collect_causes, rule, source))
+
+    def collect_causes(self, rule: Rule, source: Source) -> None:
+        """Run one check of a file that gives no model: its errors are the causes."""
+        for finding in load_check(rule)(source, rule, **self.get_options(rule)):
+            located = replace(finding, model=self.unit.id)
+            if finding.severity == Severity.ERROR:
+                self.findings.append(truncate_texts(mark_cause(located, self.policy)))
+            elif rule.code in self.rules:
+                self.findings.append(admit_finding(located, rule, self.policy))
+
+    def get_options(self, rule: Rule) -> dict[str, Any]:
+        """Return the values of a rule's options."""
+        options = {name: o.default for name, o in rule.options.items()}
+        return {**options, **self.policy.options.get(rule.code, {})}
 
     def load_source(self) -> Source:
         """Read and expand the model."""
@@ -153,11 +169,12 @@ class _UnitAudit:
             environment=frozenset(self.options.environment),
         )
         self.texts.update({name: file.text for name, file in source.files.items()})
+        for problem in source.find_problems("unreadable"):
+            if problem.location.file == source.name and problem.message != OUT_OF_REACH and path.is_file():
+                self.failures.append(f"{source.name}: cannot be read: {problem.message}")
         for problem in source.find_problems("time-limit", "memory-limit"):
             message = f"expansion-{problem.kind.partition('-')[0]}"
-            self.findings.append(
-                report_stopped_unit(self.unit, limits=self.options.limits, message=message, problem=problem)
-            )
+            self.findings.append(report_stopped_unit(self.unit, self.settings, message, problem=problem))
         return source
 
     def build_model(self, source: Source, robot: Element) -> Model:
@@ -241,9 +258,7 @@ class _UnitAudit:
             if missing:
                 self.add_skip(rule.code, f"needs --tier {missing}")
                 continue
-            options = {name: o.default for name, o in rule.options.items()}
-            options.update(self.policy.options.get(rule.code, {}))
-            self.run_guarded(rule.code, partial(self.collect_findings, rule, subject, options))
+            self.run_guarded(rule.code, partial(self.collect_findings, rule, subject, self.get_options(rule)))
 
     def collect_findings(self, rule: Rule, subject: Any, options: Mapping[str, Any]) -> None:
         """Run one check, or take its findings from the cache."""
@@ -267,16 +282,15 @@ class _UnitAudit:
             where = traceback.extract_tb(error.__traceback__)[-1]
             text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
             self.failures.append(f"{name} crashed on {self.unit.id}: {text}")
-            crash = load_rules()["URC900"].finding("crashed", at=_locate_unit(self.unit), check=name, error=text)
+            crash = load_rules()["URC900"].finding("crashed", at=locate_unit(self.unit), check=name, error=text)
             self.findings.append(replace(crash, model=self.unit.id))
         return None
 
     def stop_audit(self, message: str) -> None:
         """Give up: the findings so far stay, everything else is unknown."""
-        self.findings.append(report_stopped_unit(self.unit, limits=self.options.limits, message=message))
+        self.findings.append(report_stopped_unit(self.unit, self.settings, message))
         self.add_skip("ALL", "the check was stopped (URC906)")
-        if self.unit.kind == "model":
-            self.info = self.unit.describe_unread()
+        self.unread_status = "failed"
 
     def add_skip(self, code: str, reason: str) -> None:
         """Note that a check could not run."""
@@ -312,7 +326,7 @@ class _UnitAudit:
             self.findings,
             unit=self.unit,
             policy=self.policy,
-            rules=self.rules,
+            rules=load_rules(),
             comments=comments,
             root=None if self.source is None else self.source.root,
             texts=self.texts,
@@ -324,13 +338,22 @@ class _UnitAudit:
             unit=self.unit,
             source=self.source,
             checked_codes=self.policy.codes,
-            skipped_codes={skip.code for skip in self.skipped},
+            # Of a model that was not checked nobody knows what its comments are for.
+            skipped_codes={*(skip.code for skip in self.skipped), *(["ALL"] if self.unread_status else [])},
         )
+        info = self.info
+        if self.unread_status:
+            info = self.unit.describe_unread(explain_unchecked(settled.findings), self.unread_status)
+            if info is not None and self.source is not None:
+                found = _locate_found_arguments(self.source)
+                info = replace(info, args=dict(self.source.arguments), found_args=found)
+            if not any(finding.blocks_check for finding in settled.findings):
+                self.failures.append(f"{self.unit.id} could not be read, and no rule says why")
         named_files |= {usage.comment.span.file for usage in usages}
         return UnitReport(
             findings=settled.findings,
             skipped=(*self.skipped, *settled.unlisted),
-            info=None if self.info is None else replace(self.info, seconds=round(seconds, 3)),
+            info=None if info is None else replace(info, seconds=round(seconds, 3)),
             scene=self.scene,
             pairs=self.pairs,
             drop=self.drop,
@@ -374,27 +397,21 @@ def _find_missing_tier(rule: Rule, tier: str) -> str | None:
     return TIERS[wanted] if wanted > TIERS.index(tier) else None
 
 
-def _locate_unit(unit: Unit) -> Location:
-    """Return the start of the unit's file."""
-    return Location("robot", Span(format_path(Path(unit.path)), 1, 1, 1, 1, 0, 0))
-
-
-def _describe_model(unit: Unit, source: Source, model: Model | None) -> ModelInfo:
-    """Return the model's line in the report."""
-    path = format_path(Path(unit.path))
+def _locate_found_arguments(source: Source) -> dict[str, str]:
+    """Return the arguments that nobody gave, with the places, ``file:line``, that pass them."""
     places = {name: location.span for name, location in source.found_arguments.items()}
-    found = {name: f"{span.file}:{span.line}" for name, span in places.items() if span is not None}
-    if model is None:
-        status = "needs-arguments" if source.find_problems("argument-missing") else "failed"
-        unread = ModelInfo.unread(path=path, model_id=unit.id, arguments=source.arguments, status=status)
-        return replace(unread, found_args=found)
+    return {name: f"{span.file}:{span.line}" for name, span in places.items() if span is not None}
+
+
+def _describe_model(unit: Unit, source: Source, model: Model) -> ModelInfo:
+    """Return the model's line in the report."""
     masses = [link.inertial.mass for link in model.links if link.inertial is not None]
     known_masses = [mass for mass in masses if mass is not None]
     return ModelInfo(
-        path=path,
+        path=format_path(Path(unit.path)),
         robot=model.name,
         args=dict(source.arguments),
-        found_args=found,
+        found_args=_locate_found_arguments(source),
         links=len(model.links),
         joints=len(model.joints),
         mass=round(sum(known_masses), 9) if known_masses else None,

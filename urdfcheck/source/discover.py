@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.source.folder_index import FolderIndex, FoundModel, resolve_path
+from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unreadable, resolve_path
 from urdfcheck.source.launch.launch_file import load_launch
 from urdfcheck.source.launch.python_launch_file import read_python_launch
 from urdfcheck.source.package.file_kinds import (
@@ -109,6 +109,8 @@ class Plan:
     """Errors in configurations, each text beginning with its place."""
     known_packages: Mapping[str, Sequence[Path]] = field(default_factory=dict)
     """The folders of each package below the given folders, and in the repositories of the given files, by its name."""
+    macro_files: tuple[Path, ...] = ()
+    """Files in the given folders that define macros."""
 
 
 def discover_targets(
@@ -176,6 +178,7 @@ class _Planner:
         self.given_folders: list[Path] = []
         self.known_packages: dict[str, list[Path]] = {}
         self.libraries: dict[Path, Path] = {}
+        self.macro_files: dict[Path, None] = {}
 
     def get_finder(self, start: Path) -> PackageFinder:
         """Return the finder of packages around a file or folder: one for all files of a folder, which searches once."""
@@ -232,6 +235,8 @@ class _Planner:
                 self.missing.append((format_path(path), self.budget.explain()))
             elif self.reach is not None and not self.reach.can_open(path):
                 self.missing.append((str(path), explain_unreachable(path)))
+            elif reason := explain_unreadable(path):
+                self.missing.append((str(path), reason))
             elif path.is_dir():
                 self.add_folder(path)
             elif path.is_file():
@@ -261,6 +266,13 @@ class _Planner:
                 self.add_model(ModelTarget(path=model, arguments=self.arguments))
         self.libraries.update((resolve_path(f), f) for f, file in folder.files.items() if file.only_macros)
         self.unused += [(format_path(link), OUT_OF_REACH) for link in sorted(folder.outside)]
+        for place, reason in sorted(folder.unreadable):
+            # An excluded folder is excluded with all that may be in it.
+            config = self.get_config(place.parent)
+            if config is None or not (config.excludes(place) or config.excludes(place / "_")):
+                self.missing.append((format_path(place), reason))
+        macro_files = (path for path, file in folder.files.items() if file.defines_macros)
+        self.macro_files.update(dict.fromkeys(path for path in macro_files if self.is_usable(path, named=False)))
 
     def add_found_model(self, found: FoundModel, *, is_spare: bool = False) -> None:
         """Add a file that was found in a folder."""
@@ -528,6 +540,7 @@ class _Planner:
             whole_packages=frozenset(filter(self.is_in_given_folder, packages)),
             config_errors=tuple(self.config_errors),
             known_packages=self.sort_known_packages(packages),
+            macro_files=tuple(self.macro_files),
         )
 
     def list_targets(self) -> list[ModelTarget]:

@@ -5,6 +5,7 @@ Standard library only: this runs before anything heavy is loaded.
 
 from __future__ import annotations
 
+import errno
 import fnmatch
 import glob
 import os
@@ -52,7 +53,8 @@ class FolderIndex:
         self.path = path
         self.finder = finder
         self.outside: list[Path] = []
-        files = sorted(_iter_files(path, finder, self.outside))
+        self.unreadable: list[tuple[Path, str]] = []
+        files = sorted(_iter_files(path, finder, self.outside, self.unreadable))
         self.packages = [f.parent for f in files if f.name == "package.xml"]
         finder.note_packages(self.packages)
         self.launches = [f for f in files if is_launch(f)]
@@ -286,8 +288,14 @@ def resolve_path(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def _iter_files(root: Path, finder: PackageFinder, outside: list[Path]) -> Iterator[Path]:
-    """Yield the files below a folder, through links too; append links to places that may not be opened to ``outside``."""
+def _iter_files(
+    root: Path, finder: PackageFinder, outside: list[Path], unreadable: list[tuple[Path, str]]
+) -> Iterator[Path]:
+    """Yield the files below a folder, through links too.
+
+    Append links to places that may not be opened to ``outside``, and to ``unreadable`` with the reason the folders and possible
+    models that cannot be read, and what cannot even be told to be a file or a folder.
+    """
     ignored = _list_git_ignored(root)
     visited: set[str] = set()
     below = [(str(root), os.path.realpath(root))]
@@ -300,6 +308,9 @@ def _iter_files(root: Path, finder: PackageFinder, outside: list[Path]) -> Itera
         if os.path.islink(folder) and not finder.can_open(Path(folder)):
             outside.append(Path(folder))
             continue
+        if reason := explain_unreadable(folder, os.R_OK | os.X_OK):
+            unreadable.append((Path(folder), reason))
+            continue
         for name in names:
             place = os.path.join(real, name)
             if not name.startswith(".") and name not in _SKIPPED and place not in ignored:
@@ -311,8 +322,28 @@ def _iter_files(root: Path, finder: PackageFinder, outside: list[Path]) -> Itera
                 continue
             if os.path.islink(path) and not finder.can_open(path):
                 outside.append(path)
+            elif reason := explain_unreadable(path, os.R_OK if _may_be_checked(path) else os.F_OK):
+                unreadable.append((path, reason))
             elif os.path.isfile(path):
                 yield path
+
+
+def _may_be_checked(path: Path) -> bool:
+    """Whether the name of a file is that of a model, a launch file or a manifest."""
+    return is_model(path) or is_srdf(path) or is_launch(path) or path.name == "package.xml"
+
+
+def explain_unreadable(path: str | Path, mode: int = os.R_OK) -> str:
+    """Return why the system refuses access to a file or folder; empty if it grants it.
+
+    Empty too for a link that leads nowhere or in a circle. ``mode``: the access, as of :func:`os.access`.
+    """
+    try:
+        os.stat(path)
+        return "" if os.access(path, mode) else f"cannot be read: {os.strerror(errno.EACCES)}"
+    except OSError as error:
+        leads_nowhere = error.errno in {errno.ENOENT, errno.ENOTDIR, errno.ELOOP}
+        return "" if leads_nowhere else f"cannot be read: {error.strerror}"
 
 
 def _list_folder(folder: str) -> tuple[list[str], list[str]]:

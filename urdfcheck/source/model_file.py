@@ -10,7 +10,7 @@ from pathlib import Path
 from urdfcheck.source.package.file_kinds import is_srdf, is_xacro
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
-from urdfcheck.source.xacro.file_contents import can_stand_alone, has_links, has_only_macros, has_parts
+from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_links, has_only_macros, has_parts
 from urdfcheck.system.files import read_regular
 
 # Limit on the includes of one file that are followed: beyond it a file counts as not included, and is checked as a model. In a
@@ -41,6 +41,7 @@ class ModelFile:
         includes = [e.get("filename") for e in root.walk() if e.tag == "xacro:include"] if root else self.mentions
         self.includes = list(dict.fromkeys(includes))[:MAX_INCLUDES]
         self.only_macros = self.is_xacro and has_only_macros(root)
+        self.defines_macros = defines_macros(root)
         self.has_parts = has_parts(root)
         self.stands_alone = can_stand_alone(root)
         self.makes_robot = is_srdf(path) and has_links(root)

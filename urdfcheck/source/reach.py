@@ -51,7 +51,7 @@ def find_project_folder(path: Path) -> Path:
     ]  # a whole home folder may be a repository
     for mark in (".git", "package.xml"):
         for outer in around:
-            if (outer / mark).exists():
+            if os.path.exists(outer / mark):
                 return outer
     return folder
 
@@ -66,15 +66,15 @@ def list_project_folders(path: Path) -> list[Path]:
     project = find_project_folder(path)
     if _is_shared_by_all(project):
         place = _find_place(path)
-        return [] if place == project or place.is_symlink() else [place]
-    is_marked = any((project / mark).exists() for mark in (".git", "package.xml"))
+        return [] if place == project or os.path.islink(place) else [place]
+    is_marked = any(os.path.exists(project / mark) for mark in (".git", "package.xml"))
     return [project] if is_marked else [project, *_list_sibling_parts(project)]
 
 
 def explain_unreachable(path: Path) -> str:
     """Return why a path given by the user is not opened."""
     place = _find_place(path)
-    if place.is_dir() and not place.is_symlink() and _is_shared_by_all(place):
+    if os.path.isdir(place) and not os.path.islink(place) and _is_shared_by_all(place):
         what = "the root of the disk" if place.parent == place else "a folder for all files of a user or of everybody"
         return f"it is {what}: name the folders of the robots in it, or allow all of it with --allow-read {path.as_posix()}"
     return OUT_OF_REACH
@@ -88,7 +88,8 @@ def _find_place(path: Path) -> Path:
 
 def _find_own_folder(path: Path) -> Path:
     place = _find_place(path)
-    return place if place.is_dir() and not place.is_symlink() else place.parent
+    # Not Path.is_dir(), which raises where access is denied.
+    return place if os.path.isdir(place) and not os.path.islink(place) else place.parent
 
 
 def _is_shared_by_all(folder: Path) -> bool:

@@ -13,6 +13,7 @@ from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_requ
 from urdfcheck.cli.output_files import CheckedFolders, write_file
 from urdfcheck.cli.terminal import (
     FAILED,
+    FINDINGS,
     NOTHING,
     OK,
     compute_exit_code,
@@ -40,8 +41,8 @@ def build_parser() -> argparse.ArgumentParser:
     p.add_argument(
         "action",
         choices=("write", "check", "prune"),
-        help="write: all findings are known from now on; check: like urdfcheck check, and what is gone from the baseline is an "
-        "error; prune: take out what is gone",
+        help="write: all findings are known from now on; check: like urdfcheck check, with a baseline that must be there; "
+        "prune: take out what is gone",
     )
     p.add_argument("paths", nargs="*", default=["."], metavar="PATH", help="what check takes (default: this folder)")
     add_options(p)
@@ -77,7 +78,20 @@ def main(words: Sequence[str]) -> int:
         prune=options.action == "prune",
         checked=CheckedFolders.around(options.paths),
     )
-    return FAILED if outcome.failures else OK
+    return FAILED if outcome.failures else _report_unchecked(outcome)
+
+
+def _report_unchecked(outcome: Run) -> int:
+    """Say how many models the baseline knows nothing of; return the exit code: that of an error unless they are accepted."""
+    from urdfcheck.core import Severity
+    from urdfcheck.output.shared.verdict.not_checked import GLYPH, describe_unchecked_models
+
+    if outcome.unchecked_models:
+        them = "it" if len(outcome.unchecked_models) == 1 else "them"
+        text = f"{GLYPH} {describe_unchecked_models(outcome)}: the baseline knows nothing of what is in {them}"
+        say(text, sys.stderr)
+    is_error = any(info.unchecked_severity == Severity.ERROR for info in outcome.models)
+    return FINDINGS if is_error else OK
 
 
 def _add_previous_baseline(options: argparse.Namespace, request: Request, settings: Config) -> tuple[Path, Request]:

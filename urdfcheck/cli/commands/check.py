@@ -127,7 +127,8 @@ def main(words: Sequence[str]) -> int:
         return _report(run(request, execution), options, reports=reports, settings=settings)
     fixes = _compute_fixes(request, execution, include_unsafe=options.unsafe_fixes)
     if options.diff:
-        return _print_diff(fixes, allow_empty=options.allow_empty)
+        fail_on = options.fail_on or settings.fail_on
+        return _print_diff(fixes, fail_on=fail_on, allow_empty=options.allow_empty)
     _write_fixes(fixes)
     return _report(fixes.outcome, options, reports=reports, settings=settings)
 
@@ -270,9 +271,13 @@ def _write_fixes(fixes: FixResult) -> None:
     _summarise_fixes("fixed", fixes)
 
 
-def _print_diff(fixes: FixResult, *, allow_empty: bool) -> int:
-    """Print what would be changed; the exit code says whether there is anything, findings do not count."""
+def _print_diff(fixes: FixResult, *, fail_on: str, allow_empty: bool) -> int:
+    """Print what would be changed; the exit code says whether there is anything, or a model that was not checked.
+
+    Findings do not count.
+    """
     from urdfcheck.fix import patch
+    from urdfcheck.output.shared.verdict.not_checked import GLYPH, describe_unchecked_models
 
     for path, (before, after) in fixes.changes.items():
         for line in patch.iter_diff_lines(path, before, after):
@@ -281,7 +286,9 @@ def _print_diff(fixes: FixResult, *, allow_empty: bool) -> int:
     for failure in fixes.outcome.failures:
         say(f"urdfcheck failed: {failure}", sys.stderr)
     _summarise_fixes("would fix", fixes)
-    code = compute_exit_code(replace(fixes.outcome, findings=()), "never", allow_empty=allow_empty)
+    if fixes.outcome.unchecked_models:
+        say(f"{GLYPH} {describe_unchecked_models(fixes.outcome)}", sys.stderr)
+    code = compute_exit_code(replace(fixes.outcome, findings=()), fail_on, allow_empty=allow_empty)
     return code or (FINDINGS if fixes.changes else OK)
 
 

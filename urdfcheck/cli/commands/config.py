@@ -135,6 +135,9 @@ def _build_report(resolver: ConfigResolver, config: Config, path: Path, *, basel
         *iter_code_settings("ignore", "", given.ignore),
         make_setting("fail-on", effective.fail_on, on_command_line=given.fail_on is not None),
         make_setting("tier", effective.policy.tier, on_command_line=given.tier is not None),
+        make_setting(
+            "unchecked", _format_unchecked(given.unchecked, config), on_command_line=given.unchecked is not None
+        ),
         make_setting("target", ", ".join(effective.policy.targets), on_command_line=given.target is not None),
         make_setting("exclude", ", ".join(config.exclude)),
         *(Setting("packages", f"{n} = {format_path(p)}", at["packages", n]) for n, p in config.packages.items()),
@@ -142,6 +145,7 @@ def _build_report(resolver: ConfigResolver, config: Config, path: Path, *, basel
         Setting("baseline", "", DEFAULT)
         if baseline is None
         else Setting("baseline", format_path(baseline), COMMAND_LINE if given.baseline is not None else beside),
+        make_setting("strict-baseline", str(config.strict_baseline).lower()),
     ]
     known = [
         Setting(_shorten_list(_get_suppressed_codes(table, i)), f"{entry.subject}: {entry.reason}", at["suppress", i])
@@ -163,6 +167,12 @@ def _build_report(resolver: ConfigResolver, config: Config, path: Path, *, basel
         known=tuple(known),
         models=tuple(models),
     )
+
+
+def _format_unchecked(given: str | None, config: Config) -> str:
+    """Return how bad it is that a model cannot be checked: for all, or the patterns of the models that may stay unchecked."""
+    value = given or config.unchecked
+    return value if isinstance(value, str) else f"warning for {', '.join(value) or 'none'}"
 
 
 def _get_section(table: Mapping[str, Any], key: Sequence[str | int]) -> Mapping[str, Any]:
@@ -197,7 +207,8 @@ def _iter_rule_settings(
                 place = (*where, "options", word, name)
                 options.update(dict.fromkeys(((code, name) for code in select_rules([word])), at[place]))
     for code, rule in load_rules().items():
-        if code in policy.codes and policy.severities.get(code, str(rule.severity)) != str(rule.severity):
+        # What `strict-baseline` sets is told there.
+        if code in severities and code in policy.codes and policy.severities[code] != str(rule.severity):
             value = policy.severities[code]
             yield RuleSetting(
                 code=code,

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import argparse
 
     from urdfcheck.core import Run
-    from urdfcheck.run.jobs import Unit, UnitReport
+    from urdfcheck.run.jobs import Unit
 
 # Options for the report, which pytest prints itself.
 _REPORT_OPTIONS = ("fix", "diff", "watch", "statistics", "output", "format", "color", "verbose", "quiet")
@@ -74,9 +74,9 @@ def _iter_answers(setup: dict[str, Any]) -> Iterator[dict[str, Any]]:
                     reason = report.role.reason or "it makes neither link nor joint"
                     result = {"outcome": "skipped", "text": escape_for_log(f"it is no model: {reason}")}
                 else:
-                    own_plan = replace(plan, unused=(), config_errors=())
+                    own_plan = replace(plan, unused=(), config_errors=(), macro_files=())
                     run = build_run(request, own_plan, audited_units=[(unit, report)], seconds=0.0)
-                    result = _build_result(run, report, fail_on=fail_on, setup=setup)
+                    result = _build_result(run, fail_on=fail_on, setup=setup)
                 yield {"unit": indices[place], **result}
 
 
@@ -95,16 +95,20 @@ def _parse_options(words: Sequence[str]) -> argparse.Namespace:
     return options
 
 
-def _build_result(run: Run, report: UnitReport, *, fail_on: str, setup: dict[str, Any]) -> dict[str, Any]:
+def _build_result(run: Run, *, fail_on: str, setup: dict[str, Any]) -> dict[str, Any]:
     """Return the outcome of a unit (passed | failed | crashed | skipped) and its report as text."""
     from urdfcheck.core import Severity
     from urdfcheck.output import text
+    from urdfcheck.output.shared.verdict.not_checked import explain_unchecked
 
     code = compute_exit_code(run, fail_on)
-    if code not in {FAILED, FINDINGS} and report.info is not None and report.info.status == "needs-arguments":
-        reason = max(report.findings, key=lambda f: f.severity).message if report.findings else "it needs arguments"
+    if code not in {FAILED, FINDINGS} and run.unchecked_models:
+        # Accepted, or nothing fails the run: a test that passed would say that the model was checked.
+        (info,) = run.unchecked_models
+        reason = escape_one_line(f"not checked: {explain_unchecked(info)}")
         how = '--urdfcheck-args="--arg NAME:=VALUE", or [[models]] in urdfcheck.toml'
-        return {"outcome": "skipped", "text": escape_for_log(f"{escape_one_line(reason)} ({how})")}
+        hint = f" ({how})" if info.status == "needs-arguments" else ""
+        return {"outcome": "skipped", "text": escape_for_log(f"{reason}{hint}")}
     page = text.render(run, width=setup["width"], color=setup["color"], detail=text.DetailLevel.QUIET, fail_on=fail_on)
     # pytest's summary has room for the first line only.
     worst = sorted((f for f in run.active_findings if f.severity > Severity.INFO), key=lambda f: -f.severity)

@@ -15,6 +15,7 @@ from urdfcheck.output.html.sections.appendix import list_fired_rules, render_app
 from urdfcheck.output.html.sections.model_section import render_model
 from urdfcheck.output.html.sections.page_header import make_report_title, render_header
 from urdfcheck.output.html.sections.toolbar import render_toolbar
+from urdfcheck.output.html.sections.unused_macros import render_unused_macros
 from urdfcheck.output.html.viewer.scene_data import build_scene_data
 from urdfcheck.output.html.viewer.viewer_page import read_viewer_style, render_viewer, render_viewer_scripts
 from urdfcheck.output.shared.escaping import escape_for_html, escape_for_json
@@ -47,7 +48,7 @@ def render_document(run: Run, parts: Sequence[ReportPart], *, title: str, index_
 <div class="column">
 {render_toolbar(run, parts, bool(list_fired_rules(run)))}
 <main id="content">
-{_render_failures(run)}{models}
+{_render_failures(run)}{render_unused_macros(run.unused_macro_files)}{models}
 {render_appendix(run)}
 </main>
 </div>

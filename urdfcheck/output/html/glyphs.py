@@ -19,23 +19,32 @@ SYMBOLS = (
     'A7.3 7.3 0 0 0 8 .7zM7.1 6.9v4.9h1.8V6.9zM7.1 4v1.8h1.8V4z"/></symbol>'
     '<symbol id="g-ok" viewBox="0 0 16 16"><path fill="currentColor" fill-rule="evenodd" d="M8 .7a7.3 7.3 0 1 0 0 14.6'
     'A7.3 7.3 0 0 0 8 .7zM11.5 4.6 7 9.2 4.6 6.8 3.4 8 7 11.6l5.7-5.8z"/></symbol>'
+    '<symbol id="g-unchecked" viewBox="0 0 16 16"><path fill="currentColor" fill-rule="evenodd" d="M8 .7a7.3 7.3 0 1 0 0 14.6'
+    'A7.3 7.3 0 0 0 8 .7zM11.4 3.4 3.4 11.4l1.2 1.2 8-8z"/></symbol>'
     "</defs></svg>"
 )
 
 
 def render_glyph(kind: Severity | str) -> str:
-    """Render the glyph of a severity, or of ``ok``."""
+    """Render the glyph of a severity, of ``ok`` or of ``unchecked``."""
     return (
         f'<svg class="glyph" width="16" height="16" aria-hidden="true" focusable="false"><use href="#g-{kind}"/></svg>'
     )
 
 
-def render_badges(counts: Mapping[Severity, int]) -> str:
-    """Render a count for each severity that occurs, with its glyph and, for screen readers, its word."""
+def render_badges(counts: Mapping[Severity, int], *, is_checked: bool = True) -> str:
+    """Render a count for each severity that occurs, with its glyph and, for screen readers, its word.
+
+    What was not checked has a sign of its own in front.
+    """
     badges = [_render_badge(severity, counts[severity]) for severity in SEVERITY_ORDER if counts.get(severity)]
-    return (
-        "".join(badges) or f' <span class="badge ok">{render_glyph("ok")}<span class="sr"> no findings </span></span>'
-    )
+    if not is_checked:
+        badges.insert(0, _render_sign("unchecked", "not checked"))
+    return "".join(badges) or _render_sign("ok", "no findings")
+
+
+def _render_sign(kind: str, words: str) -> str:
+    return f' <span class="badge {kind}">{render_glyph(kind)}<span class="sr"> {words} </span></span>'
 
 
 def _render_badge(severity: Severity, count: int) -> str:

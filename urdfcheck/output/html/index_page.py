@@ -13,10 +13,11 @@ from types import MappingProxyType
 from urdfcheck.core import Rule, Run, Severity
 from urdfcheck.output.html.file_groups import LAUNCH_FILE, classify_file
 from urdfcheck.output.html.glyphs import SYMBOLS, pluralize_severity, render_glyph
-from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_number, format_whole_number
+from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_number, format_whole_number, render_prose
 from urdfcheck.output.html.page_frame import read_asset, read_style_sheet, render_document_head
 from urdfcheck.output.html.report_parts import ReportPart
 from urdfcheck.output.html.rule_markdown import render_inline
+from urdfcheck.output.html.sections.unused_macros import render_unused_macros
 from urdfcheck.output.shared.audit.unit_lines import AuditSummary, RuleCount, UnitRow, build_unit_line, parse_unit_line
 from urdfcheck.output.shared.escaping import escape_for_html
 from urdfcheck.output.shared.wording import SEVERITY_ORDER, get_base_name
@@ -36,11 +37,15 @@ def iter_audit_page(
     rules: Mapping[str, Rule],
     version: str,
     links: Mapping[str, str] = MappingProxyType({}),
+    unused_macro_files: Sequence[str] = (),
 ) -> Iterator[str]:
     """Yield the document in pieces of whole lines, which are the same for equal summaries and rows.
 
     ``links``: the files with the pages about single units, by the id of the unit."""
-    return map(escape_for_html, _iter_page_pieces(summary, rows, rules=rules, version=version, links=links))
+    pieces = _iter_page_pieces(
+        summary, rows, rules=rules, version=version, links=links, unused_macro_files=unused_macro_files
+    )
+    return map(escape_for_html, pieces)
 
 
 def render_run_index(run: Run, parts: Sequence[ReportPart], file_names: Sequence[str]) -> str:
@@ -49,7 +54,15 @@ def render_run_index(run: Run, parts: Sequence[ReportPart], file_names: Sequence
     rows = [*map(_build_unit_row, parts), run_row]
     links = {_identify_part(part): name for part, name in zip(parts, file_names, strict=True)}
     version = run.versions.get("urdfcheck", "")
-    return "".join(iter_audit_page(AuditSummary.from_rows(rows), rows, rules=run.rules, version=version, links=links))
+    page = iter_audit_page(
+        AuditSummary.from_rows(rows),
+        rows,
+        rules=run.rules,
+        version=version,
+        links=links,
+        unused_macro_files=run.unused_macro_files,
+    )
+    return "".join(page)
 
 
 def _build_unit_row(part: ReportPart) -> UnitRow:
@@ -77,16 +90,18 @@ def _iter_page_pieces(
     rules: Mapping[str, Rule],
     version: str,
     links: Mapping[str, str],
+    unused_macro_files: Sequence[str],
 ) -> Iterator[str]:
     title = f"{format_whole_number(summary.kinds['model'])} model{'' if summary.kinds['model'] == 1 else 's'}"
     style, script = read_style_sheet() + read_asset("index.css"), read_asset("index.js")
+    notices = _render_failures(summary) + _render_unchecked(summary) + render_unused_macros(unused_macro_files)
     yield f"""{render_document_head(title, style, [script])}<body class="index">
 {SYMBOLS}
 <a class="skip" href="#models">Skip to the models</a>
 {_render_header(summary, title, version)}
 <div class="page">
 <main id="content">
-{_render_failures(summary)}{_render_unchecked(summary)}{_render_worst_models(summary, links)}
+{notices}{_render_worst_models(summary, links)}
 """
     # With pages to open, the models come first; an audit of thousands of models begins with what they have in common.
     if not links:
@@ -124,20 +139,24 @@ def _render_severity_tile(severity: Severity, count: int) -> str:
 
 
 def _summarize_verdict(summary: AuditSummary) -> tuple[str, str]:
-    """Return the verdict on an audit: error | warning | ok, and a sentence without its full stop."""
+    """Return the verdict on an audit: error | unchecked | warning | ok, and a sentence without its full stop."""
     unread = summary.kinds["model"] - summary.statuses["checked"]
     if summary.failure_count:
         return "error", "Not finished: a part of urdfcheck itself failed, so this verdict is incomplete"
     if summary.models_with_errors:
         has = "has" if summary.models_with_errors == 1 else "have"
-        return "error", f"{format_whole_number(summary.models_with_errors)} of the models {has} errors"
-    if summary.counts[Severity.ERROR]:
-        return "error", "There are errors to repair"
-    if unread:
-        return "warning", f"{format_whole_number(unread)} of the models could not be checked"
-    if summary.counts[Severity.WARNING]:
-        return "warning", "No errors, but warnings to look at"
-    return "ok", "No errors and no warnings"
+        kind, sentence = "error", f"{format_whole_number(summary.models_with_errors)} of the models {has} errors"
+    elif summary.counts[Severity.ERROR]:
+        kind, sentence = "error", "There are errors to repair"
+    elif summary.counts[Severity.WARNING]:
+        kind, sentence = "warning", "No errors, but warnings to look at"
+    else:
+        kind, sentence = "ok", "No errors and no warnings"
+    if not unread:
+        return kind, sentence
+    total, were = format_whole_number(summary.kinds["model"]), "was" if unread == 1 else "were"
+    models = "model" if summary.kinds["model"] == 1 else "models"
+    return "unchecked", f"{format_whole_number(unread)} of {total} {models} {were} not checked. {sentence}"
 
 
 def _render_failures(summary: AuditSummary) -> str:
@@ -152,9 +171,16 @@ def _render_unchecked(summary: AuditSummary) -> str:
     total = summary.kinds["model"] - summary.statuses["checked"]
     if not total:
         return ""
-    items = [f"<code>{escape_html(name)}</code>: {escape_html(status)}" for name, status in summary.unchecked]
+    items = [_render_unchecked_row(row) for row in summary.unchecked]
     items += [f"and {format_whole_number(rest)} more"] if (rest := total - len(items)) > 0 else []
-    return _render_notice_box("What could not be checked", items)
+    return _render_notice_box("What was not checked", items)
+
+
+def _render_unchecked_row(row: UnitRow) -> str:
+    reason = f": {render_prose(row.reason)}" if row.reason else f": {escape_html(row.status)}"
+    accepted = " (accepted)" if row.accepted else ""
+    command = f" <code>{escape_html(row.command)}</code>" if row.command else ""
+    return f"<code>{escape_html(row.id)}</code>{accepted}{reason}{command}"
 
 
 def _render_notice_box(title: str, items: Iterable[str]) -> str:
@@ -207,7 +233,7 @@ def _iter_models_table(summary: AuditSummary, rows: Iterable[UnitRow], links: Ma
 
 
 def _render_model_row(row: UnitRow, links: Mapping[str, str]) -> str:
-    worst = next((str(s) for s, n in zip(SEVERITY_ORDER, row.counts, strict=True) if n), "ok")
+    worst = "unchecked" if row.is_unchecked else str(row.worst or "ok")
     codes = " ".join(
         f'<span class="{severity}">{escape_html(code)}{f" <small>×{format_whole_number(n)}</small>" if n > 1 else ""}</span>'
         for code, severity, n in row.codes[:MOST_CODES]
@@ -222,10 +248,13 @@ def _render_model_row(row: UnitRow, links: Mapping[str, str]) -> str:
         name, robot = f'<a class="to-page" href="{escape_html(links[row.id])}">{title}</a>', f" <small>{name}</small>"
     counts = "".join(_render_count_cell(n, str(s)) for s, n in zip(SEVERITY_ORDER, row.counts, strict=True))
     status = row.status if row.kind == "model" else row.kind if row.status == "checked" else f"{row.kind}, {row.status}"
-    size = _render_count_cell(row.links) if row.kind == "model" else f'<td class="num" data-v="-1">{NO_VALUE}</td>'
+    sign = f"{render_glyph('unchecked')} not checked: " if row.is_unchecked else ""
+    status += " (accepted)" if row.accepted else ""
+    is_known = row.kind == "model" and not row.is_unchecked
+    size = _render_count_cell(row.links) if is_known else f'<td class="num" data-v="-1">{NO_VALUE}</td>'
     return (
         f'<tr class="{worst}" data-status="{escape_html(row.status)}"{hidden}><th scope="row">{name}{robot}</th>'
-        f'{counts}<td class="codes">{codes}{more}</td><td>{escape_html(status)}</td>{size}'
+        f'{counts}<td class="codes">{codes}{more}</td><td>{sign}{escape_html(status)}</td>{size}'
         f'<td class="num" data-v="{-1 if row.mass is None else row.mass!r}">{format_number(row.mass)}</td></tr>\n'
     )
 

@@ -42,6 +42,7 @@ def _restrict_run_to_part(run: Run, part: ReportPart) -> Run:
         skipped=tuple(skip for skip in run.skipped if skip.model in (name, "")),
         scenes=() if part.scene is None else (part.scene,),
         drops=() if part.drop is None else (part.drop,),
+        unused_macro_files=(),
     )
 
 

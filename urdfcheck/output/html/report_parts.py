@@ -12,7 +12,7 @@ from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.anchors import FindingCard, build_finding_cards
 from urdfcheck.output.shared.wording import get_base_name
 
-# Of a model with more variants, those without findings are left out.
+# Of a model with more variants, those that were checked and have no findings are left out.
 MOST_VARIANTS = 6
 
 
@@ -39,6 +39,11 @@ class ReportPart:
     def all_cards(self) -> tuple[FindingCard, ...]:
         """The cards of this part, and of others that are about it too."""
         return (*self.cards, *self.shared)
+
+    @property
+    def is_checked(self) -> bool:
+        """Whether the model was checked; whatever is no model was."""
+        return self.info is None or self.info.status == "checked"
 
     @property
     def file_label(self) -> str:
@@ -70,14 +75,17 @@ class ReportPart:
 def collect_report_parts(run: Run) -> list[ReportPart]:
     """Collect the models in the run's order, then everything else with findings.
 
-    Of a model with many variants, these are the first and those with findings."""
+    Of a model with many variants, these are the first, those with findings and those that were not checked."""
     first = {info.path: info.id for info in reversed(run.models)}
     variants = Counter(info.path for info in run.models)
     with_findings = {model for finding in run.findings for model in finding.subjects_by_model}
     models = [
         info
         for info in run.models
-        if variants[info.path] <= MOST_VARIANTS or info.id in with_findings or first[info.path] == info.id
+        if variants[info.path] <= MOST_VARIANTS
+        or info.id in with_findings
+        or info.status != "checked"
+        or first[info.path] == info.id
     ]
     groups: dict[str, list[FindingCard]] = {info.id: [] for info in models}
     shared: dict[str, list[FindingCard]] = {}

@@ -10,6 +10,7 @@ from typing import Any
 
 from urdfcheck.core import Finding, Fix, ModelInfo, SkippedCheck, Span
 from urdfcheck.core.drop_test import SECONDS, STEP, DropTest
+from urdfcheck.output.shared.verdict.not_checked import build_command, explain_unchecked, is_accepted
 
 _NO_ARGUMENTS: Mapping[str, str] = {}
 _SUBJECT = re.compile(r"^(?P<kind>[^/\[@]+)\[(?P<name>.*?)\](?=[/@]|$)", re.DOTALL)
@@ -28,7 +29,14 @@ def build_model_object(info: ModelInfo) -> dict[str, Any]:
         "status": info.status,
         "id": info.id,
         "seconds": info.seconds,
+        "not_checked": _build_not_checked(info),
     }
+
+
+def _build_not_checked(info: ModelInfo) -> dict[str, Any] | None:
+    if info.status == "checked":
+        return None
+    return {"reason": explain_unchecked(info), "command": build_command(info) or None, "accepted": is_accepted(info)}
 
 
 def build_skip_object(skip: SkippedCheck) -> dict[str, Any]:

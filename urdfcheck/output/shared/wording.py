@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from urdfcheck.core import Finding, ModelInfo, Run, Severity, Span
 
@@ -32,11 +32,6 @@ def format_count(count: int, word: str) -> str:
     return f"{count} {word}" + ("" if count == 1 or word == "info" else "s")
 
 
-def describe_checked_units(run: Run) -> str:
-    """Return ``2 models``; ``1 file`` if all were launch files and packages."""
-    return format_count(run.units, "file") if run.units and not run.models else format_count(len(run.models), "model")
-
-
 def format_place(span: Span) -> str:
     """Return ``file:line:column``, the notation of terminals and editors."""
     return f"{span.file}:{span.line}:{span.col}"
@@ -55,25 +50,6 @@ def group_by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
     return effects
 
 
-def summarize_verdict(run: Run) -> tuple[str, str]:
-    """Return the verdict on a run: error | warning | ok, and a sentence without its full stop."""
-    errors, warnings = run.count_findings(Severity.ERROR), run.count_findings(Severity.WARNING)
-    unread = sum(info.status != "checked" for info in run.models)
-    if run.failures:
-        return "error", "Not finished: a part of urdfcheck itself failed, so this verdict is incomplete"
-    if not run.models and not run.units and not run.findings:
-        return "warning", "Nothing was checked"
-    if errors:
-        return "error", f"{format_count(errors, 'error')} to repair"
-    if unread:
-        return "warning", f"{format_count(unread, 'model')} of {len(run.models)} could not be checked"
-    if warnings:
-        return "warning", f"No errors, {format_count(warnings, 'warning')} to look at"
-    if not set(run.rules) - {"URC900"}:  # it reports crashes, whatever is selected
-        return "warning", "Nothing was looked for: no rule is selected"
-    return "ok", "No errors and no warnings"
-
-
 def describe_found_arguments(info: ModelInfo) -> str:
     """Say with which arguments a model was expanded that nobody gave, and who passes them; empty without any."""
     found = [f"{name}:={info.args.get(name, '')} ({place})" for name, place in sorted(info.found_args.items())]
@@ -89,21 +65,6 @@ def describe_models(run: Run, finding: Finding) -> str:
         return ""
     names = [get_base_name(file).partition(".")[0] for file in files]
     return join_first(files if len(set(names)) < len(names) else names, MOST_MODELS)
-
-
-def iter_details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
-    """Yield what accompanies a finding's message: models, arguments, cause, consequences and fix, each a label and a
-    sentence."""
-    if models := describe_models(run, finding):
-        yield "In", models
-    if arguments := run.find_variant_arguments(finding):
-        yield "With", " ".join(f"{name}:={value}" for name, value in sorted(arguments.items()))
-    if finding.cause_text is not None:
-        yield "Why", finding.cause_text
-    for effect, programs in group_by_effect(finding.consequences).items():
-        yield f"Then {', '.join(PROGRAM_NAMES.get(program, program) for program in programs)}", effect
-    if finding.fix is not None:
-        yield "Fix", finding.fix.title
 
 
 def find_finding_file(run: Run, finding: Finding) -> str:

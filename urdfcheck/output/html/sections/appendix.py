@@ -46,7 +46,9 @@ def _render_rule_page(rule: Rule) -> str:
 
 
 def _render_skipped_checks(run: Run) -> str:
-    if not run.skipped:
+    if not run.skipped and run.unchecked_models:
+        text = "<p>Every check could run on the models that were checked.</p>"
+    elif not run.skipped:
         text = "<p>Every check of this run could run on every model.</p>"
     else:
         count = len({(s.code, s.reason) for s in run.skipped})

@@ -10,6 +10,7 @@ from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import escape_html, render_prose
 from urdfcheck.output.html.sections.code_listing import render_code_frame, render_diff
 from urdfcheck.output.shared.anchors import FindingCard, parse_element_key
+from urdfcheck.output.shared.verdict.not_checked import explain_block
 from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
     describe_models,
@@ -43,7 +44,7 @@ def render_card(run: Run, card: FindingCard, is_open: bool) -> str:
         _render_variants(run, finding),
         _render_subjects(card),
         _render_call_chain(run, card),
-        _render_explanation(finding),
+        _render_explanation(run, finding),
         "" if finding.fix is None else _render_fix(run, finding.fix),
         _render_related(run, finding.related),
         _render_card_footer(card),
@@ -172,8 +173,10 @@ def _render_related(run: Run, related: Sequence[Location]) -> str:
     return f'<details class="related"><summary>Related places ({len(related)})</summary><ul>{items}</ul></details>'
 
 
-def _render_explanation(finding: Finding) -> str:
+def _render_explanation(run: Run, finding: Finding) -> str:
     parts = []
+    if block := explain_block(run, finding):
+        parts.append(f'<div class="why"><h5>Not checked</h5><p>{render_prose(block)}</p></div>')
     if finding.cause_text is not None:
         parts.append(f'<div class="why"><h5>Why</h5><p>{render_prose(finding.cause_text)}</p></div>')
     if finding.consequences:

@@ -17,7 +17,9 @@ MOST_NOTES = 5
 MOST_OPEN = 12
 
 
-def render_problems(run: Run, cards: Sequence[FindingCard], *, model_file: str, id_prefix: str) -> str:
+def render_problems(
+    run: Run, cards: Sequence[FindingCard], *, model_file: str, id_prefix: str, is_checked: bool
+) -> str:
     """Render errors and warnings. ``model_file``: the model's own file; ``id_prefix`` makes the ids of the groups unique."""
     parts = []
     groups = [(severity, select_active_cards(cards, severity)) for severity in (Severity.ERROR, Severity.WARNING)]
@@ -28,7 +30,8 @@ def render_problems(run: Run, cards: Sequence[FindingCard], *, model_file: str, 
             parts.append(_render_severity_group(severity, body, id_prefix=id_prefix, count=len(group)))
     if not parts:
         sentence = "No errors and no warnings." if select_active_cards(cards, Severity.INFO) else "No findings."
-        parts.append(f'<p class="clean">{render_glyph("ok")} {sentence}</p>')
+        # Of a model that was not checked its own line says why.
+        parts += [f'<p class="clean">{render_glyph("ok")} {sentence}</p>'] if is_checked else []
     return "\n".join(parts)
 
 

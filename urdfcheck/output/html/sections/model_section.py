@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import base64
 
-from urdfcheck.core import Run, Severity
+from urdfcheck.core import ModelInfo, Run, Severity
 from urdfcheck.output.html.glyphs import render_glyph
-from urdfcheck.output.html.html_text import escape_html, format_number, render_path
+from urdfcheck.output.html.html_text import escape_html, format_number, render_path, render_prose
 from urdfcheck.output.html.report_parts import ReportPart
 from urdfcheck.output.html.sections.drop_test_section import render_drop_test
 from urdfcheck.output.html.sections.finding_groups import render_notes, render_problems
@@ -19,15 +19,12 @@ from urdfcheck.output.html.tables.meshes_table import render_meshes_table
 from urdfcheck.output.html.tables.physics_table import render_physics_table
 from urdfcheck.output.shared.anchors import compute_severity_marks
 from urdfcheck.output.shared.robot_picture import render_scene
+from urdfcheck.output.shared.verdict.not_checked import build_command, explain_unchecked, is_accepted
 from urdfcheck.output.shared.wording import describe_found_arguments, format_count
 
 # Width and height of the picture, in px.
 STILL_SIZE = (960, 640)
 PROBLEMS = (Severity.ERROR, Severity.WARNING)
-STATUS_TEXTS = {
-    "needs-arguments": "Not checked: the model cannot be expanded without arguments.",
-    "failed": "Not checked: the model could not be expanded. The findings say why.",
-}
 
 
 def render_model(run: Run, part: ReportPart, *, is_only_model: bool) -> str:
@@ -36,7 +33,7 @@ def render_model(run: Run, part: ReportPart, *, is_only_model: bool) -> str:
     head = f'<section class="model" id="{part.id}">{_render_model_head(run, part, is_only_model)}{image}'
     # Problems are beside the drawing on a wide page.
     beside = " beside" if part.scene is not None and any(part.counts.get(s) for s in PROBLEMS) else ""
-    problems = render_problems(run, part.cards, model_file=part.path, id_prefix=part.id)
+    problems = render_problems(run, part.cards, model_file=part.path, id_prefix=part.id, is_checked=part.is_checked)
     if not any(c.finding.suppressed is None and c.finding.severity in PROBLEMS for c in part.cards) and part.shared:
         problems = ""  # not the sentence that there is none
     body = f'<section class="findings{beside}" id="{part.id}-findings">{problems}{_render_shared(part)}</section>'
@@ -56,7 +53,7 @@ def _render_model_head(run: Run, part: ReportPart, is_only_model: bool) -> str:
     facts += [f"{format_number(info.mass)} kg"] if info.mass is not None else []
     told = describe_found_arguments(info)
     found = f'<p class="facts">{escape_html(told[:1].upper() + told[1:])}</p>' if told else ""
-    status = f'<p class="status">{STATUS_TEXTS[info.status]}</p>' if info.status in STATUS_TEXTS else ""
+    status = "" if part.is_checked else _render_status(info)
     if len(run.models) == 1:
         # The header of the page has the rest.
         return f'<div class="head"><h2 class="sr">{title}</h2>{status}{found}{contents}</div>'
@@ -75,6 +72,15 @@ def _render_shared(part: ReportPart) -> str:
         if card.finding.suppressed is None
     )
     return f'<h4>Shared with other models, told there</h4><ul class="subjects">{items}</ul>' if items else ""
+
+
+def _render_status(info: ModelInfo) -> str:
+    """Render why a model was not checked, and the command that may check it."""
+    command = build_command(info)
+    advice = f" <code>{escape_html(command)}</code>" if command else ""
+    accepted = " (accepted)" if is_accepted(info) else ""
+    reason = render_prose(explain_unchecked(info))
+    return f'<p class="status">{render_glyph("unchecked")} Not checked{accepted}: {reason}.{advice}</p>'
 
 
 def _render_still_image(part: ReportPart) -> str:

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from urdfcheck.core import ModelInfo, Run
 from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_number, render_path
-from urdfcheck.output.shared.wording import format_count, get_base_name, summarize_verdict
+from urdfcheck.output.shared.verdict.verdict import summarize_verdict
+from urdfcheck.output.shared.wording import format_count, get_base_name
 
 MOST_NAMES = 3
 DEPTHS = {"source": "source only", "mesh": "source and meshes", "full": "full"}
@@ -49,7 +50,7 @@ def _render_facts(run: Run) -> str:
     facts: list[tuple[str, str]] = []
     if len(run.models) > MOST_NAMES:
         facts.append(("Robots", _render_robot_names(list(dict.fromkeys(map(_get_robot_name, run.models))))))
-    if len(run.models) == 1:
+    if len(run.models) == 1 and not run.unchecked_models:
         # A sum over models is meaningless: they are often versions of one robot.
         info = run.models[0]
         facts += [("Links", str(info.links)), ("Joints", str(info.joints))]

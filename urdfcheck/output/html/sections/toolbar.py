@@ -66,7 +66,7 @@ def _render_navigation(parts: Sequence[ReportPart], has_rules: bool) -> str:
         else:
             rows.append(
                 f'<li><a href="#{part.id}"><span class="name">{escape_html(part.title)}{_render_file_label(part, titles)}</span>'
-                f'<span class="badges">{render_badges(part.counts)}</span></a></li>'
+                f'<span class="badges">{render_badges(part.counts, is_checked=part.is_checked)}</span></a></li>'
             )
     rest = [("rules" if has_rules else "skipped", "Rules and checks"), ("about", "About")]
     more = "".join(f'<li><a href="#{i}">{name}</a></li>' for i, name in rest)

@@ -8,6 +8,7 @@ from urdfcheck.core import Rule
 from urdfcheck.output.shared.audit.unit_lines import AuditSummary, UnitRow
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.output.shared.rule_statistics import format_table
+from urdfcheck.output.shared.verdict.not_checked import GLYPH
 from urdfcheck.output.shared.wording import SEVERITY_ORDER
 
 # Worst models shown; the index page shows all.
@@ -35,11 +36,13 @@ def _iter_lines(summary: AuditSummary, rules: Mapping[str, Rule]) -> Iterator[st
             [_format_worst_row(row) for row in summary.worst[:MOST_WORST]],
         )
         yield ""
-    for name, status in summary.unchecked:
-        yield f"{status}: {escape_one_line(name)}"
+    for row in summary.unchecked:
+        yield f"{GLYPH} not checked ({row.status}): {escape_one_line(row.id)}"
+        if row.command:
+            yield f"  {escape_one_line(row.command)}"
     rest = sum(n for status, n in summary.statuses.items() if status != "checked") - len(summary.unchecked)
     if rest > 0:
-        yield f"and {rest:,} more that could not be checked"
+        yield f"and {rest:,} more that were not checked"
     for failure in summary.failures:
         yield f"urdfcheck failed: {escape_one_line(failure)}"
     if summary.failure_count > len(summary.failures):
@@ -54,8 +57,10 @@ def _format_worst_row(row: UnitRow) -> tuple[str, ...]:
 
 def _format_totals(summary: AuditSummary) -> str:
     counts = ", ".join(_format_count(summary.counts[severity], str(severity)) for severity in SEVERITY_ORDER)
-    others = [f"{n:,} {status}" for status, n in sorted(summary.statuses.items()) if status != "checked"]
-    states = f" ({', '.join(others)})" if others else ""
+    unchecked = summary.kinds["model"] - summary.statuses["checked"]
+    first = (
+        f"{GLYPH} {unchecked:,} of {_format_count(summary.kinds['model'], 'model')} not checked; " if unchecked else ""
+    )
     beside = [
         _format_count(summary.kinds[kind], word) for kind, word in (("launch", "launch file"), ("package", "package"))
     ]
@@ -63,7 +68,7 @@ def _format_totals(summary: AuditSummary) -> str:
     with_errors = (
         f"; errors in {_format_count(summary.models_with_errors, 'model')}" if summary.models_with_errors else ""
     )
-    return f"{counts} in {_format_count(summary.kinds['model'], 'model')}{states}{also}{with_errors}"
+    return f"{first}{counts} in {_format_count(summary.kinds['model'], 'model')}{also}{with_errors}"
 
 
 def _format_count(count: int, word: str) -> str:

@@ -60,12 +60,31 @@ class UnitRow:
     """Each rule that fired with its worst severity and its number of findings, the worst first."""
     failures: tuple[str, ...] = ()
     """What failed in urdfcheck itself."""
+    reason: str = ""
+    """Why the model was not checked."""
+    command: str = ""
+    """What may check it."""
+    accepted: bool = False
+    """Whether it is accepted that the model was not checked."""
+
+    @property
+    def is_unchecked(self) -> bool:
+        """Whether it is a model of which nothing is known."""
+        return self.kind == "model" and self.status != "checked"
+
+    @property
+    def worst(self) -> Severity | None:
+        """The worst severity: of its findings, and of not being checked."""
+        unchecked = [Severity.WARNING if self.accepted else Severity.ERROR] if self.is_unchecked else []
+        found = (s for s, n in zip((Severity.ERROR, Severity.WARNING, Severity.INFO), self.counts, strict=True) if n)
+        return max((*found, *unchecked), default=None)
 
 
 def parse_unit_line(text: bytes) -> UnitRow:
     """Parse the line of a unit into its row."""
     record = json.loads(text)
     unit, model = record["unit"], record["model"] or {}
+    not_checked = model.get("not_checked") or {}
     rules: dict[str, tuple[Severity, int]] = {}
     counts: Counter[Severity] = Counter()
     for finding in record["findings"]:
@@ -88,6 +107,9 @@ def parse_unit_line(text: bytes) -> UnitRow:
         counts=(counts[Severity.ERROR], counts[Severity.WARNING], counts[Severity.INFO]),
         codes=tuple(codes),
         failures=tuple(record["failures"]),
+        reason=not_checked.get("reason", ""),
+        command=not_checked.get("command") or "",
+        accepted=not_checked.get("accepted", False),
     )
 
 
@@ -114,8 +136,10 @@ class AuditSummary:
     """The rules that fired, by code."""
     worst: list[UnitRow] = field(default_factory=list)
     """The units with the most errors and warnings, the worst first."""
-    unchecked: list[tuple[str, str]] = field(default_factory=list)
-    """Id and status of models that could not be checked."""
+    unchecked: list[UnitRow] = field(default_factory=list)
+    """Models of which nothing is known."""
+    worst_severity: Severity | None = None
+    """The worst severity of all units, and of those that were not checked."""
     failures: list[str] = field(default_factory=list)
     """What failed in urdfcheck itself."""
     models_with_errors: int = 0
@@ -149,8 +173,10 @@ class AuditSummary:
         if row.kind == "model":
             self.statuses[row.status] += 1
             self.models_with_errors += bool(row.counts[0])
-            if row.status != "checked" and len(self.unchecked) < MOST_NAMED:
-                self.unchecked.append((row.id, row.status))
+            if row.is_unchecked and len(self.unchecked) < MOST_NAMED:
+                self.unchecked.append(row)
+        if row.worst is not None:
+            self.worst_severity = max(row.worst, self.worst_severity or row.worst)
         for severity, number in zip((Severity.ERROR, Severity.WARNING, Severity.INFO), row.counts, strict=True):
             self.counts[severity] += number
         for code, severity, number in row.codes:

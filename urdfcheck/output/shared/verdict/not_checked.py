@@ -1,0 +1,111 @@
+"""What a run has not checked, in words that all formats share: models of which nothing is known, and macro files."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from urdfcheck.core import Finding, ModelInfo, Run
+from urdfcheck.output.shared.wording import format_count, join_first
+
+GLYPH = "⊘"
+STATUS_WORDS = {"needs-arguments": "needs arguments"}
+# How models that were not checked are accepted.
+ACCEPTANCE = "--unchecked warning, or unchecked = [PATTERNS] in urdfcheck.toml"
+
+
+@dataclass(frozen=True, slots=True)
+class UncheckedGroup:
+    """Models that were not checked for the same reason."""
+
+    models: tuple[ModelInfo, ...]
+    reason: str
+    command: str
+    """The command that may check the first of them; empty where a file must be repaired first."""
+
+
+def is_accepted(info: ModelInfo) -> bool:
+    """Whether it is accepted that this model was not checked."""
+    return info.not_checked is not None and info.not_checked.accepted
+
+
+def describe_status(info: ModelInfo) -> str:
+    """Return ``not checked: needs arguments``; ``checked`` for a model that was."""
+    if info.status == "checked":
+        return "checked"
+    words = STATUS_WORDS.get(info.status, "")
+    return f"not checked{f': {words}' if words else ''}{' (accepted)' if is_accepted(info) else ''}"
+
+
+def explain_unchecked(info: ModelInfo) -> str:
+    """Return why a model was not checked."""
+    return "the model could not be read" if info.not_checked is None else info.not_checked.reason
+
+
+def build_command(info: ModelInfo) -> str:
+    """Return the command that may check a model; empty where no option of it does."""
+    if info.not_checked is None or not info.not_checked.remedy:
+        return ""
+    given = (f"--arg {shlex.quote(f'{name}:={value}')}" for name, value in sorted(info.args.items()))
+    # The remedy holds places to fill in, which the shell must not get.
+    return " ".join(("urdfcheck", shlex.quote(info.path), *given, info.not_checked.remedy))
+
+
+def group_unchecked(models: Iterable[ModelInfo]) -> list[UncheckedGroup]:
+    """Group models that were not checked by the reason; several variants of a file mostly share it."""
+    groups: dict[str, list[ModelInfo]] = {}
+    for info in models:
+        groups.setdefault(explain_unchecked(info), []).append(info)
+    return [UncheckedGroup(tuple(alike), reason, build_command(alike[0])) for reason, alike in groups.items()]
+
+
+def describe_unused_macros(run: Run) -> str:
+    """Return ``70 macro files are used by no model and were not checked``; empty if all are used."""
+    count = len(run.unused_macro_files)
+    if not count:
+        return ""
+    are, were = ("is", "was") if count == 1 else ("are", "were")
+    # A model that was not checked may use them.
+    model = "checked model" if run.unchecked_models else "model"
+    return f"{format_count(count, 'macro file')} {are} used by no {model} and {were} not checked"
+
+
+def describe_not_checked(run: Run) -> str:
+    """Return all that was not checked, like ``2 of 4 models were not checked``; empty if everything was."""
+    models, macros, others = len(run.unchecked_models), len(run.unused_macro_files), _count_other_paths(run)
+    if macros and not models and not others:
+        return describe_unused_macros(run)
+    parts = [_count_unchecked_models(run)] if models else []
+    parts += [format_count(count, word) for count, word in ((macros, "macro file"), (others, "other path")) if count]
+    if not parts:
+        return ""
+    were = "was" if models + macros + others == 1 else "were"
+    return f"{' and '.join(filter(None, (', '.join(parts[:-1]), parts[-1])))} {were} not checked"
+
+
+def describe_unchecked_models(run: Run) -> str:
+    """Return ``2 of 4 models were not checked``, for a run in which there are such models."""
+    return f"{_count_unchecked_models(run)} {'was' if len(run.unchecked_models) == 1 else 'were'} not checked"
+
+
+def _count_unchecked_models(run: Run) -> str:
+    unchecked, accepted = len(run.unchecked_models), sum(map(is_accepted, run.unchecked_models))
+    said = "" if not accepted else " (accepted)" if accepted == unchecked else f" ({accepted} accepted)"
+    return f"{unchecked:,} of {format_count(len(run.models), 'model')}{said}"
+
+
+def _count_other_paths(run: Run) -> int:
+    """Count the other paths that belong to no model or are out of reach; the skipped checks say why."""
+    known = run.unit_ids | set(run.unused_macro_files)
+    return len({skip.model for skip in run.skipped if skip.code == "ALL"} - known)
+
+
+def explain_block(run: Run, finding: Finding) -> str:
+    """Say of a finding for which a model could not be checked what that means and what helps; empty for others."""
+    if not finding.blocks_check:
+        return ""
+    names = list(finding.variants) or [finding.model]
+    command = next((build_command(info) for info in run.models if info.id in names), "")
+    what = f"nothing else is known of {join_first(names, 3)}"
+    return f"{what}; check it with `{command}`" if command else what
