@@ -74,6 +74,18 @@ class TestMacroLines:
             "correct what this line computes: it makes 2 elements (for the first of them: "
         )
 
+    def test_each_element_keeps_the_fingerprint_of_its_own_words(self, tmp_path: Path) -> None:
+        """A check says more of a link that a fixed joint merges into a sound body."""
+        base = (
+            '<link name="base"><inertial><mass value="99"/><inertia ixx="9" ixy="0" ixz="0" iyy="9" iyz="0" izz="9"/>'
+        )
+        loose = DISCS.replace('name="j_wheel" type="fixed"', 'name="j_wheel" type="continuous"')
+        body = loose.replace('<link name="base"/>', f"{base}</inertial></link>")
+        (found,) = find(write_robots(tmp_path, FORMULA, a=body)).findings
+        assert (found.message_id, dict(found.message_ids)) == ("violated", {"link[lidar]/inertial/inertia": "fused"})
+        alone = find(write_robots(tmp_path, FORMULA, a=body.replace(disc(), '<link name="wheel"/>'))).findings[0]
+        assert (alone.message_id, alone.fingerprints) == ("fused", found.fingerprints[1:])
+
     def test_numbers_that_calls_hand_over_stay_apart(self, tmp_path: Path) -> None:
         assert len(find(write_robots(tmp_path, PASSED, a=DISCS)).findings) == 2
 

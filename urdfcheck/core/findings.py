@@ -200,6 +200,8 @@ class Finding:
     variants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Where several models of a run show it, or a xacro was expanded with several sets of arguments: the ids of the models
     with this finding, each with its subjects there."""
+    message_ids: Mapping[str, str] = field(default_factory=dict)
+    """Subjects of which a check says the same in other words, with the ids of their messages."""
 
     @property
     def subjects_by_model(self) -> Mapping[str, tuple[str, ...]]:
@@ -225,7 +227,9 @@ class Finding:
         return tuple(
             hashlib.sha256(
                 # A file name may not be valid text in any encoding.
-                "\0".join((self.code, self.model, subject, self.message_id)).encode(errors="surrogatepass")
+                "\0".join((self.code, self.model, subject, self.message_ids.get(subject, self.message_id))).encode(
+                    errors="surrogatepass"
+                )
             ).hexdigest()[:32]
             for subject in self.subjects
         )

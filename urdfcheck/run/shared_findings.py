@@ -42,7 +42,10 @@ def merge_macro_lines(findings: Iterable[Finding], root: Element | None, texts: 
     findings = list(findings)
     groups: dict[tuple[Any, ...], list[Finding]] = {}
     for finding in findings:
-        groups.setdefault((finding.suppressed, finding.location.span, *_get_claim(finding)), []).append(finding)
+        code, _, cause = _get_claim(finding)
+        groups.setdefault((code, cause, finding.severity, finding.suppressed, finding.location.span), []).append(
+            finding
+        )
     if root is None or len(groups) == len(findings):
         return findings
     made = ElementCounts(root)
@@ -76,7 +79,8 @@ def merge_across_models(
         unit, span = by_id.get(finding.model), finding.location.span
         if unit is None or finding.is_about_urdfcheck or span is None:
             return None
-        return unit.fail_on, unit.baseline_home, finding.suppressed, *_get_claim(finding), _list_edits(finding)
+        words = tuple(sorted(finding.message_ids.items()))
+        return unit.fail_on, unit.baseline_home, finding.suppressed, *_get_claim(finding), _list_edits(finding), words
 
     def get_message_key(finding: Finding) -> tuple[Any, ...] | None:
         home = get_home(finding)
@@ -168,8 +172,8 @@ def _join_calls(group: Sequence[Finding]) -> Finding:
     return replace(
         first,
         subjects=subjects,
+        message_ids={s: f.message_id for f in group for s in f.subjects if f.message_id != first.message_id},
         fix=Fix(title),
-        severity=max(finding.severity for finding in group),
         related=tuple(places),
     )
 
