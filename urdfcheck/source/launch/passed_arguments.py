@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import fnmatch
 import glob
+import itertools
 import os
 import warnings
 from collections.abc import Iterator, Sequence
@@ -29,6 +30,9 @@ from urdfcheck.system.files import read_regular, walk
 
 # Limit on launch files that are read for one model: the largest repository of a hundred has 130.
 MOST_LAUNCHES = 200
+# Limit on folders that are searched for them.
+MOST_FOLDERS = 10_000
+SKIPPED_FOLDERS = BUILD_FOLDERS | {"node_modules", "__pycache__"}
 # Stands for a piece of text that is only known at launch.
 _UNKNOWN = "\x01"
 
@@ -94,8 +98,8 @@ def read_passed_arguments(launch: Path, model: str, finder: PackageFinder) -> li
 def _iter_launch_files(folder: Path, finder: PackageFinder) -> Iterator[Path]:
     """Yield the launch files below a folder, in the order of their paths."""
     files: list[Path] = []
-    for place, names, inside in walk(folder):
-        names[:] = [n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS]
+    for place, names, inside in itertools.islice(walk(folder), MOST_FOLDERS):
+        names[:] = [n for n in names if not n.startswith(".") and n not in SKIPPED_FOLDERS]
         files += [path for name in inside if is_launch(path := Path(place, name)) and finder.can_open(path)]
     yield from sorted(files)
 
