@@ -107,6 +107,20 @@ class TestModels:
         assert found.variants["c.urdf.xacro"] == ("link[other]/inertial/inertia",)
         assert run.find_variant_arguments(found) == {}
 
+    def test_a_number_typed_in_the_macro_is_one_finding(self, tmp_path: Path) -> None:
+        macros = PASSED.replace('izz="${m}"', 'izz="9"')
+        (found,) = find(write_robots(tmp_path, macros, a=disc("l"), b=disc("r", "5"))).findings
+        assert [subjects[0] for subjects in found.variants.values()] == [
+            "link[l]/inertial/inertia",
+            "link[r]/inertial/inertia",
+        ]
+
+    def test_calls_that_are_wrong_in_two_models_stay_apart(self, tmp_path: Path) -> None:
+        """The line is right for a small disc in the same model: the numbers of the calls are to blame."""
+        macros = FORMULA.replace("${m * 0.9}", "${m * 0.9 if m > 0.5 else m * 0.1}")
+        body = disc() + disc("small", "0.1") + JOINT.format("small").replace("base", "wheel")
+        assert len(find(write_robots(tmp_path, macros, a=body, b=body)).findings) == 2
+
     def test_what_each_model_types_itself_stays_apart(self, tmp_path: Path) -> None:
         """The macro hands the number on: both calls are to be repaired."""
         assert len(find(write_robots(tmp_path, PASSED, a=disc(), b=disc())).findings) == 2

@@ -203,6 +203,9 @@ class Finding:
     message_ids: Mapping[str, str] = field(default_factory=dict)
     """Subjects of which a check says the same in other words, with the ids of their messages."""
 
+    blames_text: bool = False
+    """Whether its text is typed as it is, or computes a value and all elements that it makes have the defect."""
+
     @property
     def subjects_by_model(self) -> Mapping[str, tuple[str, ...]]:
         """The ids of all models with this finding, each with its subjects there."""
