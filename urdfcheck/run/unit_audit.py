@@ -143,6 +143,7 @@ class _UnitAudit:
             explicit=self.unit.is_explicit,
             xacro=self.unit.is_xacro,
             environment=frozenset(self.options.environment),
+            launches=tuple(map(Path, self.unit.launches)),
         )
         self.texts.update({name: file.text for name, file in source.files.items()})
         for problem in source.find_problems("time-limit", "memory-limit"):

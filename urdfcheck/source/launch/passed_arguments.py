@@ -49,26 +49,28 @@ class PassedArgument:
     """0: typed as it is; 1: the default of an argument of the launch file; 2: the first of its choices."""
 
 
-def find_passed_arguments(model: Path, finder: PackageFinder) -> dict[str, PassedArgument]:
-    """Return by name what the launch files of a model's package pass to its arguments.
+def find_passed_arguments(
+    model: Path, finder: PackageFinder, launches: Sequence[Path] = ()
+) -> dict[str, PassedArgument]:
+    """Return by name what launch files pass to the arguments of a model.
 
-    Where several pass a value, a typed one comes before a default, and then the first file counts. The repository around the
-    package gives what its own launch files leave open.
+    These are ``launches``, which are checked with it, then those of its package, then those of the repository around that.
+    Among each, a typed value comes before a default, and this before a choice; then the first file counts.
     """
     real = os.path.realpath(model)
     package = finder.find_package_of(model.absolute())
     inner = model.absolute().parent if package is None else package.path
     outer = next((folder for folder in inner.parents if (folder / ".git").exists()), None)
+    folders = [folder for folder in (inner, outer) if folder is not None and finder.can_open(folder)]
     found: dict[str, PassedArgument] = {}
-    visited: set[Path] = set()
-    for folder in (inner, outer):
-        if folder is None or not finder.can_open(folder):
-            continue
+    visited: set[str] = set()
+    for files in (launches, *(_iter_launch_files(folder, finder) for folder in folders)):
         known: dict[str, PassedArgument] = {}
-        for launch in _iter_launch_files(folder, finder):
-            if launch in visited or len(visited) >= MOST_LAUNCHES:
+        for launch in files:
+            place = os.path.realpath(launch)
+            if place in visited or len(visited) >= MOST_LAUNCHES:
                 continue
-            visited.add(launch)
+            visited.add(place)
             for passed in read_passed_arguments(launch, real, finder):
                 before = known.get(passed.name)
                 if before is None or passed.rank < before.rank:
