@@ -643,3 +643,45 @@ def test_mesh_may_be_for_a_package_out_of_reach_that_depends_on_this_one(tmp_pat
     assert findings(tmp_path / "p", "PKG010")
     write(tmp_path, {"q/package.xml": other})
     assert not findings(tmp_path / "p", "PKG010")
+
+
+# -- paths made of arguments -------------------------------------------------------------------------------------------
+
+
+def audit_xacro(model: Path, body: str) -> Run:
+    path = model.with_name("r.urdf.xacro")
+    model.unlink()
+    path.write_text(f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{body}</robot>', encoding="utf-8")
+    return check(path, codes=CODES)
+
+
+CHOSEN = (
+    '<xacro:include filename="$(find p)/config/$(arg type).xacro"/><xacro:property name="model" value="$(arg type)"/>'
+)
+
+
+@pytest.mark.parametrize(
+    ("filename", "expected"),
+    [
+        ("package://p/meshes/${model}/a.stl", "; argument type (default 'small') leads there; there is large"),
+        ("package://p/meshes/${model}/never.stl", "; argument type (default 'small') leads there; there is large"),
+        ("package://p/meshes/none/a.stl", ""),
+    ],
+)
+def test_a_missing_mesh_names_the_argument_that_leads_there(tmp_path: Path, filename: str, expected: str) -> None:
+    model = package(tmp_path, "meshes/large/a.stl", "config/large.xacro", "config/small.xacro")
+    for name in ("large", "small"):
+        config = tmp_path / f"p/config/{name}.xacro"
+        config.write_text('<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>', encoding="utf-8")
+    arguments = '<xacro:arg name="type" default="small"/>'
+    finding = only(audit_xacro(model, arguments + CHOSEN + link("l", visual(mesh(filename)))))
+    assert finding.data["hint"] == expected or (not expected and "argument" not in finding.message)
+    assert ("argument[type]" in [place.subject for place in finding.related]) == bool(expected)
+
+
+def test_a_missing_package_names_the_argument_that_gives_its_name(tmp_path: Path) -> None:
+    arguments = '<xacro:arg name="where" default="nowhere"/>'
+    finding = only(
+        audit_xacro(package(tmp_path), arguments + link("l", visual(mesh("package://$(arg where)/meshes/a.stl"))))
+    )
+    assert "package nowhere is not found, which argument where (default 'nowhere') names: 1 file " in finding.message

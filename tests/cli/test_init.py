@@ -37,6 +37,23 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def test_what_launch_files_pass_is_written_down(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (repository / "package.xml").write_text('<package format="3"><name>arm</name><version>1.0.0</version></package>')
+    (repository / "launch").mkdir()
+    launch = repository / "launch/view.launch.py"
+    start = 'path = get_package_share_directory("arm") + "/urdf/arm.urdf.xacro"\n'
+    launch.write_text(start + 'Command(["xacro ", path, " side:=right"])\n')
+    assert cli.main(["init", "--dry-run"]) == cli.OK
+    assert '# arguments = { side = "right", n = "" }' in capsys.readouterr().out
+    launch.write_text(start + 'Command(["xacro ", path, " side:=right ", "n:=", "7"])\n')
+    assert cli.main(["init"]) == cli.OK
+    assert "need" not in capsys.readouterr().out.partition("next")[0]
+    (model,) = config.find_config(repository).models
+    assert (model.path.name, dict(model.arguments)) == ("arm.urdf.xacro", {"side": "right", "n": "7"})
+    assert '# side: "launch/view.launch.py:2"' in (repository / "urdfcheck.toml").read_text(encoding="utf-8")
+    assert cli.main([".", "--tier", "source"]) == cli.OK
+
+
 def test_a_repository_is_set_up(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["init"]) == cli.OK
     said = capsys.readouterr().out

@@ -74,6 +74,18 @@ class TestMacroLines:
             "correct what this line computes: it makes 2 elements (for the first of them: "
         )
 
+    def test_each_element_keeps_the_fingerprint_of_its_own_words(self, tmp_path: Path) -> None:
+        """A check says more of a link that a fixed joint merges into a sound body."""
+        base = (
+            '<link name="base"><inertial><mass value="99"/><inertia ixx="9" ixy="0" ixz="0" iyy="9" iyz="0" izz="9"/>'
+        )
+        loose = DISCS.replace('name="j_wheel" type="fixed"', 'name="j_wheel" type="continuous"')
+        body = loose.replace('<link name="base"/>', f"{base}</inertial></link>")
+        (found,) = find(write_robots(tmp_path, FORMULA, a=body)).findings
+        assert (found.message_id, dict(found.message_ids)) == ("violated", {"link[lidar]/inertial/inertia": "fused"})
+        alone = find(write_robots(tmp_path, FORMULA, a=body.replace(disc(), '<link name="wheel"/>'))).findings[0]
+        assert (alone.message_id, alone.fingerprints) == ("fused", found.fingerprints[1:])
+
     def test_numbers_that_calls_hand_over_stay_apart(self, tmp_path: Path) -> None:
         assert len(find(write_robots(tmp_path, PASSED, a=DISCS)).findings) == 2
 
@@ -94,6 +106,20 @@ class TestModels:
         )
         assert found.variants["c.urdf.xacro"] == ("link[other]/inertial/inertia",)
         assert run.find_variant_arguments(found) == {}
+
+    def test_a_number_typed_in_the_macro_is_one_finding(self, tmp_path: Path) -> None:
+        macros = PASSED.replace('izz="${m}"', 'izz="9"')
+        (found,) = find(write_robots(tmp_path, macros, a=disc("l"), b=disc("r", "5"))).findings
+        assert [subjects[0] for subjects in found.variants.values()] == [
+            "link[l]/inertial/inertia",
+            "link[r]/inertial/inertia",
+        ]
+
+    def test_calls_that_are_wrong_in_two_models_stay_apart(self, tmp_path: Path) -> None:
+        """The line is right for a small disc in the same model: the numbers of the calls are to blame."""
+        macros = FORMULA.replace("${m * 0.9}", "${m * 0.9 if m > 0.5 else m * 0.1}")
+        body = disc() + disc("small", "0.1") + JOINT.format("small").replace("base", "wheel")
+        assert len(find(write_robots(tmp_path, macros, a=body, b=body)).findings) == 2
 
     def test_what_each_model_types_itself_stays_apart(self, tmp_path: Path) -> None:
         """The macro hands the number on: both calls are to be repaired."""

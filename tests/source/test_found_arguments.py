@@ -153,6 +153,14 @@ class TestModels:
         assert run.models[0].found_args["type"].endswith("launch/view.launch.py:6")
         assert '"found_args": {\n        "name"' in render_json(run)
 
+    def test_the_launch_file_that_is_checked_counts_first(self, tmp_path: Path) -> None:
+        command = 'x = Command(["xacro ", get_package_share_directory("arm"), "/urdf/arm.urdf.xacro", " type:={} {}"])'
+        launches = {f"{t}.launch.py": command.format(t, "name:=a prefix:=b") for t in ("large", "small")}
+        package = make_package(tmp_path, launches).parents[1]
+        for kind in ("large", "small"):
+            (model,) = check(package / f"launch/{kind}.launch.py").models
+            assert model.args["type"] == kind
+
     def test_what_is_given_counts(self, tmp_path: Path) -> None:
         make_package(tmp_path, {"view.launch.py": COMMAND})
         (model,) = check(tmp_path / "arm", arguments={"name": "mine", "type": "small"}).models

@@ -8,9 +8,11 @@ from pathlib import Path
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
+from urdfcheck.source.path_arguments import list_path_arguments
 from urdfcheck.source.resources import ResourceUse, is_misspelt, list_resource_uses
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import locate_text
+from urdfcheck.source.text.xml import flatten_definitions
 
 # So many files are looked up in other packages to find the one that is meant.
 _MAX_FILES = 50
@@ -48,10 +50,12 @@ def _build_finding(
     message = "nameless" if not package else f"{kind}-declared" if declared else kind
     # The meshes of a declared package are missing only until it is installed.
     lost = message in {"files", "nameless"}
+    related = list(related)
+    named_by, places = _explain_by_argument(source, package, uses, related)
     return rule.finding(
         message,
         at=at,
-        related=related,
+        related=[*related, *places],
         edits=_propose_edits(uses, package, near),
         severity=Severity.INFO if declared and uses else None,
         consequences=describe_missing_mesh(use.attribute.owner for use in uses) if lost else None,
@@ -63,8 +67,19 @@ def _build_finding(
         looked=source.finder.describe_search_places(),
         places="; ".join(source.finder.describe_search_places()),
         near=near,
-        hint=f" (did you mean {join_names(near)}{evidence}?)" if near else "",
+        hint=(f" (did you mean {join_names(near)}{evidence}?)" if near else "") + named_by,
     )
+
+
+def _explain_by_argument(
+    source: Source, package: str, uses: Sequence[ResourceUse], related: Sequence[Located | Location]
+) -> tuple[str, list[Location]]:
+    """Name the argument whose value is the package, and its place."""
+    read = (definition.location for use in uses for definition in flatten_definitions(use.attribute.reads))
+    places = (place for place in related if isinstance(place, Location))
+    arguments = list_path_arguments(source, read if uses else places)
+    named = [argument for argument in arguments if package and argument.value == package]
+    return (f", which argument {named[0]} names", [named[0].location]) if len(named) == 1 else ("", [])
 
 
 def _get_path_in_package(text: str, package: str) -> str:

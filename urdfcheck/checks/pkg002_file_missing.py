@@ -7,12 +7,19 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import find_nearest_name, format_count, join_names
+from urdfcheck.core import Finding, Location, Rule
+from urdfcheck.core.text import find_nearest_name, format_choices, format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.path_arguments import (
+    find_missing_part,
+    list_other_values,
+    list_path_arguments,
+    select_guilty,
+)
 from urdfcheck.source.resources import ResourceUse, find_missing_path, is_misspelt, list_resource_uses
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
+from urdfcheck.source.text.xml import flatten_definitions
 from urdfcheck.system.files import walk
 
 # Beyond this many files the search for one of the same name stops: a suggestion is not worth seconds.
@@ -52,7 +59,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         return
     index = _index_files({_find_search_root(use, source) for use, _ in missing})
     for gap in _group_missing_files(missing):
-        yield _build_finding(gap, index, rule)
+        yield _build_finding(gap, index, source, rule)
 
 
 def _normalise_path(path: Path) -> Path:
@@ -84,14 +91,15 @@ def _find_missing_folder(path: Path) -> Path | None:
     return next((folder for folder in reversed(path.parents) if not folder.is_dir()), None)
 
 
-def _build_finding(gap: _MissingFiles, index: dict[str, list[Path]], rule: Rule) -> Finding:
+def _build_finding(gap: _MissingFiles, index: dict[str, list[Path]], source: Source, rule: Rule) -> Finding:
     at, path = gap.uses[0], gap.path
     related = {use.attribute.span: use for use in gap.uses if use.attribute.span != at.attribute.span}
     near = [format_path(similar) for similar in _find_similar_files(path, index)]
+    argued, places = _explain_by_argument(gap, source)
     return rule.finding(
         "folder" if gap.folder is not None else "file" if len(gap.files) == 1 else "several",
         at=at,
-        related=related.values(),
+        related=[*related.values(), *places],
         consequences=describe_missing_mesh(use.attribute.owner for use in gap.uses),
         files=list(gap.files.values()),
         amount=format_count(len(gap.files), "mesh file"),
@@ -100,9 +108,20 @@ def _build_finding(gap: _MissingFiles, index: dict[str, list[Path]], rule: Rule)
         listed=join_names((missing.name for missing in gap.files), 4),
         links=list(dict.fromkeys(_find_link_name(use) for use in gap.uses)),
         near=near,
-        hint=f" (did you mean {join_names(near, 2)}?)" if near else "",
+        hint=argued or (f" (did you mean {join_names(near, 2)}?)" if near else ""),
         folder=format_path(gap.folder or path.parent),
     )
+
+
+def _explain_by_argument(gap: _MissingFiles, source: Source) -> tuple[str, list[Location]]:
+    """Name the argument that leads to a missing folder or file where another value of it leads to one, and its place."""
+    made_of = (definition.location for definition in flatten_definitions(gap.uses[0].attribute.reads))
+    missing = find_missing_part(source, gap.path)
+    guilty = select_guilty(list_path_arguments(source, made_of), missing)
+    choices = list_other_values(source, guilty[0], missing) if len(guilty) == 1 else []
+    if not choices:
+        return "", []
+    return f"; argument {guilty[0]} leads there{format_choices(choices)}", [guilty[0].location]
 
 
 def _find_similar_files(path: Path, index: dict[str, list[Path]]) -> list[Path]:

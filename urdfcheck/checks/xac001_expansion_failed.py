@@ -14,9 +14,14 @@ from urdfcheck.core.text import find_nearest_name, format_choices, format_name_h
 from urdfcheck.source.found_arguments import IN_EXPRESSION, MISSING_FILE
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.path_arguments import (
+    find_missing_part,
+    list_other_values,
+    list_path_arguments,
+    select_guilty,
+)
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.argument_values import find_argument_choices
 from urdfcheck.source.xacro.usage import collect_macros, collect_properties, find_unprefixed_tags, iter_elements_by_tag
 
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
@@ -224,51 +229,29 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
 
 
 def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _FailureReport | None:
-    """Report the arguments that lead to a missing file: those whose value its first missing part contains, else empty ones.
-
-    Only an argument that is typed counts, not one that is made of others.
-    """
+    """Report the arguments that lead to a missing file: those whose value its first missing part contains, else empty ones."""
     source = failure.source
-    made_of = [place for place in failure.problem.related if place.subject.startswith("argument[")]
-    values: dict[str, tuple[str, Location]] = {}
-    for place in made_of:
-        name = place.subject.removeprefix("argument[").removesuffix("]")
-        declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
-        value = source.arguments.get(name, next((e.get("default") for e in declared), ""))
-        if "$(" not in value:
-            values[name] = value, source.found_arguments.get(name, place)
-    missing = next((p for p in (*reversed(path.parents), path) if source.finder.can_open(p) and not p.exists()), path)
-    guilty = [name for name, (value, _) in values.items() if value and missing.name in {value, *Path(value).parts}]
-    guilty = guilty or [name for name, (value, _) in values.items() if value and value in missing.name]
-    empty = [name for name, (value, _) in values.items() if not value]
+    arguments = list_path_arguments(source, failure.problem.related)
+    missing = find_missing_part(source, path)
+    guilty = select_guilty(arguments, missing)
+    empty = [argument for argument in arguments if not argument.value]
     if not guilty and (not empty or path.parent.is_dir()):
         return None
-    names = guilty or empty
-    known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
-    typed = values[names[0]][0]
-    others = known.get(names[0], ()) if guilty and len(names) == 1 else ()
-    choices = [v for v in others if v != typed and (missing.parent / missing.name.replace(typed, v)).exists()]
-    chosen = choices[0] if choices else "…"
+    told = guilty or empty
+    choices = list_other_values(source, told[0], missing) if guilty and len(told) == 1 else []
     return _build_report(
         failure,
         "argument-leads-nowhere" if guilty else "argument-empty",
-        at=values[names[0]][1],
-        extra=(failure.problem.location, *(values[name][1] for name in names[1:])),
+        at=told[0].location,
+        extra=(failure.problem.location, *(argument.location for argument in told[1:])),
         file=format_path(path),
-        argument=names[0],
-        given=" and ".join(_describe_given(source, name, values[name][0]) for name in names),
-        lead="leads" if len(names) == 1 else "lead",
-        noun="argument" if len(names) == 1 else "arguments",
+        argument=told[0].name,
+        given=" and ".join(map(str, told)),
+        lead="leads" if len(told) == 1 else "lead",
+        noun="argument" if len(told) == 1 else "arguments",
         choices=format_choices(choices),
-        options=" ".join(f"--arg {name}:={chosen}" for name in names),
+        options=" ".join(f"--arg {argument.name}:={choices[0] if choices else '…'}" for argument in told),
     )
-
-
-def _describe_given(source: Source, name: str, value: str) -> str:
-    """Return an argument with its value and where this comes from."""
-    if name in source.found_arguments:
-        return f"{name} ({value!r} in a launch file)"
-    return f"{name} ({value!r} is given)" if name in source.arguments else f"{name} (default {value!r})"
 
 
 def _describe_sibling_folders(source: Source, path: Path) -> str:

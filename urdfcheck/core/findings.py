@@ -202,6 +202,10 @@ class Finding:
     with this finding, each with its subjects there."""
     blocks_check: bool = False
     """Whether its model could not be checked because of it. Nothing suppresses such a finding: see `Policy.unchecked`."""
+    message_ids: Mapping[str, str] = field(default_factory=dict)
+    """Subjects of which a check says the same in other words, with the ids of their messages."""
+    blames_text: bool = False
+    """Whether its text is typed as it is, or computes a value and all elements that it makes have the defect."""
 
     @property
     def subjects_by_model(self) -> Mapping[str, tuple[str, ...]]:
@@ -227,7 +231,9 @@ class Finding:
         return tuple(
             hashlib.sha256(
                 # A file name may not be valid text in any encoding.
-                "\0".join((self.code, self.model, subject, self.message_id)).encode(errors="surrogatepass")
+                "\0".join((self.code, self.model, subject, self.message_ids.get(subject, self.message_id))).encode(
+                    errors="surrogatepass"
+                )
             ).hexdigest()[:32]
             for subject in self.subjects
         )

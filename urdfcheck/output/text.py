@@ -359,10 +359,10 @@ def _get_first_line(run: Run, span: Span) -> str:
 
 
 def _iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
-    """Yield for each model the arguments that launch files pass and nobody gave."""
-    for info in run.models:
-        if told := describe_found_arguments(info):
-            yield from _wrap_text(Text(escape_one_line(f"{info.id}: {told}"), "dim"), width)
+    """Yield for each file the arguments that launch files pass and nobody gave; its variants have them all."""
+    told = {(info.path, found): None for info in run.models if (found := describe_found_arguments(info))}
+    for path, found in told:
+        yield from _wrap_text(Text(escape_one_line(f"{path}: {found}"), "dim"), width)
 
 
 def _iter_skipped(run: Run, width: int) -> Iterator[Text]:

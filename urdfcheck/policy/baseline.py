@@ -130,7 +130,8 @@ def collect_entries(findings: Iterable[Finding]) -> dict[str, Counter[EntryKey]]
             continue
         for model, subjects in finding.subjects_by_model.items():
             for subject in subjects:
-                models.setdefault(model, Counter())[finding.code, subject, finding.message_id] += 1
+                message = finding.message_ids.get(subject, finding.message_id)
+                models.setdefault(model, Counter())[finding.code, subject, message] += 1
     return models
 
 

@@ -105,8 +105,7 @@ def finalize_run_findings(
     findings = [*(finding for _, report in audited_units for finding in report.findings), *merge_same_text(marked)]
     findings += admit_wanted(review(findings, needed))
     findings = mark_unsafe_across_models(findings, _list_users(audited_units))
-    texts = {name: text for _, report in audited_units for name, text in report.sources.items()}
-    findings = merge_across_models(findings, [unit for unit, _ in audited_units], texts)
+    findings = merge_across_models(findings, [unit for unit, _ in audited_units])
     return tuple(sorted(findings, key=get_sort_key))
 
 

@@ -34,40 +34,44 @@ def is_computed(text: str) -> bool:
 
 
 def merge_macro_lines(findings: Iterable[Finding], root: Element | None, texts: Mapping[str, str]) -> list[Finding]:
-    """Merge findings of one model about all elements that a line of a macro makes: then the line is wrong, and not its calls.
+    """Merge findings of one model about all elements that a line of a macro makes: then the line is wrong, not its calls.
 
-    ``root``: the expanded model; ``texts``: the files by name. The line must compute something: the wrong numbers of several
-    calls are several defects, and so are findings with a repair of their own.
+    The line must compute something: the wrong numbers of several calls are several defects, and so are findings with a repair
+    of their own. The findings about such a line, and about text that is typed as it is, blame their text (``blames_text``).
+    ``root``: the expanded model; ``texts``: the files by name.
     """
-    findings = list(findings)
     groups: dict[tuple[Any, ...], list[Finding]] = {}
     for finding in findings:
-        groups.setdefault((finding.suppressed, finding.location.span, *_get_claim(finding)), []).append(finding)
-    if root is None or len(groups) == len(findings):
-        return findings
-    made = ElementCounts(root)
-    merged: dict[int, Finding | None] = {}
+        code, _, cause = _get_claim(finding)
+        key = code, cause, finding.severity, finding.suppressed, finding.location.span
+        groups.setdefault(key, []).append(finding)
+    made = None if root is None else ElementCounts(root)
+    merged: list[Finding] = []
     for group in groups.values():
         span = group[0].location.span
-        if len(group) < 2 or span is None or not is_computed(_get_text(span, texts)):
-            continue
-        subjects = {subject for finding in group for subject in finding.subjects}
-        if len(subjects) >= made.count_elements(span) and not any(_list_edits(finding) for finding in group):
-            merged |= {id(finding): None for finding in group}
-            merged[id(group[0])] = _join_calls(group)
-    kept = (merged.get(id(finding), finding) for finding in findings)
-    return [finding for finding in kept if finding is not None]
+        text = "" if span is None else _get_text(span, texts)
+        is_whole = made is not None and span is not None and is_computed(text) and _covers_all(group, made, span)
+        if is_whole and len(group) > 1 and not any(map(_list_edits, group)):
+            merged.append(replace(_join_calls(group), blames_text=True))
+        elif is_whole or (text and "$" not in text):
+            merged += [replace(finding, blames_text=True) for finding in group]
+        else:
+            merged += group
+    return merged
 
 
-def merge_across_models(
-    findings: Iterable[Finding], units: Iterable[Unit], texts: Mapping[str, str] | None = None
-) -> list[Finding]:
+def _covers_all(group: Iterable[Finding], made: ElementCounts, span: Span) -> bool:
+    """Whether findings are about all elements that a text makes."""
+    return len({subject for finding in group for subject in finding.subjects}) >= made.count_elements(span)
+
+
+def merge_across_models(findings: Iterable[Finding], units: Iterable[Unit]) -> list[Finding]:
     """Merge what several models of a run show at one text: first those of one file with several sets of arguments.
 
-    ``texts``: the files with findings, by name. Models of several files share a finding if its text, rule, message, cause and
-    repair are the same, and if besides the text itself computes the value, it was computed from the same definitions, or a file
-    is at fault, which the message names. Launch files share what they say of one file. What different configurations and
-    baselines judge stays apart.
+    Models of several files share a finding if its text, rule, message, cause and repair are the same, and if besides the text
+    itself is to blame in each of them (`merge_macro_lines`), or the value was computed from the same definitions, or a file is
+    at fault, which the message names. Launch files share what they say of one file. What different configurations and baselines
+    judge stays apart.
     """
     units = list(units)
     by_id = {unit.id: unit for unit in units}
@@ -76,7 +80,8 @@ def merge_across_models(
         unit, span = by_id.get(finding.model), finding.location.span
         if unit is None or finding.is_about_urdfcheck or span is None:
             return None
-        return unit.fail_on, unit.baseline_home, finding.suppressed, *_get_claim(finding), _list_edits(finding)
+        words = tuple(sorted(finding.message_ids.items()))
+        return unit.fail_on, unit.baseline_home, finding.suppressed, *_get_claim(finding), _list_edits(finding), words
 
     def get_message_key(finding: Finding) -> tuple[Any, ...] | None:
         home = get_home(finding)
@@ -89,7 +94,7 @@ def merge_across_models(
         home, span = get_home(finding), finding.location.span
         if home is None or span is None:
             return None
-        return *home, span, () if is_computed(_get_text(span, texts or {})) else _list_value_definitions(finding)
+        return *home, span, finding.blames_text or _list_value_definitions(finding) or finding.message
 
     def rank(finding: Finding) -> tuple[Any, ...]:
         return len(by_id[finding.model].arguments), finding.model
@@ -168,8 +173,8 @@ def _join_calls(group: Sequence[Finding]) -> Finding:
     return replace(
         first,
         subjects=subjects,
+        message_ids={s: f.message_id for f in group for s in f.subjects if f.message_id != first.message_id},
         fix=Fix(title),
-        severity=max(finding.severity for finding in group),
         related=tuple(places),
     )
 

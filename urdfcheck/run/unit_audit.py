@@ -167,6 +167,7 @@ class _UnitAudit:
             is_part=self.unit.is_part,
             xacro=self.unit.is_xacro,
             environment=frozenset(self.options.environment),
+            launches=tuple(map(Path, self.unit.launches)),
         )
         self.texts.update({name: file.text for name, file in source.files.items()})
         for problem in source.find_problems("unreadable"):

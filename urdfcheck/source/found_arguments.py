@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,11 +30,17 @@ class FoundExpansion:
 
 
 def expand_with_found_arguments(
-    path: Path, arguments: Mapping[str, str], finder: PackageFinder, *, environment: frozenset[str]
+    path: Path,
+    arguments: Mapping[str, str],
+    finder: PackageFinder,
+    *,
+    environment: frozenset[str],
+    launches: Sequence[Path] = (),
 ) -> FoundExpansion:
     """Expand a xacro. An argument without which there is no model gets the value that a launch file passes.
 
-    This is one that is read and has no value, or one whose default leads to a file that does not exist.
+    This is one that is read and has no value, or one whose default leads to a file that does not exist. ``launches``: the
+    launch files that are checked with the model, which count first.
     """
     expansion = expand_xacro(path, arguments, finder, extra_environment=environment)
     found: dict[str, PassedArgument] = {}
@@ -44,7 +50,7 @@ def expand_with_found_arguments(
         if not names:
             break
         if passed is None:
-            passed = find_passed_arguments(path, finder)
+            passed = find_passed_arguments(path, finder, launches)
         new = {name: passed[name] for name in names if name in passed and name not in {**arguments, **found}}
         if not new:
             break

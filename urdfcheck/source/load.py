@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -78,12 +78,13 @@ def load_source(
     is_part: bool = False,
     xacro: bool | None = None,
     environment: frozenset[str] = frozenset(),
+    launches: Sequence[Path] = (),
 ) -> Source:
     """Read a model. A defect of the file becomes a problem of the result, never an exception.
 
     ``xacro``: whether a launch file hands the file to xacro (True) or to a parser as it is (False), whatever its suffix; None
     where none says so: then its name decides, and its text. ``environment``: variables that the file may read besides those
-    of ROS.
+    of ROS; ``launches``: launch files that start the model, whose values of arguments count first.
     """
     name = format_path(path)
     package = finder.find_package_of(path.absolute())  # before the expansion brings more folders into reach
@@ -108,7 +109,7 @@ def load_source(
     if root is not None and is_xacro:
         from urdfcheck.source.found_arguments import expand_with_found_arguments
 
-        complete = expand_with_found_arguments(path, arguments, finder, environment=environment)
+        complete = expand_with_found_arguments(path, arguments, finder, environment=environment, launches=launches)
         expansion, arguments = complete.expansion, complete.arguments
         found_arguments = {name: argument.location for name, argument in complete.found.items()}
         root, problems = expansion.root, [*problems, *expansion.problems]

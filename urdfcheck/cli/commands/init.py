@@ -18,7 +18,7 @@ from urdfcheck.cli.terminal import NOTHING, OK, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
-    from urdfcheck.core import Run
+    from urdfcheck.core import ModelInfo, Run
 
 PRE_COMMIT, GITHUB, GITLAB = ".pre-commit-config.yaml", ".github/workflows/urdfcheck.yml", ".gitlab-ci.yml"
 # The placeholder that the README uses; it is filled in where urdfcheck was installed from an address.
@@ -186,7 +186,7 @@ def main(words: Sequence[str]) -> int:
     action = _format_github_action(address, revision)
     needing = _collect_needed_arguments(outcome, folder)
     steps = [
-        _plan_configuration(folder, needing),
+        _plan_configuration(folder, needing, _list_expanded_by_launch(outcome)),
         _plan_hooks(root / PRE_COMMIT, HOOKS.format(address=address, revision=revision) if address else LOCAL_HOOKS),
         _plan_job(root, install, action=action, folder=inside),
     ]
@@ -236,16 +236,23 @@ def _collect_needed_arguments(outcome: Run, folder: Path) -> dict[Path, dict[str
     from urdfcheck.source.reach import FileReach
     from urdfcheck.source.xacro.argument_values import find_argument_choices
 
-    paths = {info.id: Path(info.path) for info in outcome.models if info.status == "needs-arguments"}
+    lacking = {info.id: info for info in outcome.models if info.status == "needs-arguments"}
     needed: dict[Path, dict[str, tuple[str, ...]]] = {}
     for finding in outcome.findings:
-        path = paths.get(finding.model)
-        if path is not None:
+        info = lacking.get(finding.model)
+        if info is not None:
+            path = Path(info.path)
             finder = PackageFinder(path.absolute(), reach=FileReach.from_paths([folder], []))
             known = {choice.name: choice.values for choice in find_argument_choices(path, finder)}
             names = [str(name) for name in finding.data["missing"]]
-            needed.setdefault(path, {}).update({name: known.get(name, ()) for name in names})
+            passed = {name: (info.args[name],) for name in info.found_args}
+            needed.setdefault(path, {}).update({**passed, **{name: known.get(name, ()) for name in names}})
     return needed
+
+
+def _list_expanded_by_launch(outcome: Run) -> list[ModelInfo]:
+    """Return the models that could be expanded because launch files pass arguments to them."""
+    return [info for info in outcome.models if info.found_args and info.status == "checked"]
 
 
 def _find_repository(folder: Path) -> Path:
@@ -269,18 +276,20 @@ def find_install_origin() -> tuple[str, str]:
 # -- what is to be written ---------------------------------------------------------------------------------------------
 
 
-def _plan_configuration(folder: Path, needing: Mapping[Path, Mapping[str, Sequence[str]]]) -> SetupStep:
+def _plan_configuration(
+    folder: Path, needing: Mapping[Path, Mapping[str, Sequence[str]]], found: Sequence[ModelInfo]
+) -> SetupStep:
     import tomli
 
     own, project = folder / "urdfcheck.toml", folder / "pyproject.toml"
     if own.exists():
         return SetupStep(path=own, verb="kept", reason="it is there already")
     if not project.is_file():
-        text = CONFIGURATION.format(table="", prefix="") + _format_models(needing, folder, "")
+        text = CONFIGURATION.format(table="", prefix="") + _format_models(needing, found, folder, "")
         return SetupStep(path=own, verb="wrote", text=text, added=text)
     before = _read_text(project)
     table, prefix = "[tool.urdfcheck]\n", "tool.urdfcheck."
-    added = CONFIGURATION.format(table=table, prefix=prefix) + _format_models(needing, folder, prefix)
+    added = CONFIGURATION.format(table=table, prefix=prefix) + _format_models(needing, found, folder, prefix)
     try:
         if "urdfcheck" in tomli.loads(before).get("tool", {}):
             return SetupStep(path=project, verb="kept", reason="it has a table [tool.urdfcheck] already")
@@ -296,10 +305,23 @@ def _plan_configuration(folder: Path, needing: Mapping[Path, Mapping[str, Sequen
     return SetupStep(path=project, verb="extended", text=text, added=added)
 
 
-def _format_models(needing: Mapping[Path, Mapping[str, Sequence[str]]], folder: Path, prefix: str) -> str:
+def _format_models(
+    needing: Mapping[Path, Mapping[str, Sequence[str]]], found: Sequence[ModelInfo], folder: Path, prefix: str
+) -> str:
+    """Return the tables of models: those that launch files pass arguments to, then those that still need some."""
     entries = []
+    for info in found:
+        values = ", ".join(f"{_format_toml_key(n)} = {_quote_toml(info.args[n])}" for n in sorted(info.found_args))
+        places = "".join(
+            f"# {_format_toml_key(n)}: {_quote_toml(place)}\n" for n, place in sorted(info.found_args.items())
+        )
+        entries.append(
+            f"\n[[{prefix}models]]                       # as launch files start it\n"
+            f"path = {_quote_toml(_format_relative_path(Path(info.path), folder))}\n"
+            f"arguments = {{ {values} }}\n{places}"
+        )
     for path, arguments in sorted(needing.items()):
-        relative = Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+        relative = _format_relative_path(path, folder)
         values = ", ".join(
             f"{_format_toml_key(n)} = {_quote_toml(known[0] if known else '')}" for n, known in arguments.items()
         )
@@ -313,6 +335,10 @@ def _format_models(needing: Mapping[Path, Mapping[str, Sequence[str]]], folder: 
             f"path = {_quote_toml(relative)}\n# arguments = {{ {values} }}\n{''.join(notes)}"
         )
     return "".join(entries)
+
+
+def _format_relative_path(path: Path, folder: Path) -> str:
+    return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
 
 
 def _quote_toml(text: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import fnmatch
 import glob
+import itertools
 import os
 import warnings
 from collections.abc import Iterator, Sequence
@@ -30,6 +31,9 @@ from urdfcheck.system.files import read_regular, walk
 
 # Limit on launch files that are read for one model: the largest repository of a hundred has 130.
 MOST_LAUNCHES = 200
+# Limit on folders that are searched for them.
+MOST_FOLDERS = 10_000
+SKIPPED_FOLDERS = BUILD_FOLDERS | {"node_modules", "__pycache__"}
 # Stands for a piece of text that is only known at launch.
 _UNKNOWN = "\x01"
 
@@ -46,26 +50,28 @@ class PassedArgument:
     """0: typed as it is; 1: the default of an argument of the launch file; 2: the first of its choices."""
 
 
-def find_passed_arguments(model: Path, finder: PackageFinder) -> dict[str, PassedArgument]:
-    """Return by name what the launch files of a model's package pass to its arguments.
+def find_passed_arguments(
+    model: Path, finder: PackageFinder, launches: Sequence[Path] = ()
+) -> dict[str, PassedArgument]:
+    """Return by name what launch files pass to the arguments of a model.
 
-    Where several pass a value, a typed one comes before a default, and then the first file counts. The repository around the
-    package gives what its own launch files leave open.
+    These are ``launches``, which are checked with it, then those of its package, then those of the repository around that.
+    Among each, a typed value comes before a default, and this before a choice; then the first file counts.
     """
     real = os.path.realpath(model)
     package = finder.find_package_of(model.absolute())
     inner = model.absolute().parent if package is None else package.path
     outer = next((folder for folder in inner.parents if (folder / ".git").exists()), None)
+    folders = [folder for folder in (inner, outer) if folder is not None and finder.can_open(folder)]
     found: dict[str, PassedArgument] = {}
-    visited: set[Path] = set()
-    for folder in (inner, outer):
-        if folder is None or not finder.can_open(folder):
-            continue
+    visited: set[str] = set()
+    for files in (launches, *(_iter_launch_files(folder, finder) for folder in folders)):
         known: dict[str, PassedArgument] = {}
-        for launch in _iter_launch_files(folder, finder):
-            if launch in visited or len(visited) >= MOST_LAUNCHES:
+        for launch in files:
+            place = os.path.realpath(launch)
+            if place in visited or len(visited) >= MOST_LAUNCHES:
                 continue
-            visited.add(launch)
+            visited.add(place)
             for passed in read_passed_arguments(launch, real, finder):
                 before = known.get(passed.name)
                 if before is None or passed.rank < before.rank:
@@ -95,8 +101,8 @@ def read_passed_arguments(launch: Path, model: str, finder: PackageFinder) -> li
 def _iter_launch_files(folder: Path, finder: PackageFinder) -> Iterator[Path]:
     """Yield the launch files below a folder, in the order of their paths."""
     files: list[Path] = []
-    for place, names, inside in walk(folder):
-        names[:] = [n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS]
+    for place, names, inside in itertools.islice(walk(folder), MOST_FOLDERS):
+        names[:] = [n for n in names if not n.startswith(".") and n not in SKIPPED_FOLDERS]
         files += [path for name in inside if is_launch(path := Path(place, name)) and finder.can_open(path)]
     yield from sorted(files)
 

@@ -1,0 +1,65 @@
+"""The arguments of a xacro that lead to a path which does not exist."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from urdfcheck.core import Location
+from urdfcheck.source.load import Source
+from urdfcheck.source.xacro.argument_values import find_argument_choices
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
+
+_SUBJECT = "argument["
+
+
+@dataclass(frozen=True, slots=True)
+class PathArgument:
+    """An argument that a path was made of."""
+
+    name: str
+    value: str
+    location: Location
+    """Where its value comes from: a launch file, else its declaration."""
+    origin: str
+    """default | given | launch."""
+
+    def __str__(self) -> str:
+        shown = {"default": f"default {self.value!r}", "given": f"{self.value!r} is given"}
+        return f"{self.name} ({shown.get(self.origin, f'{self.value!r} in a launch file')})"
+
+
+def list_path_arguments(source: Source, made_of: Iterable[Location]) -> list[PathArgument]:
+    """Return the arguments among the definitions that a path was made of, without those that are made of others."""
+    found: dict[str, PathArgument] = {}
+    for place in made_of:
+        if not place.subject.startswith(_SUBJECT):
+            continue
+        name = place.subject.removeprefix(_SUBJECT).removesuffix("]")
+        defaults = (e.get("default") for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name)
+        value = source.arguments.get(name, next(defaults, ""))
+        origin = "launch" if name in source.found_arguments else "given" if name in source.arguments else "default"
+        if "$(" not in value:
+            found[name] = PathArgument(name, value, source.found_arguments.get(name, place), origin)
+    return list(found.values())
+
+
+def find_missing_part(source: Source, path: Path) -> Path:
+    """Return the outermost part of a path that does not exist; the whole path if none may be looked at."""
+    parts = (*reversed(path.parents), path)
+    return next((part for part in parts if source.finder.can_open(part) and not part.exists()), path)
+
+
+def select_guilty(arguments: Iterable[PathArgument], missing: Path) -> list[PathArgument]:
+    """Return the arguments whose value is the name of the missing part, else those whose value is in it."""
+    arguments = [argument for argument in arguments if argument.value]
+    exact = [a for a in arguments if missing.name in {a.value, *Path(a.value).parts}]
+    return exact or [a for a in arguments if a.value in missing.name]
+
+
+def list_other_values(source: Source, argument: PathArgument, missing: Path) -> list[str]:
+    """Return the other values that the files of the model know and that lead to something in place of the missing part."""
+    known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
+    values = (value for value in known.get(argument.name, ()) if value != argument.value)
+    return [value for value in values if (missing.parent / missing.name.replace(argument.value, value)).exists()]
