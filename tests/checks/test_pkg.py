@@ -480,6 +480,7 @@ def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: s
 
 # -- what is installed -----------------------------------------------------------------------------------------------------
 
+XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 AMENT = "<export><build_type>ament_cmake</build_type></export>"
 MESH = make_mesh_link("a", "package://p/meshes/a.stl")
 
@@ -642,3 +643,69 @@ def test_mesh_may_be_for_a_package_out_of_reach_that_depends_on_this_one(tmp_pat
     assert findings(tmp_path / "p", "PKG010")
     write(tmp_path, {"q/package.xml": other})
     assert not findings(tmp_path / "p", "PKG010")
+
+
+# -- packages of one name --------------------------------------------------------------------------------------------------
+
+
+def write_package(folder: Path) -> None:
+    write(folder, {"package.xml": manifest(name="car_description"), "urdf/car.urdf": URDF})
+
+
+def find_duplicates(*paths: Path) -> list[tuple[str, list[str]]]:
+    run = check(*paths, codes={"PKG013"}, tier="source")
+    return [(f.message, f.data["folders"]) for f in run.findings]
+
+
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [
+        ("car_copy", True),
+        ("deep/down/in/the/tree/car", True),
+        ("a/car_description", True),  # in it
+        ("build/car", False),
+        ("install/car/share/car_description", False),
+        ("out/share/car_description", False),
+        ("devel/car", False),
+        ("ignored/car", False),
+        ("package/car", False),  # a build tool does not look into the other package
+        (".hidden/car", False),
+    ],
+)
+def test_which_packages_of_one_name_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, other: str, told: bool
+) -> None:
+    write_package(tmp_path / "a")
+    write_package(tmp_path / other)
+    write(tmp_path, {"package/package.xml": manifest(name="package")} if "package/" in other else {})
+    write(tmp_path, {"ignored/COLCON_IGNORE": "", ".git/HEAD": ""})
+    monkeypatch.chdir(tmp_path)
+    assert len(find_duplicates(Path())) == told  # one for both, though both are checked
+    ((message, folders),) = find_duplicates(Path("a/urdf/car.urdf")) or [("", [])]
+    assert (folders == ["a", other]) == told
+    assert (f"a, {other}" in message or "in another one" in message) == told
+
+
+def test_work_trees_of_one_repository_hold_the_same_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "main/.git/worktrees/branch").mkdir(parents=True)
+    write(tmp_path, {"branch/.git": f"gitdir: {tmp_path}/main/.git/worktrees/branch\n"})
+    for name in ("main", "branch"):
+        write_package(tmp_path / name / "car")
+    monkeypatch.chdir(tmp_path)
+    assert not find_duplicates(Path())
+    write_package(tmp_path / "branch/other")
+    assert len(find_duplicates(Path())) == 1
+    (tmp_path / "branch/.git").unlink()  # a copy of the files, which a build tool refuses
+    assert len(find_duplicates(Path())) == 1
+
+
+def test_each_package_of_one_name_uses_its_own_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("one", "two"):
+        write_package(tmp_path / name)
+        part = f'<robot {XACRO}><xacro:macro name="part"><link name="{name}"/></xacro:macro></robot>'
+        include = f'<xacro:include filename="$(find car_description)/urdf/{name}.xacro"/><xacro:part/>'
+        files = {f"urdf/{name}.xacro": part, "urdf/r.urdf.xacro": f'<robot name="r" {XACRO}>{include}</robot>'}
+        write(tmp_path / name, files)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "one"))
+    run = check(tmp_path, codes={"XAC001"}, tier="source")
+    assert [(model.status, model.links) for model in run.models] == [("checked", 1)] * 4
