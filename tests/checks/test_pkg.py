@@ -478,6 +478,35 @@ def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: s
     assert not findings(tmp_path, "PKG007")
 
 
+@pytest.mark.parametrize("kind", ["depend", "exec_depend", "test_depend"])
+@pytest.mark.parametrize("between", [False, True])
+def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, between: bool) -> None:
+    launch = '<launch><include file="$(find q)/a.launch"/><include file="$(find gone)/a.launch"/></launch>'
+    write(tmp_path / "p", {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/a.launch": launch})
+    write(tmp_path / "q", {"package.xml": manifest(f"<{kind}>{'m' if between else 'p'}</{kind}>", name="q")})
+    write(tmp_path / "m", {"package.xml": manifest("<depend>p</depend>", name="m")})
+    write(tmp_path, {".git/HEAD": ""})
+    circle, other = sorted(findings(tmp_path, "PKG007"), key=lambda finding: finding.data["names"], reverse=True)
+    assert ("a circle" in circle.message, circle.data["names"]) == (True, ["q"])
+    assert circle.fix is None or not circle.fix.edits
+    assert other.fix is not None
+    assert [edit.replacement.strip() for edit in other.fix.edits] == ["<exec_depend>gone</exec_depend>"]
+
+
+def test_what_only_tests_name_is_a_dependency_of_tests(tmp_path: Path) -> None:
+    for name, packages in (("test/a.launch", ("one", "two")), ("launch/a.launch", ("two",))):
+        lines = "".join(f'<include file="$(find {other})/a.launch"/>' for other in packages)
+        write(tmp_path, {name: f"<launch>{lines}</launch>"})
+    text = '<package format="3">\n  <name>p</name>\n  <depend>a</depend>\n  <test_depend>b</test_depend>\n</package>\n'
+    write(tmp_path, {"package.xml": text, "urdf/r.urdf": URDF})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert finding.fix is not None
+    for edit in reversed(finding.fix.edits):
+        text = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
+    assert "  <depend>a</depend>\n  <exec_depend>two</exec_depend>\n" in text
+    assert "  <test_depend>b</test_depend>\n  <test_depend>one</test_depend>\n" in text
+
+
 # -- what is installed -----------------------------------------------------------------------------------------------------
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -683,7 +712,7 @@ def test_which_packages_of_one_name_are_told(
     assert len(find_duplicates(Path())) == told  # one for both, though both are checked
     ((message, folders),) = find_duplicates(Path("a/urdf/car.urdf")) or [("", [])]
     assert (folders == ["a", other]) == told
-    assert (f"a, {other}" in message or "in another one" in message) == told
+    assert (f"a/package.xml, {other}/package.xml" in message) == told
 
 
 def test_work_trees_of_one_repository_hold_the_same_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -709,3 +738,46 @@ def test_each_package_of_one_name_uses_its_own_files(tmp_path: Path, monkeypatch
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "one"))
     run = check(tmp_path, codes={"XAC001"}, tier="source")
     assert [(model.status, model.links) for model in run.models] == [("checked", 1)] * 4
+
+
+# -- what a path that leads nowhere may mean -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("missing", "there", "told"),
+    [
+        ("wheel_left.stl", "wheel_lefft.stl", True),
+        ("wheel_left.stl", "wheel_left.dae", True),
+        ("wheel_left.stl", "WheelLeft.stl", True),
+        ("wheel_left.stl", "wheel_right.stl", False),
+        ("bracelet_link.STL", "base_link.STL", False),
+        ("body.dae", "pack_body.dae", False),
+        ("base_imu.stl", "base_link.stl", False),
+        ("link_1.stl", "link_2.stl", False),
+        ("link1.stl", "link_1.stl", True),
+        ("arm.stl", "art.stl", False),
+    ],
+)
+def test_a_file_of_another_part_is_not_what_is_meant(tmp_path: Path, missing: str, there: str, told: bool) -> None:
+    robot = f'<robot name="r">{make_mesh_link("a", f"package://p/meshes/{missing}")}</robot>'
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": robot, f"meshes/{there}": ""})
+    (finding,) = findings(tmp_path, "PKG002")
+    assert ("did you mean" in finding.message, len(finding.data["near"])) == (told, int(told))
+
+
+@pytest.mark.parametrize(("build", "told"), [("ament_cmake", True), ("ament_python", True), ("catkin", False)])
+def test_a_file_that_is_not_installed_is_named(tmp_path: Path, build: str, told: bool) -> None:
+    mesh = make_mesh_link("a", "package://p/meshes/a.stl")
+    include = '<xacro:include filename="$(find p)/parts/b.xacro"/>'
+    files = {
+        "package.xml": manifest(f"<export><build_type>{build}</build_type></export>"),
+        "description/urdf/r.urdf": f'<robot name="r">{mesh}</robot>',
+        "description/urdf/s.urdf.xacro": f'<robot name="s" {XACRO}>{include}<link name="l"/></robot>',
+        "description/meshes/a.stl": "",
+        "description/parts/b.xacro": f"<robot {XACRO}/>",
+    }
+    write(tmp_path, files)
+    run = check(tmp_path, codes={"PKG002", "XAC001"}, tier="source")
+    found = {f.code: f.message for f in run.findings}
+    assert ("description/meshes; is that installed?" in found["PKG002"]) == told
+    assert ("description/parts; is that installed?" in found["XAC001"]) == told

@@ -29,9 +29,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         name=package.name,
         amount=format_count(len(rivals) + 1, "package"),
         folders=[format_path(folder) for folder in (package.path, *rivals)],
-        listed=join_names((_show(folder) for folder in (package.path, *rivals)), 4),
-        outer=_show(outer),
-        inner=join_names((_show(folder) for folder in (package.path, *rivals) if folder != outer), 3),
+        listed=join_names((format_path(folder / "package.xml") for folder in sorted((package.path, *rivals))), 4),
     )
 
 
@@ -42,9 +40,3 @@ def _is_told_elsewhere(own: Path, rivals: list[Path], namesakes: list[Path]) -> 
 
 def _locate_manifest(folder: Path) -> Location:
     return Location("package", Span(format_path(folder / "package.xml"), 1, 1, 1, 1, 0, 0))
-
-
-def _show(folder: Path) -> str:
-    """Return a folder as messages name it; the working directory by what it is."""
-    shown = format_path(folder)
-    return "the working directory" if shown == "." else shown
