@@ -217,6 +217,17 @@ def test_machine_path_is_told_once_whether_or_not_it_may_be_looked_at(tmp_path: 
     assert (finding.code, finding.message_id) == ("PKG004", "nowhere")
 
 
+def test_paths_of_one_machine_are_one_finding(tmp_path: Path) -> None:
+    links = (make_mesh_link(f"l{n}", f"file:///usr/Ann/share/{n % 3}/{n}.mesh") for n in range(20))
+    finding = only(audit(package(tmp_path), *links))
+    assert finding.message.startswith(
+        "20 files are named by file:// paths of the author's machine: file:///usr/Ann/share/0/0.mesh"
+    )
+    assert len(finding.related) == 19
+    other = (make_mesh_link("a", "file:///usr/Ann/a.mesh"), make_mesh_link("b", "file:///opt/Bob/b.mesh"))
+    assert len(audit(package(tmp_path), *other).findings) == 2
+
+
 def test_path_that_xacro_computes_is_no_machine_path_but_must_exist(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/b.stl")
     model.unlink()
