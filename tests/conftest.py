@@ -8,13 +8,14 @@ import io
 import itertools
 import os
 import pickle
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import warnings
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from dataclasses import fields
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -66,6 +67,24 @@ def make_request(*paths: Path, codes: Iterable[str] | None = None, **settings: A
 def check(*paths: Path, codes: set[str] | None = None, **settings: object) -> Run:
     """Check paths in this process, with all rules or the given codes; see `make_request`."""
     return run(make_request(*paths, codes=codes, **settings), IN_THIS_PROCESS)
+
+
+def list_machine_paths(run_: Run, folder: Path) -> list[str]:
+    """Return the texts of a run's findings that hold the absolute path of a folder."""
+    absolute = re.compile(rf"(?<![\w.]){re.escape(str(folder))}")  # not the end of a relative one
+
+    def walk(value: object) -> Iterator[str]:
+        if isinstance(value, (str, Path)):
+            yield str(value)
+        elif isinstance(value, Mapping):
+            yield from walk([*value, *value.values()])
+        elif isinstance(value, (list, tuple, set, frozenset)):
+            for inner in value:
+                yield from walk(inner)
+        elif is_dataclass(value):
+            yield from walk([getattr(value, field.name) for field in fields(value)])
+
+    return [text for finding in (*run_.findings, *run_.skipped) for text in walk(finding) if absolute.search(text)]
 
 
 def check_text(folder: Path, text: str, name: str = "robot.urdf", **request: object) -> Run:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from conftest import check
+from conftest import check, list_machine_paths
 
 from urdfcheck import rules
 from urdfcheck.core import Applicability, Finding, Rule
@@ -85,6 +85,7 @@ def findings_of(case: Case, folder: Path) -> list[Finding]:
         pytest.importorskip("mujoco")
     run = check(target, codes={*rule.hidden_by, case.rule}, targets=targets, drop=simulated)
     assert not run.failures, run.failures
+    assert not list_machine_paths(run, folder)
     return [f for f in run.findings if f.code == case.rule]
 
 

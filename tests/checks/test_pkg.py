@@ -217,6 +217,17 @@ def test_machine_path_is_told_once_whether_or_not_it_may_be_looked_at(tmp_path: 
     assert (finding.code, finding.message_id) == ("PKG004", "nowhere")
 
 
+def test_paths_of_one_machine_are_one_finding(tmp_path: Path) -> None:
+    links = (make_mesh_link(f"l{n}", f"file:///usr/Ann/share/{n % 3}/{n}.mesh") for n in range(20))
+    finding = only(audit(package(tmp_path), *links))
+    assert finding.message.startswith(
+        "20 files are named by file:// paths of the author's machine: file:///usr/Ann/share/0/0.mesh"
+    )
+    assert len(finding.related) == 19
+    other = (make_mesh_link("a", "file:///usr/Ann/a.mesh"), make_mesh_link("b", "file:///opt/Bob/b.mesh"))
+    assert len(audit(package(tmp_path), *other).findings) == 2
+
+
 def test_path_that_xacro_computes_is_no_machine_path_but_must_exist(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/b.stl")
     model.unlink()
@@ -478,8 +489,38 @@ def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: s
     assert not findings(tmp_path, "PKG007")
 
 
+@pytest.mark.parametrize("kind", ["depend", "exec_depend", "test_depend"])
+@pytest.mark.parametrize("between", [False, True])
+def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, between: bool) -> None:
+    launch = '<launch><include file="$(find q)/a.launch"/><include file="$(find gone)/a.launch"/></launch>'
+    write(tmp_path / "p", {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/a.launch": launch})
+    write(tmp_path / "q", {"package.xml": manifest(f"<{kind}>{'m' if between else 'p'}</{kind}>", name="q")})
+    write(tmp_path / "m", {"package.xml": manifest("<depend>p</depend>", name="m")})
+    write(tmp_path, {".git/HEAD": ""})
+    circle, other = sorted(findings(tmp_path, "PKG007"), key=lambda finding: finding.data["names"], reverse=True)
+    assert ("a circle" in circle.message, circle.data["names"]) == (True, ["q"])
+    assert circle.fix is None or not circle.fix.edits
+    assert other.fix is not None
+    assert [edit.replacement.strip() for edit in other.fix.edits] == ["<exec_depend>gone</exec_depend>"]
+
+
+def test_what_only_tests_name_is_a_dependency_of_tests(tmp_path: Path) -> None:
+    for name, packages in (("test/a.launch", ("one", "two")), ("launch/a.launch", ("two",))):
+        lines = "".join(f'<include file="$(find {other})/a.launch"/>' for other in packages)
+        write(tmp_path, {name: f"<launch>{lines}</launch>"})
+    text = '<package format="3">\n  <name>p</name>\n  <depend>a</depend>\n  <test_depend>b</test_depend>\n</package>\n'
+    write(tmp_path, {"package.xml": text, "urdf/r.urdf": URDF})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert finding.fix is not None
+    for edit in reversed(finding.fix.edits):
+        text = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
+    assert "  <depend>a</depend>\n  <exec_depend>two</exec_depend>\n" in text
+    assert "  <test_depend>b</test_depend>\n  <test_depend>one</test_depend>\n" in text
+
+
 # -- what is installed -----------------------------------------------------------------------------------------------------
 
+XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 AMENT = "<export><build_type>ament_cmake</build_type></export>"
 MESH = make_mesh_link("a", "package://p/meshes/a.stl")
 
@@ -685,3 +726,112 @@ def test_a_missing_package_names_the_argument_that_gives_its_name(tmp_path: Path
         audit_xacro(package(tmp_path), arguments + link("l", visual(mesh("package://$(arg where)/meshes/a.stl"))))
     )
     assert "package nowhere is not found, which argument where (default 'nowhere') names: 1 file " in finding.message
+
+
+# -- packages of one name --------------------------------------------------------------------------------------------------
+
+
+def write_package(folder: Path) -> None:
+    write(folder, {"package.xml": manifest(name="car_description"), "urdf/car.urdf": URDF})
+
+
+def find_duplicates(*paths: Path) -> list[tuple[str, list[str]]]:
+    run = check(*paths, codes={"PKG013"}, tier="source")
+    return [(f.message, f.data["folders"]) for f in run.findings]
+
+
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [
+        ("car_copy", True),
+        ("deep/down/in/the/tree/car", True),
+        ("a/car_description", True),  # in it
+        ("build/car", False),
+        ("install/car/share/car_description", False),
+        ("out/share/car_description", False),
+        ("devel/car", False),
+        ("ignored/car", False),
+        ("package/car", False),  # a build tool does not look into the other package
+        (".hidden/car", False),
+    ],
+)
+def test_which_packages_of_one_name_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, other: str, told: bool
+) -> None:
+    write_package(tmp_path / "a")
+    write_package(tmp_path / other)
+    write(tmp_path, {"package/package.xml": manifest(name="package")} if "package/" in other else {})
+    write(tmp_path, {"ignored/COLCON_IGNORE": "", ".git/HEAD": ""})
+    monkeypatch.chdir(tmp_path)
+    assert len(find_duplicates(Path())) == told  # one for both, though both are checked
+    ((message, folders),) = find_duplicates(Path("a/urdf/car.urdf")) or [("", [])]
+    assert (folders == ["a", other]) == told
+    assert (f"a/package.xml, {other}/package.xml" in message) == told
+
+
+def test_work_trees_of_one_repository_hold_the_same_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "main/.git/worktrees/branch").mkdir(parents=True)
+    write(tmp_path, {"branch/.git": f"gitdir: {tmp_path}/main/.git/worktrees/branch\n"})
+    for name in ("main", "branch"):
+        write_package(tmp_path / name / "car")
+    monkeypatch.chdir(tmp_path)
+    assert not find_duplicates(Path())
+    write_package(tmp_path / "branch/other")
+    assert len(find_duplicates(Path())) == 1
+    (tmp_path / "branch/.git").unlink()  # a copy of the files, which a build tool refuses
+    assert len(find_duplicates(Path())) == 1
+
+
+def test_each_package_of_one_name_uses_its_own_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("one", "two"):
+        write_package(tmp_path / name)
+        part = f'<robot {XACRO}><xacro:macro name="part"><link name="{name}"/></xacro:macro></robot>'
+        include = f'<xacro:include filename="$(find car_description)/urdf/{name}.xacro"/><xacro:part/>'
+        files = {f"urdf/{name}.xacro": part, "urdf/r.urdf.xacro": f'<robot name="r" {XACRO}>{include}</robot>'}
+        write(tmp_path / name, files)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "one"))
+    run = check(tmp_path, codes={"XAC001"}, tier="source")
+    assert [(model.status, model.links) for model in run.models] == [("checked", 1)] * 4
+
+
+# -- what a path that leads nowhere may mean -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("missing", "there", "told"),
+    [
+        ("wheel_left.stl", "wheel_lefft.stl", True),
+        ("wheel_left.stl", "wheel_left.dae", True),
+        ("wheel_left.stl", "WheelLeft.stl", True),
+        ("wheel_left.stl", "wheel_right.stl", False),
+        ("bracelet_link.STL", "base_link.STL", False),
+        ("body.dae", "pack_body.dae", False),
+        ("base_imu.stl", "base_link.stl", False),
+        ("link_1.stl", "link_2.stl", False),
+        ("link1.stl", "link_1.stl", True),
+        ("arm.stl", "art.stl", False),
+    ],
+)
+def test_a_file_of_another_part_is_not_what_is_meant(tmp_path: Path, missing: str, there: str, told: bool) -> None:
+    robot = f'<robot name="r">{make_mesh_link("a", f"package://p/meshes/{missing}")}</robot>'
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": robot, f"meshes/{there}": ""})
+    (finding,) = findings(tmp_path, "PKG002")
+    assert ("did you mean" in finding.message, len(finding.data["near"])) == (told, int(told))
+
+
+@pytest.mark.parametrize(("build", "told"), [("ament_cmake", True), ("ament_python", True), ("catkin", False)])
+def test_a_file_that_is_not_installed_is_named(tmp_path: Path, build: str, told: bool) -> None:
+    mesh = make_mesh_link("a", "package://p/meshes/a.stl")
+    include = '<xacro:include filename="$(find p)/parts/b.xacro"/>'
+    files = {
+        "package.xml": manifest(f"<export><build_type>{build}</build_type></export>"),
+        "description/urdf/r.urdf": f'<robot name="r">{mesh}</robot>',
+        "description/urdf/s.urdf.xacro": f'<robot name="s" {XACRO}>{include}<link name="l"/></robot>',
+        "description/meshes/a.stl": "",
+        "description/parts/b.xacro": f"<robot {XACRO}/>",
+    }
+    write(tmp_path, files)
+    run = check(tmp_path, codes={"PKG002", "XAC001"}, tier="source")
+    found = {f.code: f.message for f in run.findings}
+    assert ("description/meshes; is that installed?" in found["PKG002"]) == told
+    assert ("description/parts; is that installed?" in found["XAC001"]) == told

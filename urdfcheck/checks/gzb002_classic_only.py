@@ -6,11 +6,9 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.repairs.edits import edit_content
-from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
 
 # Libraries of gazebo_ros_pkgs, gazebo_ros2_control, gazebo_ros_control and hector_gazebo: all are built for Classic.
@@ -18,7 +16,8 @@ _CLASSIC = re.compile(r"^(?:lib)?(gazebo_ros\w*|hector_gazebo_ros\w*)(?:\.so)?$"
 _SENSOR_SYSTEM = "the sensor itself: gz-sim-sensors-system renders it and ros_gz_bridge brings it to ROS"
 _REPLACEMENTS = {
     "gazebo_ros_control": "gz_ros2_control (ROS 2): filename gz_ros2_control-system",
-    "gazebo_ros2_control": "gz_ros2_control: filename gz_ros2_control-system, name {name}",
+    "gazebo_ros2_control": "gz_ros2_control: filename gz_ros2_control-system, name {name}, without <robot_sim_type>, and "
+    "the hardware gz_ros2_control/GazeboSimSystem in <ros2_control>",
     "gazebo_ros_diff_drive": "gz-sim-diff-drive-system, or a diff_drive_controller under gz_ros2_control",
     "gazebo_ros_skid_steer_drive": "gz-sim-diff-drive-system with two <left_joint> and two <right_joint>",
     "gazebo_ros_planar_move": "gz-sim-velocity-control-system",
@@ -41,10 +40,10 @@ _REPLACEMENTS = {
     "hector_gazebo_ros_magnetic": "gz-sim-magnetometer-system with a magnetometer sensor",
     "hector_gazebo_ros_sonar": _SENSOR_SYSTEM,
 }
-# The successor of this plugin reads the same parameters: only the names change.
+# The successor of this plugin reads the same parameters. Its names alone do not move a robot: the hardware plugin of the
+# <ros2_control> block, possibly in another file, and elements such as <robot_sim_type> belong to it.
 _SUCCEEDED = "gazebo_ros2_control"
 _CONTROL = {"filename": "gz_ros2_control-system", "name": "gz_ros2_control::GazeboSimROS2ControlPlugin"}
-_HARDWARE = "gz_ros2_control/GazeboSimSystem"
 _SENSORS = re.compile(r"camera|kinect|laser|ray|range|prosilica|velodyne")
 
 
@@ -85,7 +84,6 @@ def _build_plugin_finding(rule: Rule, plugins: Mapping[str, list[Attribute]]) ->
         "plugin",
         at=places[0],
         related=places[1:],
-        edits=_propose_edits(plugins[_SUCCEEDED]) if _SUCCEEDED in plugins else (),
         which=format_count(len(places), "plugin is", "plugins are"),
         libraries=join_names(uses[0].value.strip() for uses in plugins.values()),
         replacement="; ".join(_describe_replacement(library, with_name=len(plugins) > 1) for library in plugins),
@@ -99,22 +97,9 @@ def _describe_replacement(library: str, *, with_name: bool) -> str:
     return (f"for {library} " if with_name else "") + replacement.format_map(_CONTROL)
 
 
-def _propose_edits(uses: list[Attribute]) -> tuple[Edit, ...]:
-    """Return the edits that name the successor's library and class; nothing unless all are typed literally."""
-    changes: list[Edit] = []
-    for name, successor in _CONTROL.items():
-        attributes = [use.owner.attributes[name] for use in uses if name in use.owner.attributes]
-        edits = build_replacement_edits(attributes, successor)
-        if len(attributes) < len(uses) or not edits:
-            return ()
-        changes += edits
-    return tuple(changes)
-
-
 def _check_hardware_plugins(model: Model, rule: Rule) -> Iterator[Finding]:
     for control in model.robot.find_children("ros2_control"):
         for plugin in (e for e in control.walk() if e.tag == "plugin"):
             typed = plugin.text.strip()
             if typed.startswith("gazebo_ros2_control/"):
-                edits = edit_content(plugin, _HARDWARE, model.source.files) if typed.endswith("/GazeboSystem") else []
-                yield rule.finding("hardware", at=plugin, edits=edits, plugin=typed, control=control.get("name"))
+                yield rule.finding("hardware", at=plugin, plugin=typed, control=control.get("name"))

@@ -8,9 +8,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule
-from urdfcheck.core.text import find_nearest_name, format_choices, format_count, join_names
+from urdfcheck.core.text import format_choices, format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.similar_files import (
+    FilesByName,
+    describe_uninstalled_file,
+    find_similar_name,
+    find_uninstalled_file,
+    index_files,
+)
 from urdfcheck.source.path_arguments import (
     find_missing_part,
     list_other_values,
@@ -20,10 +27,6 @@ from urdfcheck.source.path_arguments import (
 from urdfcheck.source.resources import ResourceUse, find_missing_path, is_misspelt, list_resource_uses
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.xml import flatten_definitions
-from urdfcheck.system.files import walk
-
-# Beyond this many files the search for one of the same name stops: a suggestion is not worth seconds.
-_MAX_FILES = 20_000
 
 
 @dataclass(slots=True, eq=False)
@@ -57,9 +60,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         )
     if not missing:
         return
-    index = _index_files({_find_search_root(use, source) for use, _ in missing})
+    index = index_files({_find_search_root(use, source) for use, _ in missing})
     for gap in _group_missing_files(missing):
-        yield _build_finding(gap, index, source, rule)
+        yield _build_finding(gap, index, rule, source)
 
 
 def _normalise_path(path: Path) -> Path:
@@ -91,11 +94,16 @@ def _find_missing_folder(path: Path) -> Path | None:
     return next((folder for folder in reversed(path.parents) if not folder.is_dir()), None)
 
 
-def _build_finding(gap: _MissingFiles, index: dict[str, list[Path]], source: Source, rule: Rule) -> Finding:
+def _build_finding(gap: _MissingFiles, index: FilesByName, rule: Rule, source: Source) -> Finding:
     at, path = gap.uses[0], gap.path
     related = {use.attribute.span: use for use in gap.uses if use.attribute.span != at.attribute.span}
-    near = [format_path(similar) for similar in _find_similar_files(path, index)]
+    package = source.finder.find_package_of(_normalise_path(path)) if at.resource.package else None
+    elsewhere = find_uninstalled_file(path, package, index)
+    near = [format_path(similar) for similar in ([elsewhere] if elsewhere else _find_similar_files(path, index))]
     argued, places = _explain_by_argument(gap, source)
+    hint = argued or (
+        describe_uninstalled_file(elsewhere) if elsewhere else f" (did you mean {join_names(near, 2)}?)" if near else ""
+    )
     return rule.finding(
         "folder" if gap.folder is not None else "file" if len(gap.files) == 1 else "several",
         at=at,
@@ -108,7 +116,7 @@ def _build_finding(gap: _MissingFiles, index: dict[str, list[Path]], source: Sou
         listed=join_names((missing.name for missing in gap.files), 4),
         links=list(dict.fromkeys(_find_link_name(use) for use in gap.uses)),
         near=near,
-        hint=argued or (f" (did you mean {join_names(near, 2)}?)" if near else ""),
+        hint=hint,
         folder=format_path(gap.folder or path.parent),
     )
 
@@ -124,8 +132,8 @@ def _explain_by_argument(gap: _MissingFiles, source: Source) -> tuple[str, list[
     return f"; argument {guilty[0]} leads there{format_choices(choices)}", [guilty[0].location]
 
 
-def _find_similar_files(path: Path, index: dict[str, list[Path]]) -> list[Path]:
-    """Return up to two files of the same name elsewhere in the package, or one of a similar name beside the missing one."""
+def _find_similar_files(path: Path, index: FilesByName) -> list[Path]:
+    """Return up to two files of the same name elsewhere in the package, or one with the same words in its name beside it."""
     same = [p for p in index.get(path.name.lower(), []) if p != path]
     if same:
         return same[:2]
@@ -133,7 +141,7 @@ def _find_similar_files(path: Path, index: dict[str, list[Path]]) -> list[Path]:
         beside = os.listdir(path.parent)
     except OSError:
         return []
-    close = find_nearest_name(path.name, beside)
+    close = find_similar_name(path.name, beside)
     return [path.parent / close] if close else []
 
 
@@ -151,18 +159,3 @@ def _find_search_root(use: ResourceUse, source: Source) -> Path:
     if folder is not None:
         return folder
     return source.path.parent if source.package is None else source.package.path
-
-
-def _index_files(roots: Iterable[Path]) -> dict[str, list[Path]]:
-    """Return the files below some folders by their names in lower case."""
-    by_name: dict[str, list[Path]] = {}
-    count = 0
-    for root in sorted(roots):
-        for folder, folders, files in walk(root):
-            folders[:] = [f for f in folders if not f.startswith(".")]
-            count += len(files)
-            if count > _MAX_FILES:
-                return by_name
-            for name in files:
-                by_name.setdefault(name.lower(), []).append(Path(folder, name))
-    return by_name

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from urdfcheck.core import Edit, Finding, Location, Rule
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, find_machine_path, list_resource_uses
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
@@ -15,13 +15,19 @@ from urdfcheck.source.text.tokens import build_replacement_edits
 
 @dataclass(slots=True, eq=False)
 class _MachinePath:
-    """A text with the path of one machine, and the files that are named by it."""
+    """A text with the path of one machine, or texts with paths into one folder of it, and the files that are named by them."""
 
     location: Location
     uses: list[ResourceUse] = field(default_factory=list)
 
 
-_KINDS = {"absolute": "an absolute path", "file": "a file:// path", "home": "a path in somebody's home folder"}
+_KINDS = {
+    "absolute": ("an absolute path", "absolute paths"),
+    "file": ("a file:// path", "file:// paths"),
+    "home": ("a path in the home folder", "paths in the home folder"),
+}
+# So many outer folders (/, home, ann) are one place of a machine: what one author's tool wrote is one cause.
+_OUTER_FOLDERS = 3
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -31,29 +37,42 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         if typed is None:
             continue
         at = Location(use.location.subject, typed.span, use.location.via)
-        # Paths from one definition are one cause, and so are the texts that name one file.
-        key = use.resource.path if typed is use.attribute else typed.span
+        # Paths from one definition are one cause, and so are the texts that name files in one place.
+        key = _find_place(use) if typed is use.attribute else typed.span
         places.setdefault(key, _MachinePath(at)).uses.append(use)
     for place in places.values():
         yield _build_finding(place, source, rule)
 
 
+def _find_place(use: ResourceUse) -> tuple[object, ...]:
+    """Return the outer folders of a path, with what else belongs to one cause."""
+    resource = use.resource
+    parts = () if resource.path is None else resource.path.parts[:-1]
+    return (*parts[:_OUTER_FOLDERS], resource.kind, _choose_message(use))
+
+
+def _choose_message(use: ResourceUse) -> str:
+    return "unread" if not use.resource.allowed else "here-only" if use.resource.exists else "nowhere"
+
+
 def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
     first = place.uses[0]
     portable = _build_portable_path(first, source)
+    can_edit = all(_build_portable_path(use, source) for use in place.uses)
     files = list(dict.fromkeys(u.resource.text for u in place.uses))
-    message = "unread" if not first.resource.allowed else "here-only" if first.resource.exists else "nowhere"
+    message = _choose_message(first)
     return rule.finding(
         message,
         at=place.location,
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
-        edits=_propose_edits(place, source) if portable else [],
+        edits=_propose_edits(place, source) if can_edit else [],
         consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if message == "nowhere" else None,
         file=first.resource.text,
         files=files,
         listed=join_names(files, 2),
-        kind=_KINDS[first.resource.kind],
-        portable=portable or "package://PACKAGE/meshes/FILE",
+        kind=_KINDS[first.resource.kind][len(files) > 1],
+        amount=format_count(len(files), "file is", "files are"),
+        portable=(portable if len(files) == 1 else None) or "package://PACKAGE/meshes/FILE",
     )
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.core.text import join_names
@@ -23,6 +25,7 @@ _PARTS_OF = {
 }
 # The dependencies of so many packages are read.
 _MAX_MANIFESTS = 1_000
+_TEST_FOLDERS = {"test", "tests"}
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 
@@ -36,43 +39,58 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for mention in read_package_contents(package).mentions:
         if mention.package not in declared:
             undeclared.setdefault(mention.package, []).append(mention)
-    covered = _collect_indirect_dependencies(package) if undeclared else set()
+    covered = _collect_dependencies(package, package.dependencies) if undeclared else set()
     parts = tuple(prefix for name in package.dependencies for prefix in _PARTS_OF.get(name, (f"{name}_",)))
     missing = {
         name: uses
         for name, uses in sorted(undeclared.items())
         if name not in covered and not name.startswith(parts) and _needs_declaration(name, uses, package)
     }
-    if not missing:
-        return
-    tag = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
+    circular = [name for name in missing if package.name in _collect_dependencies(package, [name])]
+    for name in circular:
+        yield _build_finding(package, rule, root, file, message="circle", missing={name: missing.pop(name)})
+    if missing:
+        message = "undeclared" if len(missing) == 1 else "several"
+        yield _build_finding(package, rule, root, file, message=message, missing=missing)
+
+
+def _build_finding(
+    package: Package,
+    rule: Rule,
+    root: Element,
+    file: SourceFile,
+    *,
+    message: str,
+    missing: Mapping[str, Sequence[PackageMention]],
+) -> Finding:
+    runtime = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
+    tags = {name: "test_depend" if _are_for_tests(uses, package) else runtime for name, uses in missing.items()}
     names = list(missing)
     finding = rule.finding(
-        "undeclared" if len(names) == 1 else "several",
+        message,
         at=root.find_child("name") or root,
         related=[use.location for uses in missing.values() for use in uses[:3]],
-        edits=_propose_edits(root, file, tag=tag, names=names),
+        edits=() if message == "circle" else _propose_edits(root, file, tags=tags),
         name=names[0],
         names=names,
         listed=join_names(names),
         count=len(names),
         package=package.name,
-        tag=tag,
+        tag=tags[names[0]],
         where=", ".join(dict.fromkeys(use.location.span.file for use in missing[names[0]][:2] if use.location.span)),
-        lines=" ".join(f"<{tag}>{name}</{tag}>" for name in names),
+        lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
     )
-    yield replace(finding, subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name in names))
+    return replace(finding, subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()))
 
 
-def _collect_indirect_dependencies(package: Package) -> set[str]:
-    """Return the dependencies of the declared dependencies that are found, and so on."""
+def _collect_dependencies(package: Package, names: Iterable[str]) -> set[str]:
+    """Return the dependencies of these packages, as far as they are found, and of those, and so on."""
     covered: set[str] = set()
-    left = sorted(package.dependencies)
+    left = sorted(names)
     for _ in range(_MAX_MANIFESTS):
         if not left or package.finder is None:
             break
-        name = left.pop()
-        folder = package.finder.find(name)
+        folder = package.finder.find(left.pop())
         further = (
             None if folder is None or not package.finder.can_open(folder / "package.xml") else load_package(folder)
         )
@@ -82,6 +100,13 @@ def _collect_indirect_dependencies(package: Package) -> set[str]:
     return covered
 
 
+def _are_for_tests(uses: Sequence[PackageMention], package: Package) -> bool:
+    """Whether all files that name a package are in folders for tests."""
+    own = package.path.absolute()
+    files = [Path(os.path.abspath(use.location.span.file)) for use in uses if use.location.span is not None]
+    return all(file.is_relative_to(own) and _TEST_FOLDERS & set(file.relative_to(own).parts[:-1]) for file in files)
+
+
 def _needs_declaration(name: str, uses: list[PackageMention], package: Package) -> bool:
     """Whether a package must be declared: it is found, or only launch files name it, which fail without it."""
     if package.finder is not None and package.finder.find(name) is not None:
@@ -89,22 +114,28 @@ def _needs_declaration(name: str, uses: list[PackageMention], package: Package) 
     return all(use.location.span is not None and use.location.span.file.endswith(_LAUNCH_SUFFIXES) for use in uses)
 
 
-def _propose_edits(root: Element, file: SourceFile, *, tag: str, names: list[str]) -> list[Edit]:
-    """Insert the missing lines behind the last dependency of their kind, else of any kind, else behind the last element."""
-    dependencies = (
-        root.find_children(tag)
-        or root.find_children("depend")
-        or [e for e in root.children if e.tag.endswith("depend")]
-    )
-    before = dependencies[-1] if dependencies else (root.children[-1] if root.children else None)
-    if before is None or before.span is None:
-        return []
-    end = file.text.find(f"</{before.tag}>", before.span.end)
-    if end < 0 or file.text[: before.span.end].endswith("/>"):
-        return []
-    end += len(f"</{before.tag}>")
-    begin = file.text.rfind("\n", 0, before.span.start) + 1
-    indent = file.text[begin : before.span.start]
-    newline = "\r\n" if file.text[: before.span.start].endswith("\r\n" + indent) else "\n"
-    text = "".join(f"{newline}{indent if not indent.strip() else ''}<{tag}>{name}</{tag}>" for name in names)
-    return [Edit(file.make_span(end, end), "", text)]
+def _propose_edits(root: Element, file: SourceFile, *, tags: Mapping[str, str]) -> list[Edit]:
+    """Insert the missing lines, each behind the last dependency of its kind, else of any kind, else behind the last element.
+
+    ``tags``: the kind of each.
+    """
+    texts: dict[int, str] = {}
+    for name, tag in tags.items():
+        dependencies = (
+            root.find_children(tag)
+            or root.find_children("depend")
+            or [e for e in root.children if e.tag.endswith("depend")]
+        )
+        before = dependencies[-1] if dependencies else (root.children[-1] if root.children else None)
+        if before is None or before.span is None:
+            return []
+        end = file.text.find(f"</{before.tag}>", before.span.end)
+        if end < 0 or file.text[: before.span.end].endswith("/>"):
+            return []
+        end += len(f"</{before.tag}>")
+        begin = file.text.rfind("\n", 0, before.span.start) + 1
+        indent = file.text[begin : before.span.start]
+        newline = "\r\n" if file.text[: before.span.start].endswith("\r\n" + indent) else "\n"
+        line = f"{newline}{indent if not indent.strip() else ''}<{tag}>{name}</{tag}>"
+        texts[end] = texts.get(end, "") + line
+    return [Edit(file.make_span(end, end), "", text) for end, text in sorted(texts.items())]

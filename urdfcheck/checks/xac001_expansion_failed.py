@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -14,6 +15,11 @@ from urdfcheck.core.text import find_nearest_name, format_choices, format_name_h
 from urdfcheck.source.found_arguments import IN_EXPRESSION, MISSING_FILE
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.similar_files import (
+    describe_uninstalled_file,
+    find_uninstalled_file,
+    index_files,
+)
 from urdfcheck.source.path_arguments import (
     find_missing_part,
     list_other_values,
@@ -222,6 +228,9 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         if beside
         else f"; nor does its folder{_describe_sibling_folders(failure.source, path)}"
     )
+    package = failure.source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
+    elsewhere = None if package is None else find_uninstalled_file(path, package, index_files([package.path]))
+    near = near if elsewhere is None else describe_uninstalled_file(elsewhere)
     data: dict[str, Any] = {"file": format_path(path), "hint": near}
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)

@@ -5,6 +5,8 @@ Only plain data leaves: findings, skips, the model's line in the report and, whe
 
 from __future__ import annotations
 
+import itertools
+import os
 import time
 import traceback
 from collections.abc import Callable, Iterable, Mapping
@@ -33,6 +35,7 @@ from urdfcheck.run.comment_usage import assess_comments
 from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.shown_paths import PathShortener
 from urdfcheck.run.unchecked import explain_unchecked, locate_unit, mark_cause, report_stopped_unit
 from urdfcheck.source.launch.launch_file import Launch, load_launch
 from urdfcheck.source.load import Source, load_source
@@ -101,6 +104,7 @@ class _UnitAudit:
         self.source: Source | None = None
         self.role = MODEL
         self.unread_status = ""
+        self.shortener = PathShortener(self.list_machine_folders(), self.is_typed)
         self.rules = {c: r for c, r in load_rules().items() if c in self.policy.codes and has_check(r)}
 
     def make_finder(self, start: Path) -> PackageFinder:
@@ -112,6 +116,21 @@ class _UnitAudit:
             reach=None if self.settings.reach is None else FileReach(self.settings.reach),
             known={name: list(folders) for name, folders in self.settings.known_packages.items()},
         )
+
+    def list_machine_folders(self) -> set[str]:
+        """Return the folders that the unit's files lie in, as absolute and as real paths."""
+        given = (*self.packages.by_name.values(), *self.packages.search_path, Path(self.unit.path).parent, Path())
+        variables = (os.environ.get(name, "").split(os.pathsep) for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"))
+        folders = {
+            *(self.settings.reach or ()),
+            *map(os.path.abspath, given),
+            *filter(None, itertools.chain(*variables)),
+        }
+        return folders | set(map(os.path.realpath, folders))
+
+    def is_typed(self, text: str) -> bool:
+        """Whether a text stands in one of the sources that were read."""
+        return any(text in source for source in self.texts.values())
 
     # -- kinds of units ----------------------------------------------------------------------------------------
 
@@ -269,7 +288,8 @@ class _UnitAudit:
 
         cache = self.findings_cache if is_cacheable(rule) else None
         for finding in run_check() if cache is None else cache.recall_findings(rule, options, run_check):
-            self.findings.append(admit_finding(replace(finding, model=self.unit.id), rule, self.policy))
+            own = self.shortener.shorten_finding(replace(finding, model=self.unit.id))
+            self.findings.append(admit_finding(own, rule, self.policy))
 
     def run_guarded(self, name: str, work: Callable[[], Any]) -> Any:
         """Run a check. A fact that is not available skips it; any other exception is a failure of urdfcheck."""
@@ -282,6 +302,7 @@ class _UnitAudit:
         except Exception as error:
             where = traceback.extract_tb(error.__traceback__)[-1]
             text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
+            text = self.shortener.shorten_text(text)
             self.failures.append(f"{name} crashed on {self.unit.id}: {text}")
             crash = load_rules()["URC900"].finding("crashed", at=locate_unit(self.unit), check=name, error=text)
             self.findings.append(replace(crash, model=self.unit.id))
@@ -295,7 +316,7 @@ class _UnitAudit:
 
     def add_skip(self, code: str, reason: str) -> None:
         """Note that a check could not run."""
-        self.skipped.append(SkippedCheck(code, self.unit.id, reason))
+        self.skipped.append(SkippedCheck(code, self.unit.id, self.shortener.shorten_text(reason)))
 
     def skip_uninstalled_meshes(self, source: Source) -> None:
         """Note which meshes are unknown because their package is declared but not installed here, which is not a mistake."""

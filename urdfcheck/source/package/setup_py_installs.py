@@ -38,7 +38,9 @@ class _Unknown:
 _UNKNOWN = _Unknown()
 
 
-class _Returned(Exception):  # noqa: N818 - no error: it ends a function
+class _ReturnReachedError(Exception):
+    """A function ends with a value."""
+
     def __init__(self, value: Any) -> None:
         self.value = value
 
@@ -62,7 +64,7 @@ def read_setup_installs(tree: ast.Module, package: str) -> InstalledFiles | None
     reader = _SetupReader(package)
     try:
         reader.run_body(tree.body)
-    except (_TooLongError, _Returned, RecursionError):
+    except (_TooLongError, _ReturnReachedError, RecursionError):
         reader.is_complete = False
     if reader.data_files is None:
         return None
@@ -143,13 +145,13 @@ class _SetupReader:
         elif isinstance(node, ast.Expr):
             self.evaluate(node.value)
         elif isinstance(node, ast.Return):
-            raise _Returned(None if node.value is None else self.evaluate(node.value))
+            raise _ReturnReachedError(None if node.value is None else self.evaluate(node.value))
 
     def run_branch(self, body: Sequence[ast.stmt]) -> None:
         """Run what a condition may skip: a function may or may not end there."""
         try:
             self.run_body(body)
-        except _Returned:
+        except _ReturnReachedError:
             self.is_complete = False
 
     def run_loop(self, node: ast.For) -> None:
@@ -293,7 +295,7 @@ class _SetupReader:
         self.scopes.append({**scope, **dict(zip(names, arguments, strict=False))})
         try:
             self.run_body(function.body)
-        except _Returned as returned:
+        except _ReturnReachedError as returned:
             return returned.value
         finally:
             self.scopes.pop()

@@ -1,0 +1,42 @@
+"""PKG013 reports packages of one name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from urdfcheck.core import Finding, Location, Rule, Span
+from urdfcheck.core.text import format_count, join_names
+from urdfcheck.source.package.duplicates import select_rivals
+from urdfcheck.source.package.finder import Package, format_path
+
+
+def check(package: Package, rule: Rule) -> Iterator[Finding]:
+    root, finder = package.root, package.finder
+    name = None if root is None else root.find_child("name")
+    if name is None or finder is None or not package.name:
+        return
+    namesakes = finder.list_namesakes(package.name)
+    rivals = select_rivals(package.path, namesakes)
+    if not rivals or (package.is_fully_checked and _is_told_elsewhere(package.path, rivals, namesakes)):
+        return
+    outer = min((package.path, *rivals), key=lambda folder: len(folder.parts))
+    nested = all(outer in folder.parents for folder in (package.path, *rivals) if folder != outer)
+    yield rule.finding(
+        "nested" if nested else "several",
+        at=name,
+        related=[_locate_manifest(folder) for folder in rivals],
+        name=package.name,
+        amount=format_count(len(rivals) + 1, "package"),
+        folders=[format_path(folder) for folder in (package.path, *rivals)],
+        listed=join_names((format_path(folder / "package.xml") for folder in sorted((package.path, *rivals))), 4),
+    )
+
+
+def _is_told_elsewhere(own: Path, rivals: list[Path], namesakes: list[Path]) -> bool:
+    """Whether the finding is told with another of them: in a folder that is checked whole, the first known one tells it."""
+    return own not in namesakes or any(namesakes.index(rival) < namesakes.index(own) for rival in rivals)
+
+
+def _locate_manifest(folder: Path) -> Location:
+    return Location("package", Span(format_path(folder / "package.xml"), 1, 1, 1, 1, 0, 0))

@@ -1,0 +1,80 @@
+"""Files of a package that a path which leads nowhere may mean."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from urdfcheck.core.text import SLIP_LIKENESS, split_name_words
+from urdfcheck.source.package.build_files import read_build_type
+from urdfcheck.source.package.finder import Package, format_path
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.system.files import walk
+
+# Beyond this many files the search stops: a suggestion is not worth seconds.
+_MAX_FILES = 20_000
+# A shorter word with another letter is another word: `arm` and `art`.
+_SHORTEST_SLIP = 4
+
+# The files below some folders, by their names in lower case.
+FilesByName = Mapping[str, list[Path]]
+
+
+def index_files(roots: Iterable[Path]) -> FilesByName:
+    """Return the files below some folders by their names in lower case, without hidden and built ones."""
+    by_name: dict[str, list[Path]] = {}
+    count = 0
+    for root in sorted(roots):
+        for folder, folders, files in walk(root):
+            folders[:] = [f for f in folders if not f.startswith(".") and f not in BUILD_FOLDERS]
+            count += len(files)
+            if count > _MAX_FILES:
+                return by_name
+            for name in files:
+                by_name.setdefault(name.lower(), []).append(Path(folder, name))
+    return by_name
+
+
+def find_uninstalled_file(path: Path, package: Package | None, files: FilesByName) -> Path | None:
+    """Return the only file of a ROS 2 package that lies deeper than a missing path says, with the same last parts.
+
+    The package's build has to install it under that path.
+    """
+    if package is None or not read_build_type(package.root).startswith("ament_"):
+        return None
+    plain = Path(os.path.normpath(path.absolute()))
+    if not plain.is_relative_to(package.path):
+        return None
+    tail = plain.relative_to(package.path).parts
+    found = [f for f in files.get(path.name.lower(), []) if f.parts[-len(tail) :] == tail and len(tail) > 1]
+    return found[0] if len(found) == 1 else None
+
+
+def describe_uninstalled_file(file: Path) -> str:
+    """Return the end of a message about a path for which :func:`find_uninstalled_file` has found this file."""
+    return f" (found in {format_path(file.parent)}; is that installed?)"
+
+
+def find_similar_name(name: str, others: Iterable[str]) -> str | None:
+    """Return the name of a file with the same words as ``name`` in its stem, or with a slip in one of them.
+
+    A name with another word (``base_link.stl`` for ``arm_link.stl``) or another number is that of another part.
+    """
+    alike = [other for other in others if other != name and _have_same_words(Path(name).stem, Path(other).stem)]
+    return max(sorted(alike), key=lambda other: difflib.SequenceMatcher(None, name, other).ratio(), default=None)
+
+
+def _have_same_words(first: str, second: str) -> bool:
+    words, others = ([word.lower() for word in split_name_words(stem)] for stem in (first, second))
+    if "".join(words) == "".join(others):
+        return True
+    return len(words) == len(others) and all(map(_is_same_word, words, others))
+
+
+def _is_same_word(word: str, other: str) -> bool:
+    if word == other:
+        return True
+    is_long = min(len(word), len(other)) >= _SHORTEST_SLIP and not (word + other).isdigit()
+    return is_long and difflib.SequenceMatcher(None, word, other).ratio() >= SLIP_LIKENESS
