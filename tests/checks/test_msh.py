@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import struct
 import urllib.parse
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, joint, link, robot
+from builders import find, inertial, joint, link, robot
 from conftest import check_text
 from scipy.spatial import ConvexHull
 
@@ -673,3 +674,47 @@ def test_how_much_larger_a_hull_may_be(tmp_path: Path, times: float, reported: b
 @pytest.mark.parametrize("content", [OPEN, OPEN + moved(OPEN, 3.0, 4), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n"])
 def test_a_mesh_without_volume_loses_none(tmp_path: Path, content: str) -> None:
     assert not find_in_mesh(tmp_path, "MSH014", content, shape("collision"))
+
+
+# -- MSH015 ---------------------------------------------------------------------------------------------------------
+
+QUAD = "v 0 0 0.3\nv 1 0 0.3\nv 1 1 0.3\nv 0 1 0.3\nf 1 2 3\nf 1 3 4\n"
+TILTED = "v 0 0 0\nv 1 0 0.3\nv 1 1 0.7\nv 0 1 0.4\nf 1 2 3\nf 1 3 4\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "scale", "message"),
+    [
+        (QUAD, "1 1 1", "flat"),
+        (QUAD, "-0.01 0.01 0.01", "flat"),
+        ("v 0 0 0\nv 1 0 0.3\nv 1 1 0.7\nf 1 2 3\n", "1 1 1", "flat"),
+        (TILTED, "1 1 1", None),
+        (CLOSED, "1 1 1", None),
+        (OPEN, "1 1 1", None),
+        (CLOSED, "1e-5 1e-5 1e-5", "tiny"),
+        (OPEN, "1e-5 1e-5 1e-5", "tiny"),
+        (INSIDE_OUT, "1e-5 1e-5 1e-5", "tiny"),
+        (CLOSED, "1.8e-5 1.8e-5 1.8e-5", "tiny"),
+        (CLOSED, "1.82e-5 1.82e-5 1.82e-5", None),
+        (CLOSED, "1 1e-5 1e-5", None),
+    ],
+)
+def test_what_mujoco_cannot_compile_for_want_of_volume(
+    tmp_path: Path, content: str, scale: str, message: str | None
+) -> None:
+    text = robot(link("a", inertial(), shape("collision", scale=scale)))
+    (tmp_path / "part.obj").write_text(content)
+    found = find(tmp_path, text, "MSH015")
+    assert [f.message_id for f in found] == ([] if message is None else [message])
+    mujoco = pytest.importorskip("mujoco")
+    refused = pytest.raises(ValueError, match=r"coplanar|at least 4 vertices|volume is too small")
+    with contextlib.nullcontext() if message is None else refused:
+        mujoco.MjModel.from_xml_string(text, {"part.obj": content.encode()})
+
+
+def test_a_mesh_that_is_too_flat_is_an_error_for_mujoco_only(tmp_path: Path) -> None:
+    for targets, severity in (((), Severity.INFO), (("mujoco",), Severity.ERROR), (("gazebo",), Severity.INFO)):
+        (finding,) = find_in_mesh(tmp_path, "MSH015", QUAD, shape("collision"), targets=targets)
+        assert finding.severity is severity
+    for other in (shape("visual"), shape("collision", scale="1 1 0")):
+        assert not find_in_mesh(tmp_path, "MSH015", QUAD, other)
