@@ -163,7 +163,7 @@ def test_a_mesh_that_we_read_and_assimp_refuses_is_an_error(tmp_path: Path) -> N
     content = collada(1.0, 1.0).replace('source="#a" count="4"', 'source="#a" count="12"')
     finding = find_broken(tmp_path, "part.dae", content)
     assert (finding.severity, finding.message_id) == (Severity.ERROR, "refused")
-    assert "counts 36 numbers, and its array has 12, and Assimp refuses it" in finding.message
+    assert "counts 36 numbers, and its array has 12; Assimp refuses it" in finding.message
 
 
 def test_entities_are_an_error_only_where_assimp_refuses_them_too(tmp_path: Path) -> None:

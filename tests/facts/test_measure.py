@@ -679,7 +679,14 @@ def test_a_sound_file_is_not_given_to_assimp(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(assimp, "load_by_assimp", refuse)
     assert measure_file(tmp_path, dae(*TETRAHEDRON)).assimp == ""
     assert measure_file(tmp_path, obj(*TETRAHEDRON), "obj").flaw is None
-    for settled, kind in ((b"", "stl"), (b"<html></html>", "obj"), (b"PK\5\6", "dae"), (b"{}", "gltf")):
+    elsewhere = b"mtllib /dev/zero\nf 1 2 3\n"
+    for settled, kind in (
+        (b"", "stl"),
+        (b"<html></html>", "obj"),
+        (b"PK\5\6", "dae"),
+        (b"{}", "gltf"),
+        (elsewhere, "obj"),
+    ):
         with pytest.raises(MeshError):
             measure_file(tmp_path, settled, kind)
 
