@@ -17,6 +17,7 @@ from scipy.spatial import ConvexHull
 
 from urdfcheck.checks import msh011_format_unsupported
 from urdfcheck.core import Finding, Severity, Verdict
+from urdfcheck.model import gltf_buffers
 
 # A tetrahedron with corners 0, x, y, z, as OBJ faces.
 CORNERS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
@@ -99,11 +100,19 @@ def stl(header: bytes) -> bytes:
         (b"\0" * 80 + (1).to_bytes(4, "little") + b"\0" * 100, "wrong-size"),
         (b"\0" * 80 + (7).to_bytes(4, "little") + b"\0" * 50, "truncated"),
         (b"\0" * 20, "truncated"),
+        (b"\0" * 84, "no-triangles"),
+        (b"solid a\nendsolid a\n", "no-triangles"),
+        (b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0", "truncated"),
+        (stl(b"part") + b"\n", "wrong-size"),
     ],
 )
 def test_why_a_file_is_no_mesh(tmp_path: Path, content: bytes, reason: str) -> None:
-    (finding,) = find_in_mesh(tmp_path, "MSH001", content, shape("visual", "part.stl"), name="part.stl")
+    (finding,) = find_in_mesh(tmp_path, "MSH001", content, inertial() + shape("collision", "part.stl"), name="part.stl")
     assert (finding.severity, finding.data["reason_id"]) == (Severity.ERROR, reason)
+    assert finding.consequences["mujoco"] == "refuses to compile"
+    mujoco = pytest.importorskip("mujoco")
+    with pytest.raises(ValueError, match="stl_decoder"):
+        mujoco.MjModel.from_xml_string((tmp_path / "robot.urdf").read_text(), {"part.stl": content})
 
 
 @pytest.mark.parametrize(("content", "repair"), [(b"<html></html>", "raw file"), (b"", "again")])
@@ -230,6 +239,14 @@ def test_a_buffer_out_of_reach_is_not_opened(tmp_path: Path, uri: str) -> None:
     folder = tmp_path / "a" / "robot"
     finding = find_broken(folder, "part.gltf", gltf(uri))
     assert (finding.severity, finding.message_id) == (Severity.ERROR, "outside")
+
+
+def test_buffers_count_with_the_size_of_the_mesh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "part.bin").write_bytes(TRIANGLE)
+    monkeypatch.setattr(gltf_buffers, "MAX_MESH", len(TRIANGLE) - 1)
+    shapes = shape("collision", "part.gltf")
+    assert not find_in_mesh(tmp_path, "MSH001", gltf("part.bin"), shapes, name="part.gltf")
+    assert find_in_mesh(tmp_path, "URC905", gltf("part.bin"), shapes, name="part.gltf")
 
 
 def test_a_changed_buffer_changes_the_findings(tmp_path: Path) -> None:

@@ -672,6 +672,20 @@ def test_an_accessor_beyond_its_array_is_read_by_us_and_refused_by_assimp(tmp_pa
     assert measure_mesh(content, "dae").flaw is None  # nobody was asked
 
 
+def test_a_geometry_that_is_not_read_is_not_passed_over(tmp_path: Path) -> None:
+    # A second geometry, whose transformation cannot be read: alone, the first would pass for the whole.
+    second = '</node><node><scale>2 x 2</scale><instance_geometry url="#g"/></node>'
+    content = dae(*TETRAHEDRON).replace(b"</node>", second.encode())
+    with pytest.raises(MeshError, match=r"^is read in part only: line \d+: failed to parse scale") as caught:
+        measure_mesh(content, "dae")
+    assert caught.value.reason_id == "incomplete"
+    path = tmp_path / "part.dae"
+    path.write_bytes(content)
+    with pytest.raises(MeshError) as caught:
+        measure_mesh(content, "dae", path=path)
+    assert caught.value.assimp == "refuses"
+
+
 def test_a_sound_file_is_not_given_to_assimp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise AssertionError("asked")
