@@ -640,6 +640,8 @@ def test_a_blank_line_before_the_declaration_does_not_cost_the_geometry(tmp_path
     assert (facts.n_triangles, facts.assimp) == (4, "loads")
     assert facts.flaw is not None
     assert "line 3: the XML declaration" in facts.flaw
+    with pytest.raises(Exception, match="XML Parsing Error"):  # as the consequence says
+        trimesh.load(tmp_path / "part.dae")
 
 
 def test_what_only_assimp_reads_is_measured_as_assimp_reads_it(tmp_path: Path) -> None:
