@@ -688,6 +688,20 @@ def test_a_geometry_that_is_not_read_is_not_passed_over(tmp_path: Path) -> None:
     assert caught.value.assimp == "refuses"
 
 
+@pytest.mark.parametrize(
+    "other",
+    [
+        '</node><node><instance_geometry url="#curve"/></node>',
+        '</node><node><instance_geometry url="#nowhere"/></node>',
+    ],
+)
+def test_what_has_no_triangles_is_not_missed(other: str) -> None:
+    curve = b'<geometry id="curve"><spline/></geometry></library_geometries>'
+    content = dae(*TETRAHEDRON).replace(b"</node>", other.encode()).replace(b"</library_geometries>", curve)
+    facts = measure_mesh(content, "dae")
+    assert (facts.n_triangles, facts.flaw) == (4, None)
+
+
 def test_a_sound_file_is_not_given_to_assimp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise AssertionError("asked")
