@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import coal
 import numpy as np
 import pytest
 import trimesh
@@ -97,6 +98,24 @@ def test_facts_agree_with_trimesh(
     assert found == {name: facts for name, (facts, _) in DIFFERENT.items() if name in names}
 
 
+def test_assimp_loads_what_we_read(files: list[MeshFile], corpus: Path) -> None:
+    """A mesh that Pinocchio refuses is known without asking about all of them, and what it loads is what we measure."""
+    different = {}
+    for file in files:
+        path = corpus / file.name
+        try:
+            theirs = np.asarray(coal.MeshLoader().load(str(path)).vertices())
+        except ValueError:
+            if measure_mesh(file.data, file.kind, path=path).assimp != "refuses":
+                different[file.name] = "refused"
+            continue
+        ours = measure_mesh(file.data, file.kind).bounds
+        bounds = np.array((theirs.min(axis=0), theirs.max(axis=0)))
+        if not np.allclose(bounds, ours, rtol=0, atol=1e-5 * np.abs(ours).max()):
+            different[file.name] = "other bounds"
+    assert different == {}
+
+
 def as_stored(file: MeshFile) -> trimesh.Trimesh:
     """All triangles of the file's scene, nothing merged or dropped."""
     scene = trimesh.load_scene(io.BytesIO(file.data), file_type=file.kind, process=False)
@@ -109,6 +128,9 @@ def differences(ours: MeshFacts, stored: trimesh.Trimesh) -> Iterator[str]:
     theirs = best(stored, repeated=not ours.dropped_duplicates)
     if ours.weld_distance and not ours.watertight and not theirs.is_watertight:
         # Noise was merged, and holes are left: trimesh looks at what was merged, not at what it would have.
+        theirs = trimesh.Trimesh(ours.vertices, ours.faces, process=False)
+    elif 0 < ours.dropped_duplicates < ours.duplicate_faces:
+        # Some of the triangles that repeat others were dropped, and some are fins: trimesh keeps all of them, or none.
         theirs = trimesh.Trimesh(ours.vertices, ours.faces, process=False)
     size = float(np.linalg.norm(np.ptp(stored.bounds, axis=0)))
     if ours.n_triangles != len(stored.faces):

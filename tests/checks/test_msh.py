@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import struct
 import urllib.parse
@@ -10,12 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, joint, link, robot
+from builders import find, inertial, joint, link, robot
 from conftest import check_text
 from scipy.spatial import ConvexHull
 
 from urdfcheck.checks import msh011_format_unsupported
 from urdfcheck.core import Finding, Severity, Verdict
+from urdfcheck.model import gltf_buffers
 
 # A tetrahedron with corners 0, x, y, z, as OBJ faces.
 CORNERS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
@@ -98,11 +100,19 @@ def stl(header: bytes) -> bytes:
         (b"\0" * 80 + (1).to_bytes(4, "little") + b"\0" * 100, "wrong-size"),
         (b"\0" * 80 + (7).to_bytes(4, "little") + b"\0" * 50, "truncated"),
         (b"\0" * 20, "truncated"),
+        (b"\0" * 84, "no-triangles"),
+        (b"solid a\nendsolid a\n", "no-triangles"),
+        (b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0", "truncated"),
+        (stl(b"part") + b"\n", "wrong-size"),
     ],
 )
 def test_why_a_file_is_no_mesh(tmp_path: Path, content: bytes, reason: str) -> None:
-    (finding,) = find_in_mesh(tmp_path, "MSH001", content, shape("visual", "part.stl"), name="part.stl")
+    (finding,) = find_in_mesh(tmp_path, "MSH001", content, inertial() + shape("collision", "part.stl"), name="part.stl")
     assert (finding.severity, finding.data["reason_id"]) == (Severity.ERROR, reason)
+    assert finding.consequences["mujoco"] == "refuses to compile"
+    mujoco = pytest.importorskip("mujoco")
+    with pytest.raises(ValueError, match="stl_decoder"):
+        mujoco.MjModel.from_xml_string((tmp_path / "robot.urdf").read_text(), {"part.stl": content})
 
 
 @pytest.mark.parametrize(("content", "repair"), [(b"<html></html>", "raw file"), (b"", "again")])
@@ -162,7 +172,7 @@ def test_a_mesh_that_we_read_and_assimp_refuses_is_an_error(tmp_path: Path) -> N
     content = collada(1.0, 1.0).replace('source="#a" count="4"', 'source="#a" count="12"')
     finding = find_broken(tmp_path, "part.dae", content)
     assert (finding.severity, finding.message_id) == (Severity.ERROR, "refused")
-    assert "counts 36 numbers, and its array has 12, and Assimp refuses it" in finding.message
+    assert "counts 36 numbers, and its array has 12; Assimp refuses it" in finding.message
 
 
 def test_entities_are_an_error_only_where_assimp_refuses_them_too(tmp_path: Path) -> None:
@@ -229,6 +239,14 @@ def test_a_buffer_out_of_reach_is_not_opened(tmp_path: Path, uri: str) -> None:
     folder = tmp_path / "a" / "robot"
     finding = find_broken(folder, "part.gltf", gltf(uri))
     assert (finding.severity, finding.message_id) == (Severity.ERROR, "outside")
+
+
+def test_buffers_count_with_the_size_of_the_mesh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "part.bin").write_bytes(TRIANGLE)
+    monkeypatch.setattr(gltf_buffers, "MAX_MESH", len(TRIANGLE) - 1)
+    shapes = shape("collision", "part.gltf")
+    assert not find_in_mesh(tmp_path, "MSH001", gltf("part.bin"), shapes, name="part.gltf")
+    assert find_in_mesh(tmp_path, "URC905", gltf("part.bin"), shapes, name="part.gltf")
 
 
 def test_a_changed_buffer_changes_the_findings(tmp_path: Path) -> None:
@@ -673,3 +691,47 @@ def test_how_much_larger_a_hull_may_be(tmp_path: Path, times: float, reported: b
 @pytest.mark.parametrize("content", [OPEN, OPEN + moved(OPEN, 3.0, 4), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n"])
 def test_a_mesh_without_volume_loses_none(tmp_path: Path, content: str) -> None:
     assert not find_in_mesh(tmp_path, "MSH014", content, shape("collision"))
+
+
+# -- MSH015 ---------------------------------------------------------------------------------------------------------
+
+QUAD = "v 0 0 0.3\nv 1 0 0.3\nv 1 1 0.3\nv 0 1 0.3\nf 1 2 3\nf 1 3 4\n"
+TILTED = "v 0 0 0\nv 1 0 0.3\nv 1 1 0.7\nv 0 1 0.4\nf 1 2 3\nf 1 3 4\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "scale", "message"),
+    [
+        (QUAD, "1 1 1", "flat"),
+        (QUAD, "-0.01 0.01 0.01", "flat"),
+        ("v 0 0 0\nv 1 0 0.3\nv 1 1 0.7\nf 1 2 3\n", "1 1 1", "flat"),
+        (TILTED, "1 1 1", None),
+        (CLOSED, "1 1 1", None),
+        (OPEN, "1 1 1", None),
+        (CLOSED, "1e-5 1e-5 1e-5", "tiny"),
+        (OPEN, "1e-5 1e-5 1e-5", "tiny"),
+        (INSIDE_OUT, "1e-5 1e-5 1e-5", "tiny"),
+        (CLOSED, "1.8e-5 1.8e-5 1.8e-5", "tiny"),
+        (CLOSED, "1.82e-5 1.82e-5 1.82e-5", None),
+        (CLOSED, "1 1e-5 1e-5", None),
+    ],
+)
+def test_what_mujoco_cannot_compile_for_want_of_volume(
+    tmp_path: Path, content: str, scale: str, message: str | None
+) -> None:
+    text = robot(link("a", inertial(), shape("collision", scale=scale)))
+    (tmp_path / "part.obj").write_text(content)
+    found = find(tmp_path, text, "MSH015")
+    assert [f.message_id for f in found] == ([] if message is None else [message])
+    mujoco = pytest.importorskip("mujoco")
+    refused = pytest.raises(ValueError, match=r"coplanar|at least 4 vertices|volume is too small")
+    with contextlib.nullcontext() if message is None else refused:
+        mujoco.MjModel.from_xml_string(text, {"part.obj": content.encode()})
+
+
+def test_a_mesh_that_is_too_flat_is_an_error_for_mujoco_only(tmp_path: Path) -> None:
+    for targets, severity in (((), Severity.INFO), (("mujoco",), Severity.ERROR), (("gazebo",), Severity.INFO)):
+        (finding,) = find_in_mesh(tmp_path, "MSH015", QUAD, shape("collision"), targets=targets)
+        assert finding.severity is severity
+    for other in (shape("visual"), shape("collision", scale="1 1 0")):
+        assert not find_in_mesh(tmp_path, "MSH015", QUAD, other)

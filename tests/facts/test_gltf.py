@@ -192,3 +192,25 @@ def test_a_chunk_that_is_cut_off_is_truncated() -> None:
         decode_mesh(data[:-1], "glb")
     with pytest.raises(MeshError, match="only glTF 2 is read"):
         decode_mesh(b"glTF\1" + data[5:], "glb")
+
+
+def test_the_files_of_buffers_are_listed_as_they_are_written() -> None:
+    document, binary = scene()
+    document["buffers"] = [{"uri": uri} for uri in ("a%20b.bin", "data:,x", "../c.bin", "a%20b.bin")] + [{}]
+    assert gltf.list_buffer_files(json.dumps(document).encode(), "gltf") == ("a%20b.bin", "../c.bin")
+    assert gltf.list_buffer_files(glb(document, binary), "glb") == ("a%20b.bin", "../c.bin")
+
+
+@pytest.mark.parametrize(
+    "data", [b"", b"{", b"[]", b'{"buffers": 7}', b'{"buffers": [7]}', b'{"buffers": [{"uri": 7}]}', b"[" * 99999]
+)
+def test_what_is_no_document_names_no_files(data: bytes) -> None:
+    assert gltf.list_buffer_files(data, "gltf") == ()
+
+
+def test_a_document_may_not_name_any_number_of_files() -> None:
+    document, _ = scene()
+    document["buffers"] = [{"uri": f"{i}.bin"} for i in range(gltf.MOST_BUFFERS + 1)]
+    with pytest.raises(MeshError) as caught:
+        gltf.list_buffer_files(json.dumps(document).encode(), "gltf")
+    assert caught.value.reason_id == "too-large"

@@ -640,6 +640,8 @@ def test_a_blank_line_before_the_declaration_does_not_cost_the_geometry(tmp_path
     assert (facts.n_triangles, facts.assimp) == (4, "loads")
     assert facts.flaw is not None
     assert "line 3: the XML declaration" in facts.flaw
+    with pytest.raises(Exception, match="XML Parsing Error"):  # as the consequence says
+        trimesh.load(tmp_path / "part.dae")
 
 
 def test_what_only_assimp_reads_is_measured_as_assimp_reads_it(tmp_path: Path) -> None:
@@ -672,6 +674,34 @@ def test_an_accessor_beyond_its_array_is_read_by_us_and_refused_by_assimp(tmp_pa
     assert measure_mesh(content, "dae").flaw is None  # nobody was asked
 
 
+def test_a_geometry_that_is_not_read_is_not_passed_over(tmp_path: Path) -> None:
+    # A second geometry, whose transformation cannot be read: alone, the first would pass for the whole.
+    second = '</node><node><scale>2 x 2</scale><instance_geometry url="#g"/></node>'
+    content = dae(*TETRAHEDRON).replace(b"</node>", second.encode())
+    with pytest.raises(MeshError, match=r"^is read in part only: line \d+: failed to parse scale") as caught:
+        measure_mesh(content, "dae")
+    assert caught.value.reason_id == "incomplete"
+    path = tmp_path / "part.dae"
+    path.write_bytes(content)
+    with pytest.raises(MeshError) as caught:
+        measure_mesh(content, "dae", path=path)
+    assert caught.value.assimp == "refuses"
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        '</node><node><instance_geometry url="#curve"/></node>',
+        '</node><node><instance_geometry url="#nowhere"/></node>',
+    ],
+)
+def test_what_has_no_triangles_is_not_missed(other: str) -> None:
+    curve = b'<geometry id="curve"><spline/></geometry></library_geometries>'
+    content = dae(*TETRAHEDRON).replace(b"</node>", other.encode()).replace(b"</library_geometries>", curve)
+    facts = measure_mesh(content, "dae")
+    assert (facts.n_triangles, facts.flaw) == (4, None)
+
+
 def test_a_sound_file_is_not_given_to_assimp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise AssertionError("asked")
@@ -679,7 +709,14 @@ def test_a_sound_file_is_not_given_to_assimp(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(assimp, "load_by_assimp", refuse)
     assert measure_file(tmp_path, dae(*TETRAHEDRON)).assimp == ""
     assert measure_file(tmp_path, obj(*TETRAHEDRON), "obj").flaw is None
-    for settled, kind in ((b"", "stl"), (b"<html></html>", "obj"), (b"PK\5\6", "dae"), (b"{}", "gltf")):
+    elsewhere = b"mtllib /dev/zero\nf 1 2 3\n"
+    for settled, kind in (
+        (b"", "stl"),
+        (b"<html></html>", "obj"),
+        (b"PK\5\6", "dae"),
+        (b"{}", "gltf"),
+        (elsewhere, "obj"),
+    ):
         with pytest.raises(MeshError):
             measure_file(tmp_path, settled, kind)
 

@@ -22,8 +22,9 @@ DEFAULT_REPAIR = "export or download the file again"
 NO_MESH = frozenset({"empty", "html"})
 # PKG009 and URC905 report these.
 REPORTED_ELSEWHERE = frozenset({"lfs-pointer", "too-large"})
-# The formats for which programs have loaders of their own. A mesh of another format these load by Assimp (RViz) or not at all.
-OWN_LOADERS = {"mujoco": frozenset({"stl", "obj"}), "drake": frozenset({"obj", "gltf"}), "rviz": frozenset({"stl"})}
+# The formats for which programs have loaders of their own, which may read what ours and Assimp refuse. MuJoCo's for STL does not:
+# it reads binary files of exactly the declared size, as ours does.
+OWN_LOADERS = {"mujoco": frozenset({"obj"}), "drake": frozenset({"obj", "gltf"}), "rviz": frozenset({"stl"})}
 NOT_ASKED = "has a loader of its own for this format, which was not asked"
 # trimesh and yourdfpy read COLLADA as we do, by pycollada.
 PYCOLLADA = ("trimesh", "yourdfpy")

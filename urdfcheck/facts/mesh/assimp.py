@@ -1,6 +1,6 @@
 """What Assimp makes of a mesh file that our own readers refuse or doubt. Pinocchio loads meshes by the same function of coal.
 
-Assimp takes the file by its path: it is asked about formats only for which it opens no other file that matters.
+Assimp takes the file by its path, and is asked only about files for which it opens no other.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def decode_with_assimp(
     try:
         mesh = decode_mesh(data, file_type, files)
     except MeshError as error:
-        if path is None or file_type not in FORMATS or error.reason_id in SETTLED:
+        if path is None or error.reason_id in SETTLED or not _can_ask(data, file_type):
             raise
         return _load_refused(error, path, file_type)
     suspect = mesh.flaw or mesh.doubt
@@ -46,6 +46,11 @@ def decode_with_assimp(
     except MeshError as error:
         return mesh if error.reason_id == "too-large" else replace(mesh, flaw=suspect, assimp="refuses")
     return replace(mesh, assimp="loads")
+
+
+def _can_ask(data: bytes, file_type: str) -> bool:
+    """Whether Assimp opens no other file for this one: it would open the materials of OBJ, whatever the place that is named."""
+    return file_type in FORMATS and not (file_type == "obj" and b"mtllib" in data)
 
 
 def _load_refused(error: MeshError, path: Path, file_type: str) -> RawMesh:

@@ -264,10 +264,11 @@ def _strip_appearance(content: bytes) -> bytes:
 
 
 def _is_geometry_error(error: Exception) -> bool:
-    """Whether pycollada left out triangles for an error, rather than something that it does not know."""
+    """Whether pycollada left out triangles for an error, rather than something that it does not know (curves), or a place that
+    refers to that or to nothing."""
     from collada.common import DaeUnsupportedError
 
-    return not isinstance(error, DaeUnsupportedError)
+    return not isinstance(error, DaeUnsupportedError) and "not found in library" not in str(error)
 
 
 def _make_error(errors: Sequence[Exception], left: Sequence[Exception]) -> MeshError:

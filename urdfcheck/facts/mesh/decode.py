@@ -90,7 +90,7 @@ def decode_mesh(data: bytes, file_type: str, files: Mapping[str, bytes | MeshErr
     except (MeshError, ImportError, MemoryError):
         raise
     except Exception as error:  # loaders raise whatever their internals do: AttributeError, IndexError, DaeError …
-        text = " ".join(str(error).split())[:200]
+        text = " ".join(str(error).split())[:200].rstrip(".")
         raise MeshError("malformed", f"cannot be read as {file_type}: {type(error).__name__}: {text}") from error
     if not mesh.n_triangles:
         raise MeshError("no-triangles", "holds no triangles")
