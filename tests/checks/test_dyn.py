@@ -176,6 +176,49 @@ def test_a_load_that_the_tree_does_not_tell(tmp_path: Path, part: str) -> None:
     assert not find(tmp_path / "helped", make_pendulum(5, "", part), "DYN002")
 
 
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("main_ROV_frame", "afloat"),
+        ("thruster_2", "afloat"),
+        ("leftThruster", "afloat"),
+        ("UUV", "afloat"),
+        ("rover", "weak"),
+        ("drive_proven", "weak"),
+        ("thrust", "weak"),
+    ],
+)
+def test_a_name_puts_the_robot_under_water(tmp_path: Path, name: str, message: str) -> None:
+    floats = link(name) + joint("mount", "base", name)
+    (finding,) = find(tmp_path / "a", make_pendulum(NEEDED / 1.9, "", floats), "DYN002")
+    assert (finding.message_id, finding.severity is Severity.INFO) == (message, message == "afloat")
+    (much,) = find(tmp_path / "b", make_pendulum(NEEDED / 2.1, "", floats), "DYN002")
+    assert (much.message_id, much.severity) == ("weak", Severity.WARNING)
+
+
+@pytest.mark.parametrize(
+    ("efforts", "message"),
+    [
+        ((0.01, 0.01, 0.01), "placeholder"),
+        ((0.01, 0.01), "far"),  # too few joints to tell
+        ((0.02, 0.02, 0.02), "far"),  # a number that may be a drive's
+        ((0.01, 0.01, 3.0), "far"),
+    ],
+)
+def test_one_power_of_ten_at_all_joints_is_a_placeholder(
+    tmp_path: Path, efforts: tuple[float, ...], message: str
+) -> None:
+    others = [
+        make_body(f"f{i}", 1e-6)
+        + make_driven_joint(f"j{i}", "base", f"f{i}", limit=f'lower="-1" upper="1" effort="{effort}"')
+        for i, effort in enumerate(efforts[1:])
+    ]
+    (finding,) = find(tmp_path, make_pendulum(efforts[0], "", *others), "DYN002")
+    assert finding.message_id == message
+    assert finding.fix is not None
+    assert ("masses" in finding.fix.title) == (message == "far")
+
+
 def test_gravity_that_is_not_turned_off_counts(tmp_path: Path) -> None:
     off = '<gazebo reference="arm"><turnGravityOff>false</turnGravityOff></gazebo>'
     assert find(tmp_path, make_pendulum(5, "", off), "DYN002")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 from builders import arm_on_base, box, collision, find, inertial, joint, link, visual
 from conftest import check_text
 
-from urdfcheck.core import Severity
+from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
@@ -204,6 +205,60 @@ def test_a_light_impossible_link_that_a_joint_moves_is_no_helper(tmp_path: Path)
 def test_an_impossible_link_is_found_although_the_tree_is_broken(tmp_path: Path) -> None:
     text = f'<robot name="r"><link name="a">{impossible("1", "0.01", "0.1")}</link><link name="b"/></robot>'
     assert [f.message_id for f in find(tmp_path, text, "INR003")] == ["violated"]
+
+
+def edit_tensor(finding: Finding, text: str) -> list[str]:
+    """The six numbers after the finding's edits."""
+    assert finding.fix is not None
+    for e in sorted(finding.fix.edits, key=lambda e: -e.span.start):
+        assert text[e.span.start : e.span.end] == e.expected
+        text = text[: e.span.start] + e.replacement + text[e.span.end :]
+    return re.findall(r'i[xyz]{2}="([^"]*)"', text)
+
+
+def test_a_tensor_that_misses_by_little_becomes_the_nearest_about_its_own_com(tmp_path: Path) -> None:
+    # The part that is drawn has another COM and another tensor, and both are the author's business.
+    text = make_arm(inertial(2, com="0.01 0.02 0.03", ixx="1.000000", iyy="2.000000", izz="3.030000") + BOX)
+    (finding,) = find(tmp_path, text, "INR003")
+    assert "nearest" in (finding.fix.title if finding.fix else "")
+    assert edit_tensor(finding, text)[6:] == ["1.01502", "0", "0", "2.01502", "0", "3.030000"]
+    assert "0.01 0.02 0.03" in text
+
+
+@pytest.mark.parametrize("value", ["0.001", "1e-6"])
+def test_products_that_were_filled_in_like_moments_become_zero(tmp_path: Path, value: str) -> None:
+    text = make_arm(six_numbers("0.2", value) + BOX)
+    (finding,) = find(tmp_path, text, "INR003")
+    assert finding.cause is not None
+    assert (finding.cause.id, finding.data["detail"]) == ("products_filled", f"all six numbers are {value}")
+    assert edit_tensor(finding, text)[6:] == [value, "0", "0", value, "0", value]
+
+
+def test_a_number_that_stands_in_two_slots_is_named_and_left(tmp_path: Path) -> None:
+    numbers = {"ixx": "0.000637051", "ixy": "0.000484569", "ixz": "0.000424211"}
+    text = make_arm(inertial(1, **numbers, iyy="0.000929402", iyz="5.138e-06", izz="0.000484569") + BOX)
+    (finding,) = find(tmp_path, text, "INR003")
+    assert finding.cause is not None
+    assert finding.cause.id == "slot_repeated"
+    assert finding.fix is not None
+    assert not finding.fix.edits
+
+
+def test_signs_are_a_guess_where_nothing_is_drawn(tmp_path: Path) -> None:
+    numbers = {"ixx": "0.0053694", "ixy": "0.0014185", "ixz": "-0.00092094"}
+    text = make_arm(inertial(1, **numbers, iyy="0.0032423", iyz="-0.00169178", izz="0.00501731"))
+    (finding,) = find(tmp_path, text, "INR003")
+    assert finding.cause is not None
+    assert finding.cause.id == "products_sign"
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert 'ixy="-0.0014185" ixz="0.00092094" iyz="0.00169178"' in finding.fix.title
+
+
+def test_moments_of_zero_were_rounded_like_the_others(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_arm(inertial(0.01, ixx="0", iyy="0", izz="1E-06")), "INR003")
+    assert finding.cause is not None
+    assert finding.cause.id == "digits"
 
 
 def six_numbers(mass: str, value: str) -> str:

@@ -464,3 +464,64 @@ def test_odd_meshes_give_no_traceback(tmp_path: Path, blocks: list) -> None:  # 
         (tmp_path / "part.stl").write_text(f"solid part\nfacet normal 0 0 1\n{triangle}\nendfacet\nendsolid part\n")
     for cause in ("products_sign", "decimal_point", "com_missing"):
         find_clear_messages(tmp_path, make_drawn_arm(format_inertial(wrong(cause)), MESH))
+
+
+# -- how strongly a cause is stated -----------------------------------------------------------------------------------
+
+
+def test_a_com_ten_times_too_far_is_not_in_inches(tmp_path: Path) -> None:
+    # An inch is nearer to a tenth than to a metre, and leaves the COM off by more than the part is wide.
+    finding = one(tmp_path, make_drawn_arm(format_inertial(replace(TRUE, com=10 * TRUE.com))))
+    assert finding.cause is not None
+    assert finding.cause.id == "decimal_point"
+    assert "com 0.1 times" in finding.cause.text
+    text = make_drawn_arm(format_inertial(replace(TRUE, com=10 * TRUE.com)))
+    assert finding.fix is not None
+    assert find_clear_messages(tmp_path, edited(text, finding.fix.edits)) == []
+
+
+@pytest.mark.parametrize("factor", [10.0, 0.1, 0.01])
+def test_a_com_at_the_wrong_decimal_point_is_undone(tmp_path: Path, factor: float) -> None:
+    declared = replace(TRUE, com=factor * TRUE.com)
+    if np.linalg.norm(DRAWN.solid.com * (1 - factor)) < 0.5 * np.sqrt(np.trace(DRAWN.solid.covariance)):
+        pytest.skip("the COM is hardly moved")
+    finding = one(tmp_path, make_drawn_arm(format_inertial(declared)))
+    assert finding.cause is not None
+    assert finding.cause.id in {"decimal_point", "com_unit"}
+
+
+def test_links_of_one_model_that_fit_different_units_are_left_alone(tmp_path: Path) -> None:
+    inches, centimetres = (replace(TRUE, com=TRUE.com / unit) for unit in (0.0254, 0.01))
+    text = arm_on_base(format_inertial(inches), BOXES, base=format_inertial(centimetres) + BOXES)
+    findings = [f for f in find_clear_messages(tmp_path, text) if f.code == "INR009"]
+    assert [f.message_id for f in findings] == ["disputed", "disputed"]
+    for finding in findings:
+        assert finding.fix is not None
+        assert not finding.fix.edits
+        assert "base cm, arm inches" in finding.message
+    (alone,) = find_clear_messages(tmp_path, make_drawn_arm(format_inertial(inches)))
+    assert alone.fix is not None
+    assert alone.fix.edits
+    assert "it fits if the COM was written in inches" in alone.message
+
+
+def test_another_mass_is_claimed_only_for_one_ratio_of_all_moments(tmp_path: Path) -> None:
+    tripled = replace(TRUE, tensor=3 * TRUE.tensor)
+    finding = one(tmp_path / "a", make_drawn_arm(format_inertial(tripled)))
+    assert finding.cause is not None
+    assert finding.cause.id == "other_mass"
+    moments, axes = np.linalg.eigh(TRUE.tensor)
+    uneven = replace(TRUE, tensor=(axes * (moments * (2.92, 3.0, 3.08))) @ axes.T)
+    (tmp_path / "b").mkdir()
+    for other in find_clear_messages(tmp_path / "b", make_drawn_arm(format_inertial(uneven))):
+        assert other.cause is None or other.cause.id != "other_mass"
+
+
+def test_the_message_says_how_near_the_numbers_are_without_the_mistake(tmp_path: Path) -> None:
+    exact = one(tmp_path / "a", make_drawn_arm(format_inertial(wrong("inertia_unit"))))
+    assert "with this undone the two agree exactly" in exact.message
+    lumped = replace(TRUE, com=TRUE.com + 0.2 * np.sqrt(np.trace(DRAWN.solid.covariance) / 3))
+    (tmp_path / "b").mkdir()
+    near = one(tmp_path / "b", make_drawn_arm(format_inertial(BY_ID["inertia_unit"](lumped, DRAWN))))
+    assert "exactly" not in near.message
+    assert "with this undone its centre of mass is" in near.message

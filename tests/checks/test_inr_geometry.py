@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, joint, robot
+from builders import box, collision, find, inertial, joint, link, robot, visual
 from numpy.typing import NDArray
 
 from urdfcheck.facts.inertials.hull_bounds import measure_hull_distance
@@ -311,6 +311,49 @@ def test_equal_mirrored_and_turned_parts_share_a_tensor_by_right(tmp_path: Path)
 def test_tensors_that_only_look_alike_are_not_copies(tmp_path: Path) -> None:
     other = Part(size=(0.2, 0.06, 0.04), tensor=1.000001 * Part().inertia)
     assert codes(tmp_path, make_chain(Part().xml("one"), other.xml("other"))) == []
+
+
+LONG, SHORT = box("0.32 0.054 0.044"), box("0.25 0.04 0.028")
+THIGH = inertial(3.0, ixx="0.0211", ixy="-0.00017", iyy="0.0223", iyz="0.00031", izz="0.0049")
+
+
+def make_thighs(*parts: tuple[str, str]) -> str:
+    """Return a robot of links with one tensor: name and shapes."""
+    limbs = (link(name, THIGH, shapes) + joint(f"j_{name}", "base", name, "continuous") for name, shapes in parts)
+    return robot(link("base"), *limbs)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "found"),
+    [
+        (("thigh", visual(LONG)), ("calf", visual(SHORT)), True),
+        (("FL_thigh", visual(LONG)), ("FR_thigh", visual(SHORT)), False),
+        (("front_left_thigh", visual(LONG)), ("hind_right_thigh", visual(SHORT)), False),
+        (("LeftThigh", visual(LONG)), ("RightThigh", visual(SHORT)), False),
+        (("FL_thigh", visual(LONG)), ("FR_calf", visual(SHORT)), True),
+        # The drawing of one and the collision shape of the other say nothing of each other.
+        (("thigh", visual(LONG)), ("calf", collision(SHORT)), False),
+        (("thigh", visual(LONG) + collision(LONG)), ("calf", visual(LONG) + collision(SHORT)), False),
+        (("thigh", collision(LONG)), ("calf", collision(SHORT)), True),
+        # Its mesh is missing, so what it draws is not known, whatever collides.
+        (("thigh", visual('<mesh filename="no.stl"/>') + collision(LONG)), ("calf", collision(SHORT)), False),
+    ],
+)
+def test_drawings_of_different_parts_are_compared(
+    tmp_path: Path, one: tuple[str, str], other: tuple[str, str], found: bool
+) -> None:
+    findings = find(tmp_path, make_thighs(one, other), "INR008")
+    assert bool(findings) == found
+    for finding in findings:
+        assert ("draws" in finding.message) == ("visual" in one[1])
+        assert ("collides with" in finding.message) == ("visual" not in one[1])
+
+
+def test_six_equal_numbers_were_not_copied(tmp_path: Path) -> None:
+    text = make_thighs(("thigh", visual(LONG)), ("calf", visual(SHORT)))
+    six = inertial(3.0, **dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "1e-6"))
+    assert find(tmp_path, text, "INR008")
+    assert not find(tmp_path, text.replace(THIGH, six), "INR008")
 
 
 # -- INR010 ---------------------------------------------------------------------------------------------------------

@@ -53,10 +53,11 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         yield rule.finding(
             message,
             at=declared.element,
-            cause="digits" if typed.explained_by_rounding and not repair.message else None,
+            cause=repair.cause,
             edits=repair.edits,
             found=repair.message,
             remedy=repair.remedy,
+            detail=repair.detail,
             **data,
         )
     if helpers:

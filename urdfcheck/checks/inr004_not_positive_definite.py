@@ -132,13 +132,14 @@ def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, 
     return rule.finding(
         message,
         at=declared.get_attribute(entries[0]),
-        cause="sign" if only_sign else _guess_cause(components),
+        cause="sign" if only_sign else repair.cause or _guess_cause(components),
         edits=_drop_signs(declared, entries) if message == "negative_sign" else repair.edits,
         consequences={"gazebo": wrong.gazebo},
         link=declared.link.name,
         fused=wrong.fused,
         found=repair.message,
         remedy=repair.remedy,
+        detail=repair.detail,
         names=", ".join(f"{TENSOR_NAMES[i]} = {components[i]:g}" for i in entries),
         values=" ".join(f'{TENSOR_NAMES[i]}="{abs(components[i]):g}"' for i in entries),
     )
@@ -167,7 +168,7 @@ def _build_product_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -
     return rule.finding(
         "product" if alone else "products",
         at=declared.get_attribute(worst) if alone else declared.element,
-        cause=_guess_cause(components),
+        cause=repair.cause or _guess_cause(components),
         edits=repair.edits,
         consequences={"gazebo": wrong.gazebo},
         **(single if alone else {}),
@@ -175,6 +176,7 @@ def _build_product_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -
         fused=wrong.fused,
         found=repair.message,
         remedy=repair.remedy,
+        detail=repair.detail,
         smallest=wrong.smallest,
     )
 

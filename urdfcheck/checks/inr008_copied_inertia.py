@@ -12,9 +12,12 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import format_box_size, join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.inertials.tensor_slips import find_filled_products
 from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.rigid_bodies import is_point_mass
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
+from urdfcheck.model.shapes.bounds import is_dummy_shape
+from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_role_geometry
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
 
 # Tensors that agree in this many digits are one number that was copied.
 _DIGITS = 9
+# What the shapes of a role do.
+_ROLES = {"visual": "draws", "collision": "collides with"}
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -29,6 +34,8 @@ class _InertiaSignature:
     """A link with a tensor and a shape, both as logarithms (3,) of the eigenvalues of a covariance in m², ascending."""
 
     declared: DeclaredTensor
+    role: str
+    """The shapes that it is known by: ``visual``, or ``collision`` of a link that draws nothing."""
     inertia: Array
     """Of the declared mass distribution."""
     solid: Array
@@ -54,7 +61,8 @@ def check(model: Model, rule: Rule, *, shape: float) -> Iterator[Finding]:
     for tensors in groups.values():
         if len(tensors) > 1:
             parts = [part for declared in tensors if (part := _compute_signature(model, declared)) is not None]
-            yield from _compare_shapes(rule, parts, shape)
+            for role in _ROLES:  # a drawing is not compared with a collision shape
+                yield from _compare_shapes(rule, [part for part in parts if part.role == role], shape)
 
 
 def _compare_shapes(rule: Rule, parts: Sequence[_InertiaSignature], shape: float) -> Iterator[Finding]:
@@ -62,7 +70,10 @@ def _compare_shapes(rule: Rule, parts: Sequence[_InertiaSignature], shape: float
     if not parts:
         return
     original = min(parts, key=lambda part: part.misfit)
-    copies = [part for part in parts if part.measure_shape_distance(original) > shape]
+    # One part on several sides may be drawn or simplified differently, and shares its tensor by right.
+    part_name = remove_places(original.declared.link.name)
+    others = [part for part in parts if remove_places(part.declared.link.name) != part_name]
+    copies = [part for part in others if part.measure_shape_distance(original) > shape]
     if not copies:
         return
     # If the tensor fits no part well, or several, which of them is the copy is not known.
@@ -77,6 +88,7 @@ def _compare_shapes(rule: Rule, parts: Sequence[_InertiaSignature], shape: float
         have="has" if len(copies) == 1 else "have",
         original=original.declared.link.name,
         worst=worst.declared.link.name,
+        does=_ROLES[original.role],
         size=_format_equivalent_box(worst),
         original_size=_format_equivalent_box(original),
         count=len(parts),
@@ -89,14 +101,16 @@ def _compute_signature(model: Model, declared: DeclaredTensor) -> _InertiaSignat
     link, mass = declared.link, declared.inertial.mass
     if mass is None or not mass > 0 or not has_drawn_shape(link) or is_point_mass(declared.inertial):
         return None
-    if describe_placeholder(mass, declared.components):
+    if describe_placeholder(mass, declared.components) or find_filled_products(declared.components, declared.texts):
         return None
-    drawn = measure_link_geometry(model, link)
+    role = "visual" if any(not is_dummy_shape(shape) for shape in link.visuals) else "collision"
+    drawn = measure_role_geometry(model, link, role)
     # A mesh that programs read in different sizes (MSH008) is compared with nothing.
     if drawn is None or drawn.hull is None or has_unit_ambiguity(model, (link.name,)):
         return None
     return _InertiaSignature(
         declared=declared,
+        role=role,
         inertia=_compute_log_eigenvalues(compute_mass_covariance(declared.tensor, mass)),
         solid=_compute_log_eigenvalues(drawn.solid.covariance),
         hull=_compute_log_eigenvalues(drawn.hull.covariance),

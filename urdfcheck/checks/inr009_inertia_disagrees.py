@@ -10,7 +10,7 @@ import numpy as np
 from urdfcheck.core import Confidence, FactUnavailableError, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import merge_identical
 from urdfcheck.core.text import format_length, join_names, join_numbers
-from urdfcheck.facts.inertials.diagnosis import EXACT
+from urdfcheck.facts.inertials.diagnosis import EXACT, FAR
 from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
     compute_principal_moments,
@@ -28,7 +28,7 @@ from urdfcheck.source.text.xml import Attribute
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
-    from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
+    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 
 
 # A part of a rigid body that is lighter than this share of it decides nothing about how the body moves.
@@ -36,8 +36,12 @@ LIGHT = 0.05
 # A body may well be a thin shell, its hull or its box was the easier choice, and a piece that is only decoration was left out:
 # such causes are worth knowing and rarely harmful.
 MILD_CAUSES = frozenset({"shell", "convex_hull", "bounding_box", "one_piece"})
+# What a program gets wrong in all links of a model alike.
+UNIT_CAUSES = frozenset({"com_unit", "mass_unit", "inertia_unit"})
 # The mass may be the wrong number as well as the tensor: two edits make such an inertial agree.
 AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
+# What typed digits and tessellation leave of equal numbers.
+DIGITS = 0.01
 # A tenth of a radius of gyration, or of a second moment, is worth saying; so are moments that differ by a third in size.
 NOTABLE, SIMILAR = 0.1, 1.33
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
@@ -55,6 +59,7 @@ def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Itera
 def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
     doubtful: list[DeclaredTensor] = []
     contradicted_links = find_contradicted_links(model)
+    disputed = _find_disputed_units(model)
     for name, judged in inertial_diagnoses(model).items():
         tensor, diagnosis = model.tensor_by_name[name], judged.diagnosis
         if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged):
@@ -62,7 +67,7 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
         if diagnosis.cause is not None:
             by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
             if by_twin + unmirrored + (name in contradicted_links) < 2:
-                yield _build_cause_finding(model, rule, judged, tensor=tensor, cause=diagnosis.cause)
+                yield _build_cause_finding(model, rule, judged, tensor=tensor, others=disputed.get(diagnosis.cause, ""))
         elif (
             diagnosis.judged_by == "mesh"
             and diagnosis.fits_geometry
@@ -88,6 +93,28 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
         )
 
 
+def _find_disputed_units(model: Model) -> dict[str, str]:
+    """Return the causes (`UNIT_CAUSES`) for which links of the model fit different units, with what fits them in words.
+
+    No program writes one link in inches and the next in centimetres: the unit is a coincidence then.
+    """
+    units: dict[str, dict[str, str]] = {}
+    for name, judged in inertial_diagnoses(model).items():
+        diagnosis = judged.diagnosis
+        if diagnosis.sound or not diagnosis.at_fault:
+            continue
+        if diagnosis.cause in UNIT_CAUSES:
+            units.setdefault(diagnosis.cause, {})[name] = diagnosis.detail
+        elif diagnosis.cause is None and not diagnosis.fits_geometry and diagnosis.com_mismatch > FAR:
+            units.setdefault("com_unit", {})[name] = "none"
+    return {
+        cause: join_names(f"{name} {detail}" for name, detail in links.items())
+        for cause, links in units.items()
+        if set(links.values()) != {"none"}
+        and not set.intersection(*(set(detail.split(" or ")) for detail in links.values()))
+    }
+
+
 def _is_possible(judged: DiagnosedInertial) -> bool:
     """Whether a body can have the tensor; otherwise INR003 or INR004 reports it, with the cause found here."""
     validity = check_inertia_validity(judged.declared.tensor)
@@ -110,17 +137,21 @@ def _is_rounded_uniform(model: Model, tensor: DeclaredTensor, judged: DiagnosedI
 
 
 def _build_cause_finding(
-    model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor, cause: str
+    model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor, others: str
 ) -> Finding:
+    """Report an inertial with a cause. ``others``: the units that links of the model fit where these differ."""
     diagnosis, link = judged.diagnosis, tensor.link
-    mended = propose_undo(model, link)
-    data = _collect_data(model, link, judged)
+    cause = diagnosis.cause or ""
+    mended = propose_undo(model, link) if not others else None
+    data = {**_collect_data(model, link, judged), "others": others}
     exact = diagnosis.unique and mended is not None and cause not in AMBIGUOUS_CAUSES
     message = "cause" if mended is None else "exact" if exact else "named"
     if mended is not None and diagnosis.judged_by == "twin":
         message = "twin"
     elif cause in {"com_missing", "mesh_scale"}:
         message = cause
+    elif others:
+        message = "disputed"
     mild = cause in MILD_CAUSES or _is_light(model, link)
     return rule.finding(
         message,
@@ -159,7 +190,8 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial) -> dict[s
     if drawn is not None:
         uniform, _ = compute_principal_moments(compute_solid_inertia(drawn.solid, declared.mass))
         expected = join_numbers(uniform, digits=3)
-        measured = _describe_mismatch(judged, drawn, moments=moments, uniform=uniform)
+        mismatch = (diagnosis.tensor_mismatch, diagnosis.com_mismatch)
+        measured = _describe_mismatch(declared, drawn, mismatch=mismatch, moments=moments, uniform=uniform)
     return {
         "link": link.name,
         "detail": diagnosis.detail,
@@ -175,11 +207,25 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial) -> dict[s
             "mended_tensor": diagnosis.mended_tensor_mismatch,
             "mended_com": diagnosis.mended_com_mismatch,
         },
-        "agree": "exactly"
-        if max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch) < EXACT
-        else "much better",
+        "agree": _describe_agreement(judged, drawn),
         "ruled_out": _format_ruled_out(judged),
     }
+
+
+def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None) -> str:
+    """Describe how near the numbers are to those of the drawn part when the mistake is undone."""
+    diagnosis = judged.diagnosis
+    residual, mended = max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch), diagnosis.mended
+    if residual < DIGITS:
+        return "the two agree exactly"
+    if residual < EXACT:
+        return f"the two agree to within {100 * residual:.0f} %"
+    if mended is None or drawn is None:
+        return "the two agree better"
+    moments, _ = compute_principal_moments(mended.inertia)
+    uniform, _ = compute_principal_moments(compute_solid_inertia(drawn.solid, mended.mass))
+    mismatch = (diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch)
+    return _describe_mismatch(mended, drawn, mismatch=mismatch, moments=moments, uniform=uniform)
 
 
 def _format_ruled_out(judged: DiagnosedInertial) -> str:
@@ -197,17 +243,26 @@ def _iter_definitions(mended: InertialRepair | None) -> Iterator[Located]:
             yield from place.collect_definitions()
 
 
-def _describe_mismatch(judged: DiagnosedInertial, drawn: VisualGeometry, *, moments: Array, uniform: Array) -> str:
-    """Describe how the numbers differ from those of the drawn part, whose principal moments are ``uniform``."""
+def _describe_mismatch(
+    numbers: DeclaredInertial,
+    drawn: VisualGeometry,
+    *,
+    mismatch: tuple[float, float],
+    moments: Array,
+    uniform: Array,
+) -> str:
+    """Describe how numbers differ from those of the drawn part, whose principal moments are ``uniform``; ``mismatch``: of the
+    tensor and of the COM."""
     differences = []
-    apart = float(np.linalg.norm(judged.declared.com - drawn.solid.com))
-    if judged.diagnosis.com_mismatch > NOTABLE:
+    of_tensor, of_com = mismatch
+    apart = float(np.linalg.norm(numbers.com - drawn.solid.com))
+    if of_com > NOTABLE:
         differences.append(f"its centre of mass is {format_length(apart)} off")
     times = float(moments.sum() / uniform.sum())
     if not 1 / SIMILAR < times < SIMILAR:
         size = f"{times:.3g} times too large" if times > 1 else f"{1 / times:.3g} times too small"
         differences.append(f"its moments of inertia are {size} for this mass at uniform density")
-    elif judged.diagnosis.tensor_mismatch > NOTABLE:
+    elif of_tensor > NOTABLE:
         where = " in other directions" if np.allclose(moments, uniform, rtol=0.1) else ""
         actual, expected = join_numbers(moments, digits=3), join_numbers(uniform, digits=3)
         differences.append(f"its principal moments are {actual} instead of {expected} kg·m²{where}")

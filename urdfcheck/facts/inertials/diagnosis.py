@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 MARGIN = 5.0
 # Numbers that agree with exact geometry to within tessellation and five digits.
 EXACT = 0.06
+# A tensor is that of another mass where its three second moments have one ratio to the reference's, to within 2 %.
+PROPORTIONAL = 0.02
 # Beyond this a part would need most of its mass in one place: COM a radius of gyration away, or second moments five times less.
 FAR = 1.6
 # A COM or a tensor this near the reference's belongs to a part of uniform density: then the other has to agree as well.
@@ -289,6 +291,7 @@ def _rank_explanations(suspect: Suspect) -> _Ranking:
     )
     scores += [mistake.log_prior for mistake in mistakes]
     scores[_is_meaningless_scaling(declared, reference, mistakes=mistakes, com=numbers.com)] = -np.inf
+    scores[(fit.com_mismatch >= NEAR / 2) & [_has_to_agree(mistake) for mistake in mistakes]] = -np.inf
     order = np.argsort(-scores, kind="stable")
     return _Ranking(
         mistakes=tuple(mistakes[i] for i in order),
@@ -296,6 +299,14 @@ def _rank_explanations(suspect: Suspect) -> _Ranking:
         fit=fit.take_rows(order),
         numbers=numbers.take_rows(order),
     )
+
+
+def _has_to_agree(mistake: Mistake) -> bool:
+    """Whether undoing the mistake multiplies the COM and nothing else, by so little that any COM outside the part may get near by
+    chance: an inch, a centimetre, a decimal point. Of millimetres one in a thousand does in each direction."""
+    if mistake.id == "com_unit":
+        return mistake.detail != "mm"
+    return mistake.id == "decimal_point" and mistake.detail.startswith("com ") and mistake.detail.count(" ") == 1
 
 
 def _is_meaningless_scaling(
@@ -333,7 +344,8 @@ def _is_convincing(ranking: _Ranking, reference: Reference) -> bool:
         return False
     if best.id == "other_mass":  # any tensor fits a sphere of some mass, and a motor changes the size as a mass does
         moments = np.linalg.eigvalsh(ranking.numbers[0].tensor)
-        return worst < EXACT and bool(moments[-1] - moments[0] > _NOT_A_SPHERE * moments[-1])
+        equal = tensor_mismatch < PROPORTIONAL and com_mismatch < EXACT
+        return equal and bool(moments[-1] - moments[0] > _NOT_A_SPHERE * moments[-1])
     if twin is not None:  # the reference is not a uniform solid, but the numbers as they should be
         return worst < EXACT
     if best.borrowed == (0, 0):
@@ -344,7 +356,7 @@ def _is_convincing(ranking: _Ranking, reference: Reference) -> bool:
             return False
     if reference.mixture is OPEN_MIXTURE and best.id not in _COARSE:
         return False
-    return worst < (NEAR / 2 if best.id == "decimal_point" else NEAR)
+    return worst < (NEAR / 2 if best.id == "decimal_point" and not _has_to_agree(best) else NEAR)
 
 
 def _measure_effect(declared: DeclaredInertial, mended: DeclaredInertial, factor: float) -> float:

@@ -159,14 +159,16 @@ def check_inertia_validity(inertia: ArrayLike, rel_tol: float = 1e-9) -> Inertia
 def measure_tensor_rounding(texts: Sequence[str], rel_tol: float = 1e-9) -> TensorRounding:
     """Measure whether rounding explains a violated triangle inequality, and with how many digits it would not.
 
-    ``texts``: ``ixx ixy ixz iyy iyz izz`` as typed. Each means any number within half a unit of its last place; zeros are
-    exact. ``digits`` of the result: significant digits with which rounding costs at most ``rel_tol`` of the largest moment.
+    ``texts``: ``ixx ixy ixz iyy iyz izz`` as typed. Each means any number within half a unit of its last place; products of
+    zero are exact, and a moment of zero was rounded as coarsely as the others. ``digits`` of the result: significant digits with
+    which rounding costs at most ``rel_tol`` of the largest moment.
 
     :raises ValueError: when a text is not a finite number.
     """
     values = [_parse_decimal(text) for text in texts]
     typed = [float(value) for value in values]
     half = list_half_units(texts)
+    half = [max(half) if i in (0, 3, 5) and not h else h for i, h in enumerate(half)]
     report = check_inertia_validity(build_inertia_tensor(typed), rel_tol)
     largest = max(abs(values[i]) for i in (0, 3, 5))
     # The slack I1 + I2 - I3 changes by at most 1 for each moment and 2 for both places of a product.

@@ -62,7 +62,8 @@ LOG_PRIORS = {
     "row_major": 8.0,
     "row_major (of zeros)": 0.0,
     "one_sign": -4.5,  # a slip of the hand; each of nine numbers
-    "decimal_point": -4.5,  # a slip of the hand; each of ten numbers and six powers of ten, half a nat less per digit
+    # A slip of the hand; each of ten numbers and six powers of ten, half a nat less per digit; or all of the COM's.
+    "decimal_point": -4.5,
     "shell": -3.0,  # suspected: 24 links
     "bounding_box": -3.0,  # suspected: 25 links
     "convex_hull": -3.5,
@@ -127,6 +128,8 @@ _MESH_SCALES = (
     ("39.37", 1 / _INCH, "mesh_scale (cm, in)"),
 )
 _DECIMAL_POWERS = (1, -1, 2, -2, 3, -3)
+# Those by which the unit of the whole COM is wrong: cm and mm.
+_LENGTH_POWERS = frozenset({-2, -3})
 
 # URDF's order of the components, and their places in the matrix.
 _COMPONENT_NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -300,6 +303,11 @@ def _undo_decimal_point() -> Multiplied:
         yield mass, Multiplier(mass=factor)
         for name, multiplier in _iter_tensor_and_com_numbers(factor):
             yield _make_mistake("decimal_point", f"{name} {factor:g}", penalty=penalty), multiplier
+        if power not in _LENGTH_POWERS:
+            yield (
+                _make_mistake("decimal_point", f"com {factor:g}", penalty=penalty),
+                Multiplier(com=np.ones(3) * factor),
+            )
 
 
 def _iter_tensor_and_com_numbers(factor: float) -> Iterator[tuple[str, Multiplier]]:

@@ -9,15 +9,33 @@ import numpy as np
 
 from urdfcheck.core import Edit, Span
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
-from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_solid_inertia
+from urdfcheck.facts.inertials.inertia_tensor import (
+    build_inertia_tensor,
+    check_inertia_validity,
+    compute_solid_inertia,
+    measure_tensor_rounding,
+)
+from urdfcheck.facts.inertials.tensor_slips import (
+    TensorSlip,
+    find_filled_products,
+    find_nearest_tensor,
+    find_repeated_slot,
+    find_wrong_signs,
+)
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Link
+from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import NEGLIGIBLE_DIFFERENCE, InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 # A flat part's tensor that was typed with three digits may miss the triangle inequality by this share of its largest moment.
 TRIANGLE_SLACK = 5e-3
+# A tensor that misses the triangle inequality by less than this part of its largest moment is the author's, a little off; the
+# nearest possible one is offered as an edit where it changes less.
+SMALL_EXCESS = 0.05
+
+# Causes of INR009 that the pages of INR003 and INR004 have as well.
+_SIGN_CAUSES = frozenset({"products_sign", "one_sign"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,38 +47,129 @@ class InertialProposal:
     """What a message says of it, from its semicolon on."""
     remedy: str = ""
     """How the advice begins."""
+    cause: str | None = None
+    """The id of the cause on the pages of INR003 and INR004, where the numbers show one."""
+    detail: str = ""
+    """The parameter of the cause."""
 
 
 def propose_repair(model: Model, link: Link) -> InertialProposal:
-    """Propose the single edit that makes an inertial possible and equal to that of the drawn part or of its twin.
+    """Propose the smallest change that makes an inertia tensor possible, by what is known of the mistake.
 
-    Without such an edit, the inertia of the drawn part.
+    In this order: products that were filled in; the one mistake that explains the numbers, by the drawn part or a twin; other
+    signs of the products; where little is missing, or the digits are too few, the nearest tensor that a body can have, about the
+    author's own COM. Only then the inertia of the drawn part.
     """
+    declared = model.tensor_by_name.get(link.name)
+    if declared is None:
+        return InertialProposal()
+    filled = find_filled_products(declared.components, declared.texts)
+    if filled is not None:
+        return _propose_slip(link, filled, "{detail}: with the products 0 the tensor is that of a possible body")
+    undone = _propose_diagnosed_undo(model, link)
+    if undone is not None:
+        return undone
+    typed = measure_tensor_rounding(declared.texts)
+    slip = None if typed.explained_by_rounding else _find_sign_slip(model, declared)
+    if slip is not None:
+        return _propose_signs(model, link, slip)
+    repeated = find_repeated_slot(declared.texts)
+    if repeated is not None:
+        return InertialProposal(
+            message=f"; {repeated.detail} digit for digit", cause=repeated.id, detail=repeated.detail
+        )
+    if typed.explained_by_rounding or -typed.excess < SMALL_EXCESS:
+        return _propose_nearest(link, declared, "digits" if typed.explained_by_rounding else None)
+    drawn = propose_from_geometry(model, link)
+    if drawn is None or not drawn.text:
+        return InertialProposal()
+    return InertialProposal(
+        drawn.edits, "", f"write {drawn.text}, which is the drawn part's at this mass and uniform density; or "
+    )
+
+
+def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None:
+    """Propose the single edit that makes an inertial possible and equal to that of the drawn part or of its twin; None where no
+    mistake is certain."""
     from urdfcheck.model.inertials.inertia_diagnosis import (
         inertial_diagnoses,  # heavy, and needed for wrong inertials only
     )
 
     diagnosed = inertial_diagnoses(model).get(link.name)
     change = propose_undo(model, link)
-    if diagnosed is not None and change is not None and diagnosed.diagnosis.mended is not None:
-        diagnosis, possible = (
-            diagnosed.diagnosis,
-            check_inertia_validity(diagnosed.diagnosis.mended.tensor, TRIANGLE_SLACK),
-        )
-        if possible.positive_definite and possible.triangle_inequality:
-            reference = (
-                "the part that is drawn" if diagnosis.judged_by == "mesh" else f"its twin {', '.join(diagnosed.twins)}"
-            )
-            mistake = (diagnosis.cause or "").replace("_", " ")
-            claim = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
-            if diagnosis.unique:
-                claim = f"one edit ({mistake}) makes it that of {reference}, and no other single edit does"
-            return InertialProposal(change.edits, f"; {claim}: {change.text}", f"write {change.text}; or ")
-    drawn = propose_from_geometry(model, link)
-    if drawn is None or not drawn.text:
-        return InertialProposal()
+    if diagnosed is None or change is None or diagnosed.diagnosis.mended is None:
+        return None
+    diagnosis = diagnosed.diagnosis
+    possible = check_inertia_validity(diagnosed.diagnosis.mended.tensor, TRIANGLE_SLACK)
+    if not (possible.positive_definite and possible.triangle_inequality):
+        return None
+    reference = "the part that is drawn" if diagnosis.judged_by == "mesh" else f"its twin {', '.join(diagnosed.twins)}"
+    mistake = (diagnosis.cause or "").replace("_", " ")
+    claim = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
+    if diagnosis.unique:
+        claim = f"one edit ({mistake}) makes it that of {reference}, and no other single edit does"
     return InertialProposal(
-        drawn.edits, "", f"write {drawn.text}, which is the drawn part's at this mass and uniform density; or "
+        change.edits,
+        f"; {claim}: {change.text}",
+        f"write {change.text}; or ",
+        cause=diagnosis.cause if diagnosis.cause in _SIGN_CAUSES else None,
+        detail=diagnosis.detail,
+    )
+
+
+def _find_sign_slip(model: Model, declared: DeclaredTensor) -> TensorSlip | None:
+    inertial, drawn = declared.inertial, measure_link_geometry(model, declared.link)
+    matrix, expected = inertial.origin.matrix, None
+    if drawn is not None and matrix is not None and inertial.mass is not None and inertial.mass > 0:
+        rotation = matrix[:3, :3]
+        expected = rotation.T @ compute_solid_inertia(drawn.solid, inertial.mass) @ rotation
+    return find_wrong_signs(declared.components, expected)
+
+
+def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialProposal:
+    """Propose other signs of products; as an edit only where the drawn part tells which."""
+    claim = "with the other sign of {detail} the tensor is that of a possible body"
+    if slip.residual is None:
+        proposal = _propose_slip(link, slip, claim)
+        return replace(proposal, edits=(), remedy=f"compare the signs with the CAD program's; {proposal.remedy}")
+    before, after = (f"{100 * share:.0f} %" for share in slip.residual)
+    claim += f", and its products are {after} from the drawn part's instead of {before}"
+    proposal = _propose_slip(link, slip, claim)
+    text = None if link.inertial is None else link.inertial.element.span
+    return proposal if len(_links_by_inertial_text(model)[text]) == 1 else replace(proposal, edits=())
+
+
+def _propose_slip(link: Link, slip: TensorSlip, claim: str) -> InertialProposal:
+    change = None if slip.components is None else _replace_tensor(link, slip.components)
+    edits, text = ((), "") if change is None else (change.edits, change.text)
+    return InertialProposal(
+        edits,
+        f"; {claim.format(detail=slip.detail)}" + (f": {text}" if text else ""),
+        f"if that is the mistake, write {text}; else " if text else "",
+        cause=slip.id,
+        detail=slip.detail,
+    )
+
+
+def _propose_nearest(link: Link, declared: DeclaredTensor, cause: str | None) -> InertialProposal:
+    components, change = find_nearest_tensor(declared.components)
+    nearest = _replace_tensor(link, components)
+    if nearest is None or not nearest.text:
+        return InertialProposal()
+    remedy = f"write {nearest.text}, the nearest tensor that a body can have ({100 * change:.2g} % off); better "
+    return InertialProposal(nearest.edits if change < SMALL_EXCESS else (), "", remedy, cause=cause)
+
+
+def _replace_tensor(link: Link, components: Sequence[float]) -> InertialRepair | None:
+    """Build the change of the tensor alone."""
+    inertial = link.inertial
+    matrix = None if inertial is None else inertial.origin.matrix
+    if inertial is None or inertial.mass is None or matrix is None:
+        return None
+    com, rotation = matrix[:3, 3], matrix[:3, :3]
+    tensor = build_inertia_tensor(components)
+    return build_inertial_repair(
+        inertial, DeclaredInertial(mass=inertial.mass, com=com, tensor=tensor, rotation=rotation)
     )
 
 

@@ -7,12 +7,32 @@ from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from itertools import combinations
 
+from urdfcheck.core.text import split_name_words
+
 # Words of a name: camel case, digits and punctuation separate them.
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^A-Za-z\d]+")
 _SIDES = re.compile(r"left|right", re.IGNORECASE)
 _OTHER: Mapping[str, str] = {"left": "right", "right": "left", "l": "r", "r": "l"}
 # A name with more words than this that could mean a side does not mean one.
 _MOST = 4
+
+
+# What a word of a name says of the place of a part that there is several times: sides, ends, and both in one.
+_PLACES = frozenset(
+    {
+        *("left", "right", "front", "rear", "back", "hind", "middle", "l", "r", "f", "b", "h", "m"),
+        *(a + b for side in "lr" for end in "frbhm" for a, b in ((side, end), (end, side))),
+    }
+)
+
+
+def remove_places(name: str) -> tuple[str, ...]:
+    """Return the words of a name in lower case without those for its place: ``FL_thigh`` and ``RearRightThigh`` are one thigh.
+
+    All words where no other is left.
+    """
+    words = tuple(word.lower() for word in split_name_words(name))
+    return tuple(word for word in words if word not in _PLACES) or words
 
 
 def pair_by_name(names: Iterable[str]) -> Iterator[tuple[str, str]]:

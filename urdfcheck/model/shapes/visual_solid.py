@@ -42,6 +42,13 @@ def measure_link_geometry(
     return colliding if drawn is None or (colliding is not None and colliding.closed) else drawn
 
 
+@fact
+def measure_role_geometry(model: Model, link: Link, role: str) -> VisualGeometry | None:
+    """Measure the shapes of one ``role`` (``visual`` or ``collision``) alone, as `measure_link_geometry` does."""
+    shapes = link.visuals if role == "visual" else link.collisions
+    return _measure_shapes(model, shapes, apply_unit=True, apply_up_axis=False)
+
+
 def split_visual_bodies(model: Model, link: Link) -> tuple[Solid, ...]:
     """Split the closed visual meshes of a link into their separate bodies, in its frame: the parts of a CAD assembly.
 

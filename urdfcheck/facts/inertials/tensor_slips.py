@@ -1,0 +1,128 @@
+"""What the six numbers of an impossible inertia tensor say of the mistake in them, and the nearest tensor that a body can have.
+
+Components are URDF's ``ixx ixy ixz iyy iyz izz`` in kg m².
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.facts.inertials.inertia_tensor import (
+    build_inertia_tensor,
+    check_inertia_validity,
+    compute_mass_covariance,
+    compute_triangle_excess,
+    list_inertia_components,
+)
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Mat3, Vec3
+
+NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_MOMENTS, _PRODUCTS = (0, 3, 5), (1, 2, 4)
+# A number with so many digits stands twice because it was written twice.
+_TELLING_DIGITS = 4
+# The other signs of the products must bring them so much nearer to the drawn part's.
+_NEARER = 0.5
+# A smallest second moment by this part of the largest moment survives rounding to six digits.
+_THICKNESS = 1e-5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TensorSlip:
+    """A mistake that the numbers show."""
+
+    id: str
+    """``products_filled`` | ``slot_repeated`` | ``products_sign`` | ``one_sign``."""
+    detail: str
+    """Which numbers, in words."""
+    components: tuple[float, ...] | None
+    """The numbers without the mistake; None where what was meant is not known."""
+    residual: tuple[float, float] | None = None
+    """How far the products are from the drawn part's of the same size, as typed and without the mistake, in parts of these; None
+    where nothing is drawn."""
+
+
+def find_filled_products(components: Sequence[float], texts: Sequence[str]) -> TensorSlip | None:
+    """Find products of inertia that were filled in like the moments: one number three or six times, and a possible body without
+    it."""
+    values = {components[i] for i in _PRODUCTS}
+    without = tuple(v if i in _MOMENTS else 0.0 for i, v in enumerate(components))
+    if len(values) != 1 or not all(values) or not _is_possible(without):
+        return None
+    which = "all six numbers" if len(set(components)) == 1 else "all three products"
+    return TensorSlip(id="products_filled", detail=f"{which} are {texts[1].strip()}", components=without)
+
+
+def find_repeated_slot(texts: Sequence[str]) -> TensorSlip | None:
+    """Find a product that repeats a moment digit for digit."""
+    words = [text.strip().lstrip("+-") for text in texts]
+    for i in _PRODUCTS:
+        digits = words[i].lower().partition("e")[0].replace(".", "").strip("0")
+        for j in _MOMENTS:
+            if len(digits) >= _TELLING_DIGITS and words[i] == words[j]:
+                return TensorSlip(id="slot_repeated", detail=f"{NAMES[i]} repeats {NAMES[j]}", components=None)
+    return None
+
+
+def find_wrong_signs(components: Sequence[float], drawn: Mat3 | None) -> TensorSlip | None:
+    """Find the signs of products with which the tensor is possible.
+
+    ``drawn`` (3, 3): the tensor of the drawn part in the same axes, which decides whether all three signs are wrong or one; it
+    must be nearer with these signs than with any others. Without it all three are taken, for which there is a reason.
+    """
+    typed = np.array([components[i] for i in _PRODUCTS])
+    signs = [np.array(s) for s in product((1.0, -1.0), repeat=3)]
+    if not typed.all() or not _is_possible(_replace_products(components, -typed)):
+        return None  # with one product of zero the signs do not matter
+    if drawn is None:
+        return TensorSlip(
+            id="products_sign", detail="all three products", components=_replace_products(components, -typed)
+        )
+    scale = sum(components[i] for i in _MOMENTS) / float(np.trace(drawn))  # another density is no question of signs
+    expected = scale * np.array([list_inertia_components(drawn)[i] for i in _PRODUCTS])
+    size = float(np.linalg.norm(expected))
+    distances = [float(np.linalg.norm(typed * s - expected)) for s in signs]
+    best = signs[int(np.argmin(distances))]
+    wrong = np.flatnonzero(best < 0)
+    if best.prod() > 0 or not min(distances) < _NEARER * distances[0]:
+        return None
+    return TensorSlip(
+        id="products_sign" if len(wrong) == 3 else "one_sign",
+        detail="all three products" if len(wrong) == 3 else NAMES[_PRODUCTS[int(wrong[0])]],
+        components=_replace_products(components, typed * best),
+        residual=(distances[0] / size, min(distances) / size),
+    )
+
+
+def find_nearest_tensor(components: Sequence[float]) -> tuple[tuple[float, ...], float]:
+    """Find the tensor of a body with the nearest second moments, and by how much its numbers differ at most, in parts of its
+    largest.
+
+    The second moments ``½ tr(I) 1 - I`` of a body are positive semidefinite: negative ones become (nearly) zero, which is the
+    nearest such matrix in the Frobenius norm (Higham, *Computing a nearest symmetric positive semidefinite matrix*, 1988).
+    """
+    typed = build_inertia_tensor(components)
+    second, axes = np.linalg.eigh(compute_mass_covariance(typed, 1.0))
+    kept: Vec3 = np.maximum(second, _THICKNESS * float(np.abs(second).max()))
+    covariance = (axes * kept) @ axes.T
+    nearest = np.trace(covariance) * np.eye(3) - covariance
+    largest = float(np.abs(nearest).max())
+    nearest[np.abs(nearest) < 1e-12 * largest] = 0.0
+    return tuple(list_inertia_components(nearest)), float(np.abs(nearest - typed).max()) / largest
+
+
+def _replace_products(components: Sequence[float], products: Vec3) -> tuple[float, ...]:
+    replaced = dict(zip(_PRODUCTS, products.tolist(), strict=True))
+    return tuple(replaced.get(i, v) for i, v in enumerate(components))
+
+
+def _is_possible(components: Sequence[float]) -> bool:
+    """Whether a solid body can have the numbers."""
+    tensor = build_inertia_tensor(components)
+    return check_inertia_validity(tensor).positive_definite and compute_triangle_excess(tensor) > 0.0
