@@ -144,7 +144,7 @@ def _add_head(page: _BoundedPage, run: Run) -> None:
     suppressed = sum(run.suppressed_counts.values())
     hidden = f" · {suppressed} known and not shown" if suppressed else ""
     page.add_lines(f"{counts} · in {describe_checked_units(run)}{hidden}", "")
-    failures = [[f"- urdfcheck failed: {escape_for_markdown(_truncate_text(failure))}"] for failure in run.failures]
+    failures = [[f"- not checked: {escape_for_markdown(_truncate_text(failure))}"] for failure in run.failures]
     page.add_group("failure", head=[], blocks=failures, foot=[""])
     blocks = [[_format_unchecked_group(group)] for group in group_unchecked(run.unchecked_models)]
     page.add_group("reason why models were not checked", head=[], blocks=blocks, foot=[""])

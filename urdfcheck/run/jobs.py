@@ -193,3 +193,6 @@ class UnitReport:
     """Those of them of which a link or joint was made."""
     role: ModelRole = MODEL
     """What the file is: where it is no model of its own, the report holds nothing else but `robot_files`."""
+    undeclared: Mapping[str, str] | None = None
+    """Arguments that were given and that the model does not declare, each with the name of a declared one that resembles it, if
+    any; None where what it declares is unknown."""

@@ -25,6 +25,7 @@ from urdfcheck.policy.config import Config
 from urdfcheck.rules import find_pages_folder
 from urdfcheck.run.assemble_run import build_run
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, UnitReport
+from urdfcheck.run.source_texts import SourceTexts
 from urdfcheck.run.unchecked import build_stopped_report
 from urdfcheck.run.unit_audit import audit_unit
 from urdfcheck.run.variants import format_arguments, propose_smaller_variants
@@ -93,6 +94,8 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     start = time.perf_counter()
     plan, units = plan_units(request, in_process=execution.audit is not None)
     reports = {} if previous is None else _reuse_reports(previous, units, request.options.texts)
+    texts = SourceTexts()
+    reports = {index: texts.share(report, units[index].id) for index, report in reports.items()}
     with audit_session(request, units, plan) as settings:
         while missing := list_next_units(units, reports):
             total = len(reports) + len(missing)
@@ -101,7 +104,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
             )
             with contextlib.suppress(KeyboardInterrupt), contextlib.closing(stream):
                 for place, report in stream:
-                    reports[missing[place]] = report
+                    reports[missing[place]] = texts.share(report, units[missing[place]].id)
                     if execution.on_progress is not None:
                         execution.on_progress(len(reports), total)
             if any(index not in reports for index in missing):

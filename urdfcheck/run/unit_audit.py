@@ -11,6 +11,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,6 +37,8 @@ from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.run.shown_paths import PathShortener
+from urdfcheck.run.source_texts import RULE as TEXTS_RULE
+from urdfcheck.run.source_texts import limit_texts
 from urdfcheck.run.unchecked import explain_unchecked, locate_unit, mark_cause, report_stopped_unit
 from urdfcheck.source.launch.launch_file import Launch, load_launch
 from urdfcheck.source.load import Source, load_source
@@ -45,6 +48,7 @@ from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.resources import find_uninstalled_files
 from urdfcheck.source.text.suppression_comments import find_ignore_comments
 from urdfcheck.source.text.xml import Element, SourceFile
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
 
@@ -372,6 +376,9 @@ class _UnitAudit:
             if not any(finding.blocks_check for finding in settled.findings):
                 self.failures.append(f"{self.unit.id} could not be read, and no rule says why")
         named_files |= {usage.comment.span.file for usage in usages}
+        sources, left_out = limit_texts({name: text for name, text in self.texts.items() if name in named_files})
+        if left_out:
+            self.add_skip(TEXTS_RULE, left_out)
         return UnitReport(
             findings=settled.findings,
             skipped=(*self.skipped, *settled.unlisted),
@@ -380,13 +387,14 @@ class _UnitAudit:
             pairs=self.pairs,
             drop=self.drop,
             outline=self.outline,
-            sources={name: text for name, text in self.texts.items() if name in named_files},
+            sources=sources,
             failures=tuple(self.failures),
             comments=usages,
             files=() if self.source is None else tuple(self.source.files),
             expanded_files=frozenset() if self.source is None else frozenset(self.source.trees),
             robot_files=frozenset() if self.source is None else collect_robot_files(self.source),
             role=self.role,
+            undeclared=None if self.source is None else _find_undeclared_arguments(self.source),
         )
 
     def read_named_files(self) -> set[str]:
@@ -411,6 +419,20 @@ class _UnitAudit:
             return read_regular(path).decode("utf-8", "replace")
         except OSError:
             return None
+
+
+def _find_undeclared_arguments(source: Source) -> dict[str, str] | None:
+    """Return what :attr:`UnitReport.undeclared` holds."""
+    if source.root is None:
+        return None
+    elements = iter_elements_by_tag(source.trees, "xacro:arg") if source.is_xacro else ()
+    declared = {name for element in elements if (name := element.get("name")) is not None}
+    similar = {name: get_close_matches(name, declared, n=1) for name in source.arguments if name not in declared}
+    return {
+        name: found[0] if found else ""
+        for name, found in similar.items()
+        if name not in source.arguments_read  # $(arg name) works without a declaration
+    }
 
 
 def _find_missing_tier(rule: Rule, tier: str) -> str | None:

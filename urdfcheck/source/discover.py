@@ -29,6 +29,7 @@ from urdfcheck.source.package.file_kinds import (
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, explain_unreachable
+from urdfcheck.system.files import is_known_file
 
 
 class ConfiguredModel(Protocol):
@@ -239,7 +240,7 @@ class _Planner:
                 self.missing.append((str(path), reason))
             elif path.is_dir():
                 self.add_folder(path)
-            elif path.is_file():
+            elif is_known_file(path):
                 self.add_file(path)
             elif path.exists():
                 self.missing.append((str(path), "is neither a file nor a folder"))
