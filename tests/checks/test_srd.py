@@ -129,6 +129,52 @@ def test_a_configuration_beside_the_description_may_be_for_another_robot(tmp_pat
     assert workspace(tmp_path, "") == []
 
 
+def two_robots_of_one_name(folder: Path, setup: str = "", beside: str = "") -> dict[str, list[str]]:
+    """A robot, and a MoveIt configuration for two of them under the same name, which names a group that does not exist."""
+    source = folder / "workspace" / "src"
+    for package, needs in (("arm_description", ""), ("dual_moveit_config", "<depend>arm_description</depend>")):
+        (source / package / "config").mkdir(parents=True)
+        (source / package / "package.xml").write_text(f'<package format="3"><name>{package}</name>{needs}</package>')
+    links = "".join(f'<link name="{side}_{n}"/>' for side in ("left", "right") for n in ("base", "tool"))
+    fixed = '<joint name="{0}_{1}" type="fixed"><parent link="{0}"/><child link="{1}"/></joint>'
+    ends = (("left_base", "left_tool"), ("left_base", "right_base"), ("right_base", "right_tool"))
+    dual = f'<robot name="arm">{links}{"".join(fixed.format(*pair) for pair in ends)}</robot>'
+    chains = "".join(
+        f'<group name="{s}"><chain base_link="{s}_base" tip_link="{s}_tool"/></group>' for s in ("left", "right")
+    )
+    (source / "arm_description" / "arm.urdf").write_text(f'<robot name="arm">{ARM}</robot>')
+    config = source / "dual_moveit_config"
+    (config / "config" / "arm.srdf").write_text(
+        f'<robot name="arm">{chains}<group_state name="s" group="both"/></robot>'
+    )
+    if beside:
+        (source / beside).write_text(dual)
+    if setup:
+        (config / ".setup_assistant").write_text(
+            "moveit_setup_assistant_config:\n  SRDF:\n    relative_path: config/arm.srdf\n"
+            f"  URDF:\n    package: {setup.partition('/')[0]}\n    relative_path: {setup.partition('/')[2]}\n"
+        )
+    run = check(source, codes={"SRD001"})
+    return {Path(m.path).parent.name: ids(f for f in run.findings if f.model == m.id) for m in run.models}
+
+
+def test_a_description_is_told_of_the_robot_beside_it_and_not_of_another_of_its_name(tmp_path: Path) -> None:
+    beside = "dual_moveit_config/config/dual.urdf"
+    assert two_robots_of_one_name(tmp_path, beside=beside) == {"arm_description": [], "config": ["group"]}
+
+
+def test_a_description_is_told_of_the_robot_that_it_was_set_up_for(tmp_path: Path) -> None:
+    found = two_robots_of_one_name(tmp_path, setup="dual_description/urdf/dual.urdf.xacro")
+    assert found == {"arm_description": []}
+    found = two_robots_of_one_name(tmp_path / "other", setup="arm_description/arm.urdf")
+    assert found == {"arm_description": ["group"]}
+
+
+def test_a_description_is_told_of_the_robot_of_the_package_that_it_fits(tmp_path: Path) -> None:
+    found = two_robots_of_one_name(tmp_path, beside="arm_description/config/dual.urdf")
+    assert found == {"arm_description": [], "config": ["group"]}
+
+
 # -- groups ------------------------------------------------------------------------------------------------------------
 
 

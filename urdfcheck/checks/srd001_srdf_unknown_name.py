@@ -12,7 +12,7 @@ from urdfcheck.model.likeness.sibling_robots import PackageNames, package_names
 from urdfcheck.model.motion.planning_limits import collect_group_joints
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_literals
-from urdfcheck.source.ros.srdf import Srdf, is_about_model, is_configured_for
+from urdfcheck.source.ros.srdf import Srdf, has_derived_model, is_about_model, is_configured_for, is_set_up_for_another
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -51,11 +51,18 @@ class _NameUse:
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     elsewhere = package_names(model)
-    srdfs = [srdf for srdf in semantic_descriptions(model) if is_about_model(srdf, model.source)]
-    for srdf in srdfs:
-        yield from _check_unknown_names(model, rule, srdf=srdf, elsewhere=elsewhere)
-        yield from _check_unknown_groups(rule, srdf)
-        yield from _check_group_cycles(rule, srdf)
+    srdfs: list[Srdf] = []
+    for srdf in semantic_descriptions(model):
+        if not is_about_model(srdf, model.source):
+            continue
+        missing = _find_missing_names(model, srdf)
+        if missing and _fits_another_robot(model, srdf, missing=missing, elsewhere=elsewhere):
+            continue
+        srdfs.append(srdf)
+        yield from _check_unknown_names(model, rule, srdf=srdf, missing=missing, elsewhere=elsewhere)
+        if not missing or not has_derived_model(srdf, model.source):  # else they are told of the derived model
+            yield from _check_unknown_groups(rule, srdf)
+            yield from _check_group_cycles(rule, srdf)
     for srdf in srdfs:
         yield from _check_chains(model, rule, srdf)
         yield from _check_virtual_joints(model, rule, srdf)
@@ -72,14 +79,43 @@ def _collect_name_uses(srdf: Srdf) -> Iterator[_NameUse]:
                     yield _NameUse(kind, attribute)
 
 
-def _check_unknown_names(model: Model, rule: Rule, *, srdf: Srdf, elsewhere: PackageNames) -> Iterator[Finding]:
-    """Report each name of a link or joint that the robot and its other variants lack."""
-    known = {"link": frozenset(model.link_by_name), "joint": model.joint_by_name.keys() | srdf.virtual_joints}
-    uses: dict[tuple[str, str], list[_NameUse]] = {}
+# The uses of each name, by its kind (link or joint) and itself.
+_Uses = dict[tuple[str, str], list[_NameUse]]
+
+
+def _collect_uses_by_name(srdf: Srdf) -> _Uses:
+    uses: _Uses = {}
     for use in _collect_name_uses(srdf):
         if use.kind != "group":
             uses.setdefault((use.kind, use.name), []).append(use)
-    missing = {key: like for key, like in uses.items() if key[1] not in known[key[0]]}
+    return uses
+
+
+def _find_missing_names(model: Model, srdf: Srdf) -> _Uses:
+    """Return the links and joints that a description names and the robot lacks."""
+    known = {"link": model.link_by_name.keys(), "joint": model.joint_by_name.keys() | srdf.virtual_joints}
+    return {key: like for key, like in _collect_uses_by_name(srdf).items() if key[1] not in known[key[0]]}
+
+
+def _fits_another_robot(model: Model, srdf: Srdf, *, missing: _Uses, elsewhere: PackageNames) -> bool:
+    """Whether a description that does not fit the model is for another robot of this name.
+
+    That is what the Setup Assistant noted, or a robot of its own package, or one of the model's package.
+    """
+    if is_set_up_for_another(srdf, model.source):
+        return True
+    is_mostly_unknown = 2 * len(missing) > len(_collect_uses_by_name(srdf))
+    if has_derived_model(srdf, model.source):
+        return is_mostly_unknown
+    return all(elsewhere.can_package_have(kind, name) for kind, name in missing)
+
+
+def _check_unknown_names(
+    model: Model, rule: Rule, *, srdf: Srdf, missing: _Uses, elsewhere: PackageNames
+) -> Iterator[Finding]:
+    """Report each name of a link or joint that the robot and its other variants lack."""
+    known = {"link": frozenset(model.link_by_name), "joint": model.joint_by_name.keys() | srdf.virtual_joints}
+    uses = _collect_uses_by_name(srdf)
     if 2 * len(missing) > len(uses):
         return  # it is for another robot of this name
     is_certain = is_configured_for(srdf, model.source)

@@ -263,7 +263,8 @@ def _format_tree(scene: Scene, findings: Sequence[Finding]) -> list[str]:
 def _add_skipped(page: _BoundedPage, run: Run) -> None:
     reasons: dict[str, set[str]] = {}
     for skip in run.skipped:
-        reasons.setdefault(skip.reason, set()).add(skip.code)
+        named = f" ({skip.model})" if skip.code == "ALL" and skip.model else ""
+        reasons.setdefault(f"{skip.reason}{named}", set()).add(skip.code)
     blocks = [
         [f"- {', '.join(sorted(codes))}: {escape_for_markdown(_truncate_text(reason))}"]
         for reason, codes in sorted(reasons.items())

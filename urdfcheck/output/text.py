@@ -373,7 +373,9 @@ def _iter_skipped(run: Run, width: int) -> Iterator[Text]:
         codes.add(skip.code)
         models.add(skip.model)
     for reason, (codes, models) in sorted(reasons.items()):
-        where = "" if "" in models or len(models) >= len(run.models) else f" ({join_first(sorted(models), 3)})"
+        # What was not checked at all is told by its name; it is none of the models.
+        applies_to_all = "" in models or (len(models) >= len(run.models) and "ALL" not in codes)
+        where = "" if applies_to_all else f" ({join_first(sorted(models), 3)})"
         line = f"skipped {join_first(sorted(codes), MAX_CODES)}: {escape_invisible(reason + where)}"
         yield from _wrap_text(Text(line, "dim"), width)
 

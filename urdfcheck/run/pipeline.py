@@ -409,15 +409,18 @@ def explain_unchecked_parts(audited_units: Sequence[tuple[Unit, UnitReport]]) ->
     A library that is part of something is left out: there is nothing in it to check.
     """
     used = _collect_robot_files(audited_units)
-    read = {name for _, report in audited_units if report.role == MODEL for name in report.expanded_files}
+    models = [report for _, report in audited_units if report.role == MODEL]
+    read = {name for report in models for name in report.expanded_files}
+    # What a model that could not be expanded is made of is unknown, and so is told with that model.
+    failed = (report for report in models if report.info is not None and report.info.status != "checked")
+    used.update(name for report in failed for name in report.expanded_files)
     reasons: dict[str, str] = {}
     for unit, report in audited_units:
-        name = format_path(Path(unit.path))
-        is_seen = name in (used if report.role.is_doubtful else read)
-        if report.role.kind == "part" and not is_seen and not is_srdf(Path(unit.path)):
-            reasons[name] = f"is a part that no checked model includes, and no model itself: {report.role.reason}"
-        elif report.role.kind == "library" and unit.is_explicit and not unit.is_part:
+        role, name = report.role, format_path(Path(unit.path))
+        if role.kind == "library" and unit.is_explicit and not unit.is_part:
             reasons[name] = "only defines macros, and no model of its package or repository includes it"
+        elif role.kind == "part" and name not in (used if role.is_doubtful else read) and not is_srdf(Path(unit.path)):
+            reasons[name] = f"is not checked: no model that was checked is made of this part, and {role.reason}"
     return sorted(reasons.items())
 
 

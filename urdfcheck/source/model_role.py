@@ -62,12 +62,16 @@ def collect_robot_files(source: Source) -> frozenset[str]:
 def _find_unexpanded_role(source: Source, *, is_part: bool) -> ModelRole:
     tree = source.main_tree
     kinds = {problem.kind for problem in source.problems}
-    if tree is None or not kinds <= _FOR_WANT_OF_CONTEXT:
+    if tree is None or kinds.isdisjoint(_FOR_WANT_OF_CONTEXT):
         return MODEL
     may_have_name = can_stand_alone(tree)
-    if not may_have_name and kinds == {_PACKAGE_MISSING} and defines_macros(tree) and not has_parts(tree):
+    if not may_have_name and _PACKAGE_MISSING in kinds and defines_macros(tree) and not has_parts(tree):
         return LIBRARY
-    return ModelRole("part", "it cannot be expanded alone", may_have_name) if is_part else MODEL
+    return (
+        ModelRole("part", "it cannot be expanded without the file that includes it", may_have_name)
+        if is_part
+        else MODEL
+    )
 
 
 def _is_library(source: Source) -> bool:

@@ -13,6 +13,8 @@ from pathlib import Path
 _PARTS = frozenset({
     *("config", "launch", "materials", "media", "meshes", "mesh", "rviz", "sdf", "srdf", "textures", "urdf", "urdfs", "xacro"),
 })  # fmt: skip
+# The one hidden file that belongs to a robot: what the MoveIt Setup Assistant was told.
+_VISIBLE = f"{os.sep}.setup_assistant"
 # The message about a file that is not opened.
 OUT_OF_REACH = "it lies outside of the folders that may be read (--allow-read)"
 
@@ -137,4 +139,4 @@ def is_below(real: str, root: str) -> bool:
         return True
     below = real[len(root) :] if root.endswith(os.sep) else real[len(root) + 1 :]
     inside = real.startswith(root.rstrip(os.sep) + os.sep)
-    return inside and not any(part.startswith(".") for part in below.split(os.sep))
+    return inside and not any(part.startswith(".") for part in below.removesuffix(_VISIBLE).split(os.sep))

@@ -14,14 +14,18 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
+from urdfcheck.source.ros.yaml_files import read_located_yaml
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.text.yaml import YamlReadError, YamlValue
 from urdfcheck.source.xacro.file_contents import has_only_macros
 
 # The folders of semantic descriptions in a MoveIt configuration. A description package of several robots may have one beside
 # each of them (robots/panda_description/srdf): the model's own package is searched, to a depth and a number of folders.
 SRDF_FOLDERS = ("", "config", "srdf")
 LEVELS_DOWN = 3
+# The file in which the MoveIt Setup Assistant keeps what it was told.
+SETUP_FILE = ".setup_assistant"
 MAX_FOLDERS = 200
 
 
@@ -156,12 +160,44 @@ def is_about_model(srdf: Srdf, source: Source) -> bool:
 
 def is_configured_for(srdf: Srdf, source: Source) -> bool:
     """Whether it is about the model itself, and not about a model that its package derives from it."""
+    return is_about_model(srdf, source) and not has_derived_model(srdf, source)
+
+
+def has_derived_model(srdf: Srdf, source: Source) -> bool:
+    """Whether a semantic description in another package lies beside a model of that package."""
     package = source.finder.find_package_of(srdf.path.absolute())
     is_elsewhere = package is not None and source.package is not None and package.path != source.package.path
-    has_derived_model = is_elsewhere and any(
+    return is_elsewhere and any(
         is_model(Path(name)) and ".urdf" in name.lower() for name in _list_names(srdf.path.parent)
     )
-    return is_about_model(srdf, source) and not has_derived_model
+
+
+def is_set_up_for_another(srdf: Srdf, source: Source) -> bool:
+    """Whether the MoveIt Setup Assistant made a semantic description for another file than the model's.
+
+    It notes the file in ``.setup_assistant`` in the package that it makes.
+    """
+    package = source.finder.find_package_of(srdf.path.absolute())
+    if package is None or srdf.path.absolute().parent == source.path.absolute().parent:
+        return False
+    try:
+        settings = read_located_yaml(package.path / SETUP_FILE, source.finder)
+    except YamlReadError:
+        return False
+    inner = None if settings is None else settings.get("moveit_setup_assistant_config")
+    urdf, made = (None if inner is None else inner.get(key) for key in ("URDF", "SRDF"))
+    if _get_text(made, "relative_path") != srdf.path.absolute().relative_to(package.path).as_posix():
+        return False
+    name, path = _get_text(urdf, "package"), _get_text(urdf, "relative_path")
+    if not name or not path:
+        return False
+    own = source.package
+    return own is None or own.name != name or own.path / path != source.path.absolute()
+
+
+def _get_text(mapping: YamlValue | None, key: str) -> str:
+    value = None if mapping is None else mapping.get(key)
+    return "" if value is None else value.text.strip()
 
 
 def load_srdf(

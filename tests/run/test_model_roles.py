@@ -1,0 +1,227 @@
+"""What a file is once it is expanded: no set of macros and no part is an error, and no model hides as one."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from conftest import check
+
+from urdfcheck.core import Run
+
+XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+INERTIA = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+BAD_LINK = f'<link name="a"><inertial><mass value="-1"/>{INERTIA}</inertial></link>'
+MACRO = '<xacro:macro name="wheel"><link name="w"/></xacro:macro>'
+
+
+def xacro(body: str, name: str = ' name="r"') -> str:
+    return f"<robot{name} {XMLNS}>{body}</robot>"
+
+
+def include(path: str) -> str:
+    return f'<xacro:include filename="{path}"/>'
+
+
+def joint(parent: str, child: str) -> str:
+    return f'<joint name="to_{child}" type="fixed"><parent link="{parent}"/><child link="{child}"/></joint>'
+
+
+def unless_asked(body: str) -> str:
+    return f'<xacro:if value="0">{body}</xacro:if>'
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "package.xml").write_text("<package><name>car</name></package>")
+    return tmp_path
+
+
+def write(folder: Path, files: Mapping[str, str]) -> None:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+
+
+def list_errors(run: Run) -> list[tuple[str, str]]:
+    return [(f.code, f.model) for f in run.findings if f.severity.name == "ERROR"]
+
+
+def list_unchecked(run: Run) -> list[str]:
+    return [skip.model for skip in run.skipped if skip.code == "ALL"]
+
+
+# -- what is no model --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["", ' name="wheels"'])
+@pytest.mark.parametrize(
+    "more", ["", '<xacro:property name="p" value="1"/><xacro:arg name="a" default="1"/>' + include("more.xacro")]
+)
+def test_a_library_of_macros_is_no_error_however_it_is_given(package: Path, name: str, more: str) -> None:
+    write(package, {"wheels.urdf.xacro": xacro(more + MACRO, name), "more.xacro": xacro(MACRO, "")})
+    for run in (check(Path("wheels.urdf.xacro")), check(Path("more.xacro")), check(Path("."))):
+        assert (list_errors(run), run.models) == ([], ())
+    assert list_unchecked(check(Path("wheels.urdf.xacro"))) == ["wheels.urdf.xacro"]
+
+
+def test_a_library_is_told_only_where_no_model_uses_it(package: Path) -> None:
+    write(
+        package, {"wheels.xacro": xacro(MACRO, ""), "car.urdf.xacro": xacro(include("wheels.xacro") + "<xacro:wheel/>")}
+    )
+    run = check(Path("wheels.xacro"))
+    assert [m.path for m in run.models] == ["car.urdf.xacro"]
+    assert (list_errors(run), list_unchecked(run)) == ([], [])
+
+
+def test_a_library_whose_includes_are_not_installed_is_still_one(package: Path) -> None:
+    write(package, {"lidar.urdf.xacro": xacro(include("$(find elsewhere)/urdf/lidar.xacro") + MACRO, "")})
+    assert list_errors(check(Path("lidar.urdf.xacro"))) == []
+    write(package, {"robot.urdf.xacro": xacro(include("$(find elsewhere)/urdf/lidar.xacro") + MACRO)})
+    assert list_errors(check(Path("robot.urdf.xacro"))) == [("PKG001", "robot.urdf.xacro")]
+
+
+def test_a_macro_that_a_model_forgets_to_call_leaves_a_library_but_an_idle_condition_does_not(package: Path) -> None:
+    write(package, {"idle.urdf.xacro": xacro(unless_asked('<link name="a"/>'))})
+    assert list_errors(check(Path("idle.urdf.xacro"))) == [("KIN007", "idle.urdf.xacro")]
+
+
+PARTS = {
+    "taken": include("part.xacro"),
+    "commented": f"<!-- {include('part.xacro')} -->",
+    "not taken": unless_asked(include("part.xacro")),
+    "named by a variable": include("$(optenv EXTRAS none.xacro)"),
+    "named by a variable with a default": unless_asked(include("$(optenv EXTRAS part.xacro)")),
+    "named by a needed variable": unless_asked(include("$(env EXTRAS)")),
+}
+
+
+@pytest.mark.parametrize("how", PARTS)
+def test_a_part_of_others_is_no_error(package: Path, how: str) -> None:
+    part = xacro('<link name="camera"/>' + joint("base", "camera"), "")
+    none = {"none.xacro": xacro("", "")}
+    write(package, {"car.urdf.xacro": xacro('<link name="base"/>' + PARTS[how]), "part.xacro": part, **none})
+    # One that no model was made of is named: it was not checked.
+    unchecked = [] if how == "taken" else ["part.xacro"]
+    for run in (check(Path("part.xacro")), check(Path("."))):
+        assert list_errors(run) == []
+        assert list_unchecked(run) == unchecked
+    assert [m.path for m in check(Path(".")).models] == ["car.urdf.xacro"]
+
+
+def test_a_part_with_a_name_that_needs_the_links_of_others_is_no_error(package: Path) -> None:
+    part = xacro('<link name="camera"/>' + joint("base", "camera"), ' name="camera"')
+    commented = f"<!-- {include('part.xacro')} -->"
+    write(package, {"car.urdf.xacro": xacro('<link name="base"/>' + commented), "part.xacro": part})
+    run = check(Path("."))
+    assert (list_errors(run), list_unchecked(run)) == ([], ["part.xacro"])
+    (skip,) = [skip for skip in run.skipped if skip.code == "ALL"]
+    assert "joint 'to_camera' names the link 'base'" in skip.reason
+
+
+def test_a_part_that_cannot_be_read_is_an_error_all_the_same(package: Path) -> None:
+    part = '<robot><xacro:camera/><link name="camera"/></robot>'
+    write(
+        package,
+        {"car.urdf.xacro": xacro('<link name="base"/>' + include("$(optenv EXTRAS none.xacro)")), "x.urdf": part},
+    )
+    write(package, {"none.xacro": xacro("", "")})
+    for run in (check(Path("x.urdf")), check(Path("."))):
+        assert list_errors(run) == [("XML001", "x.urdf")]
+
+
+# -- no model hides ----------------------------------------------------------------------------------------------------
+
+DECOY = '<link name="base"/>'
+HIDDEN = {
+    "in a property": {"bad.xacro": xacro(f'<xacro:property name="b">{BAD_LINK}</xacro:property><xacro:insert_block name="b"/>')},
+    "behind a false condition": {
+        "bad.xacro": xacro(BAD_LINK),
+        "ok.xacro": xacro(DECOY + unless_asked(include("bad.xacro"))),
+    },
+    "named by an attribute": {
+        "bad.xacro": xacro(f'<xacro:attribute name="name" value="bad"/>{BAD_LINK}', ""),
+        "ok.xacro": xacro(DECOY + unless_asked(include("bad.xacro"))),
+    },
+    "made of included files": {
+        "bad.xacro": xacro(include("links.xacro")),
+        "links.xacro": xacro(BAD_LINK, ""),
+        "ok.xacro": xacro(DECOY + unless_asked(include("bad.xacro"))),
+    },
+    "included where no link counts": {
+        "bad.xacro": xacro(include("links.xacro")),
+        "links.xacro": xacro(BAD_LINK, ""),
+        "ok.xacro": xacro(f"{DECOY}<gazebo>{include('bad.xacro')}</gazebo>"),
+    },
+    "included with other arguments": {
+        "bad.xacro": xacro(f'<xacro:arg name="a" default="1"/><xacro:if value="$(arg a)">{BAD_LINK}</xacro:if>'),
+        "ok.xacro": xacro(f'{DECOY}<xacro:arg name="a" default="0"/>{include("bad.xacro")}'),
+    },
+    "read as text": {
+        "bad.xacro": xacro(f'<xacro:attribute name="name" value="bad"/>{BAD_LINK}', ""),
+        "ok.xacro": xacro(f'{DECOY}<!-- {include("bad.xacro")} --><xacro:property name="x" value="bad.xacro"/>'),
+    },
+    "called by another name": {"bad.srdf.xacro": xacro(BAD_LINK)},
+    "called by another name, made by a macro": {
+        "bad.srdf.xacro": xacro(f'<xacro:macro name="m">{BAD_LINK}</xacro:macro><xacro:m/>')
+    },
+    "in capital letters": {"BAD.URDF": f'<robot name="r">{BAD_LINK}</robot>'},
+    "in a circle": {
+        "bad.xacro": xacro(BAD_LINK + unless_asked(include("ok.xacro"))),
+        "ok.xacro": xacro(unless_asked(include("bad.xacro"))),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("how", HIDDEN)
+def test_no_model_hides_in_a_folder_or_where_it_is_named(package: Path, how: str) -> None:
+    write(package, HIDDEN[how])
+    name = next(iter(HIDDEN[how]))
+    for run in (check(Path(".")), check(Path(name)), check(*map(Path, HIDDEN[how]))):
+        assert ("INR002", name) in list_errors(run), (how, run.findings)
+
+
+def test_a_model_that_is_a_link_to_outside_is_told_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path, {"outside/bad.urdf": f'<robot name="r">{BAD_LINK}</robot>', "in/package.xml": "<package/>"})
+    os.symlink("../outside/bad.urdf", tmp_path / "in" / "link.urdf")
+    monkeypatch.chdir(tmp_path / "in")
+    run = check(Path("."))
+    assert list_unchecked(run) == ["link.urdf"]
+
+
+def test_the_name_of_what_was_not_checked_is_in_the_text(package: Path) -> None:
+    from urdfcheck.output import markdown, text
+
+    write(package, {"wheels.xacro": xacro(MACRO)})
+    run = check(Path("wheels.xacro"))
+    assert "(wheels.xacro)" in text.render(run, width=200)
+    assert "wheels.xacro" in markdown.render_job_summary(run)
+
+
+def test_another_model_format_is_named_as_what_it_is(package: Path) -> None:
+    files = {
+        "a.sdf": "<sdf/>",
+        "B.SDF": "<sdf/>",
+        "c.world": "<sdf/>",
+        "d.usda": "#usda",
+        "e.mjcf": "<mujoco/>",
+        "f.model": "<sdf/>",
+    }
+    write(package, files)
+    run = check(*map(Path, files))
+    for name, what in zip(
+        files,
+        (
+            "an SDF model",
+            "an SDF model",
+            "a world for Gazebo (SDF)",
+            "a USD model",
+            "a MuJoCo model (MJCF)",
+            "an SDF model",
+        ),
+        strict=True,
+    ):
+        assert f"{name}: this is {what}; urdfcheck reads URDF and xacro" in run.failures
