@@ -34,7 +34,8 @@ def merge_variants(findings: Iterable[Finding], units: Iterable[Unit]) -> list[F
         for same in _split_by_subjects(group):
             first = min(same, key=lambda f: (files[f.model][1], f.model))
             variants = {f.model: f.subjects for f in sorted(same, key=lambda f: f.model)}
-            found.append(replace(first, variants=variants, severity=max(f.severity for f in same)))
+            severity, blocks_check = max(f.severity for f in same), any(f.blocks_check for f in same)
+            found.append(replace(first, variants=variants, severity=severity, blocks_check=blocks_check))
     return found
 
 
