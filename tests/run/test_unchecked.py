@@ -127,6 +127,23 @@ def test_the_remedy_is_a_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert not check(Path("robot.urdf.xacro"), arguments={"side": "left"}).unchecked_models
 
 
+@pytest.mark.parametrize(
+    ("body", "remedy"),
+    [
+        ('<link name="$(env ARM_SIDE)"/>', "--env ARM_SIDE"),
+        (
+            '<xacro:property name="p" value="${xacro.load_yaml(\'/etc/hostname\')}"/><link name="${p}"/>',
+            "--allow-read DIR",
+        ),
+        ("<link name=\"${xacro.load_yaml('none.yaml')}\"/>", ""),
+    ],
+)
+def test_each_cause_names_the_option_that_helps(body: str, remedy: str, tmp_path: Path) -> None:
+    (info,) = pipeline.run(make_request(write(tmp_path, {"robot.urdf.xacro": XACRO.format(body)}))).unchecked_models
+    assert info.not_checked is not None
+    assert info.not_checked.remedy == remedy
+
+
 # -- stopped, killed, crashed ------------------------------------------------------------------------------------------
 
 ENDLESS = XACRO.format(

@@ -51,7 +51,8 @@ def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule
     at = locate_expression(subject, problem, "load_yaml")  # xacro evaluates a property where it is first read
     others = [] if at is problem.location else [problem.location]
     related = [*others, *(r for r in problem.related if r.span != at.span)]
-    return rule.finding("read", at=at, related=related, path=path, folder=folder)
+    remedy = f"--allow-read {folder}"
+    return rule.finding("read", at=at, related=related, path=path, folder=folder, remedy=remedy)
 
 
 def _name_folder(path: Path | None) -> str:

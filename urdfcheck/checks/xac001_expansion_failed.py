@@ -293,7 +293,9 @@ def _explain_bad_condition(failure: _ExpansionFailure, match: re.Match[str]) -> 
 
 def _explain_environment(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
     message = "environment" if match.group(2) == "set" else "environment-unread"
-    return _build_report_at_expression(failure, message, name=match.group(1))
+    name = match.group(1)
+    remedy = f"--env {name}" if message == "environment-unread" else ""
+    return _build_report_at_expression(failure, message, name=name, remedy=remedy)
 
 
 def _explain_missing_attribute(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:

@@ -156,6 +156,7 @@ def _join_models(group: Sequence[Finding], *, rank: Callable[[Finding], tuple[An
         fix=max(fixes, key=lambda fix: order.index(fix.applicability), default=None),
         variants=dict(sorted(variants.items())),
         severity=max(finding.severity for finding in group),
+        blocks_check=any(finding.blocks_check for finding in group),
         related=tuple(related),
     )
 
@@ -198,7 +199,8 @@ def _merge_variants(findings: Iterable[Finding], units: Iterable[Unit]) -> list[
         for same in _split_by_subjects(group):
             first = min(same, key=lambda f: (files[f.model][1], f.model))
             variants = {f.model: f.subjects for f in sorted(same, key=lambda f: f.model)}
-            found.append(replace(first, variants=variants, severity=max(f.severity for f in same)))
+            severity, blocks_check = max(f.severity for f in same), any(f.blocks_check for f in same)
+            found.append(replace(first, variants=variants, severity=severity, blocks_check=blocks_check))
     return found
 
 

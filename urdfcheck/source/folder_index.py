@@ -322,10 +322,12 @@ def _iter_files(
                 continue
             if os.path.islink(path) and not finder.can_open(path):
                 outside.append(path)
-            elif reason := explain_unreadable(path, os.R_OK if _may_be_checked(path) else os.F_OK):
+            elif _may_be_checked(path) and (reason := explain_unreadable(path)):
                 unreadable.append((path, reason))
             elif os.path.isfile(path):
                 yield path
+            elif reason := explain_unreadable(path, os.F_OK):  # not even whether it is a folder can be told
+                unreadable.append((path, reason))
 
 
 def _may_be_checked(path: Path) -> bool:
