@@ -764,8 +764,10 @@ def test_which_packages_of_one_name_are_told(
     write(tmp_path, {"ignored/COLCON_IGNORE": "", ".git/HEAD": ""})
     monkeypatch.chdir(tmp_path)
     assert len(find_duplicates(Path())) == told  # one for both, though both are checked
-    ((message, folders),) = find_duplicates(Path("a/urdf/car.urdf")) or [("", [])]
-    assert (folders == ["a", other]) == told
+    # Around a given file, packages are not looked for in packages: the inner one knows of the outer one.
+    first, second = ("a/car_description", "a") if other == "a/car_description" else ("a", other)
+    ((message, folders),) = find_duplicates(Path(first, "urdf/car.urdf")) or [("", [])]
+    assert (folders == [first, second]) == told
     assert (f"a/package.xml, {other}/package.xml" in message) == told
 
 
@@ -835,3 +837,31 @@ def test_a_file_that_is_not_installed_is_named(tmp_path: Path, build: str, told:
     found = {f.code: f.message for f in run.findings}
     assert ("description/meshes; is that installed?" in found["PKG002"]) == told
     assert ("description/parts; is that installed?" in found["XAC001"]) == told
+
+
+@pytest.mark.parametrize(
+    ("there", "told"),
+    [
+        (("meshes/other/link.stl",), True),
+        (("meshes/other/link.stl", "meshes/arm/base.stl"), False),  # the folder is right: that is another robot's
+        (("meshes/arm/visual/link.stl", "meshes/arm/base.stl"), True),
+        (("meshes/link.stl", "meshes/arm/base.stl"), True),
+    ],
+)
+def test_a_file_of_the_same_name_may_be_another_robots(tmp_path: Path, there: tuple[str, ...], told: bool) -> None:
+    robot = f'<robot name="r">{make_mesh_link("a", "package://p/meshes/arm/link.stl")}</robot>'
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": robot, **dict.fromkeys(there, "")})
+    (finding,) = findings(tmp_path, "PKG002")
+    assert bool(finding.data["near"]) == told
+
+
+def test_a_package_around_a_folder_that_is_no_repository_is_no_duplicate(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / ".git").rmdir()
+    for name in ("here/car", "there/car"):
+        write_package(tmp_path / name)
+    monkeypatch.chdir(tmp_path / "here")
+    assert not find_duplicates(Path("car"))
+    assert not find_duplicates(Path("car/urdf/car.urdf"))
+    assert len(find_duplicates(tmp_path)) == 1

@@ -10,6 +10,7 @@ from pathlib import Path
 from urdfcheck.core import Finding, Location, Rule
 from urdfcheck.core.text import format_choices, format_count, join_names
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.similar_files import (
     FilesByName,
@@ -135,12 +136,15 @@ def _explain_by_argument(gap: _MissingFiles, source: Source) -> tuple[str, list[
 def _find_similar_files(path: Path, index: FilesByName) -> list[Path]:
     """Return up to two files of the same name elsewhere in the package, or one with the same words in its name beside it."""
     same = [p for p in index.get(path.name.lower(), []) if p != path]
-    if same:
-        return same[:2]
     try:
         beside = os.listdir(path.parent)
     except OSError:
-        return []
+        beside = []
+    # Where other meshes lie in the folder, it is the right one, and a file of this name in the folder of another robot is not.
+    if any(name.lower().endswith(MESH_SUFFIXES) for name in beside):
+        same = [p for p in same if path.parent in p.parents or p.parent in path.parents]
+    if same:
+        return same[:2]
     close = find_similar_name(path.name, beside)
     return [path.parent / close] if close else []
 

@@ -265,8 +265,8 @@ class PackageFinder:
         return {**self._scan_ros_paths(), **_take_first(self.known), **near, **self._scan_paths(), **self.explicit}
 
     def list_namesakes(self, name: str) -> list[Path]:
-        """Return every folder with a package of a name, the known ones of the run first."""
-        return [*self.known.get(name, ()), *self._scan_around_start().get(name, ())]
+        """Return the folders of the known packages of a name: what lies around without belonging to the run is not meant."""
+        return list(self.known.get(name, ()))
 
     def list_workspace_packages(self) -> dict[str, Path]:
         """Return the packages that may be about the model.
