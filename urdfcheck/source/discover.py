@@ -180,7 +180,7 @@ class _Planner:
     def index_packages(self, paths: Sequence[Path]) -> None:
         """Note the packages below the given folders, and in the repositories around all given paths, before one is needed."""
         roots: set[Path] = set()
-        for path in sorted(paths, key=lambda path: not path.is_dir()):
+        for path in sorted(paths, key=lambda path: not os.path.isdir(path)):
             # What is wrong with a path is told when it is added.
             with contextlib.suppress(OSError, UrdfcheckError):
                 if self.reach is not None and not self.reach.can_open(path):

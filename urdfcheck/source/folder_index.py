@@ -118,6 +118,8 @@ class FolderIndex:
             package = re.match(r"\$\(find ([^)\s]+)\)", name)
             folder = self.finder.find(package.group(1)) if package else path.parent
             targets = [] if folder is None else self._match_pattern(folder, tail)
+            if package and folder is not None and not targets:
+                targets = [str(self.finder.find_source(folder / tail))]
             if any(map(os.path.isfile, targets)):
                 included |= {resolve_path(Path(target)) for target in targets}
             else:  # a path with arguments in it may mean every file of that name
@@ -135,7 +137,6 @@ class FolderIndex:
                 places = [os.path.join(place, name) for place in places for name in self._match_names(place, part)]
             else:
                 places = [os.path.join(place, part) for place in places]
-        places = [str(self.finder.find_source(Path(place))) for place in places]
         return [path for path in places if os.path.lexists(path)]
 
     def _match_names(self, folder: str, pattern: str) -> list[str]:
