@@ -200,6 +200,29 @@ def test_wrong_case_is_corrected_in_the_path_only(tmp_path: Path) -> None:
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("meshes/wheel.stl", "Meshes/Wheel.STL")]
 
 
+@pytest.mark.parametrize(
+    ("typed", "there", "after"),
+    [
+        ("meshes/A.stl", "meshes/a.STL", "meshes/a.STL"),
+        ("meshes/A.STL", "description/meshes/a.stl", "meshes/a.stl"),
+        ("meshes/Parts/a.stl", "description/meshes/parts/A.stl", "meshes/parts/A.stl"),
+    ],
+)
+def test_the_case_of_a_path_is_compared_where_the_file_is_installed_from(
+    tmp_path: Path, typed: str, there: str, after: str
+) -> None:
+    robot = f'<robot name="r">{make_mesh_link("a", f"package://p/{typed}")}</robot>'
+    cmake = "install(DIRECTORY description/meshes DESTINATION share/p)"
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": robot, there: "", "CMakeLists.txt": cmake})
+    finding = only(check(tmp_path, codes=CODES, tier="source"))
+    assert finding.code == "PKG003"
+    assert finding.fix is not None
+    text = robot
+    for edit in reversed(finding.fix.edits):
+        text = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
+    assert f"package://p/{after}" in text
+
+
 def test_absolute_path_into_the_package_gets_its_package_path(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/a.stl")
     mesh = (tmp_path / "p/meshes/a.stl").as_posix()

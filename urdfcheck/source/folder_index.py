@@ -97,6 +97,8 @@ class FolderIndex:
         key = (str(path.parent if folder is None else folder), tail)
         if key not in self.resolved:
             targets = [] if folder is None else self._match_pattern(folder, tail)
+            if package and folder is not None and not targets:
+                targets = [str(self.finder.find_source(folder / tail))]
             if any(map(os.path.isfile, targets)):
                 found = {resolve_path(Path(target)) for target in targets}
             else:
@@ -133,7 +135,6 @@ class FolderIndex:
                 places = [os.path.join(place, name) for place in places for name in self._match_names(place, part)]
             else:
                 places = [os.path.join(place, part) for place in places]
-        places = [str(self.finder.find_source(Path(place))) for place in places]
         return [path for path in places if os.path.lexists(path)]
 
     def _match_names(self, folder: str, pattern: str) -> list[str]:

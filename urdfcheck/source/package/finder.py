@@ -317,16 +317,19 @@ class PackageFinder:
         """
         if os.path.lexists(path) or not self.can_open(path):
             return path
+        return next(filter(os.path.exists, self._iter_installed_sources(path)), path)
+
+    def _iter_installed_sources(self, path: Path) -> Iterator[Path]:
+        """Yield the places from which a package's build may install something at a path, as far as they may be opened."""
         absolute = path.absolute()
         package = self.find_package_of(Path(os.path.normpath(absolute)))
         installed = None if package is None else self._read_installed(package)
         if package is None or installed is None or not absolute.is_relative_to(package.path):
-            return path
+            return
         for place in installed.resolve_path(absolute.relative_to(package.path).as_posix()):
             source = package.path / place
-            if os.path.exists(source) and self.can_open(source):
-                return source
-        return path
+            if self.can_open(source):
+                yield source
 
     def _read_installed(self, package: Package) -> InstalledFiles | None:
         """Return what the build of a package installs, from memory."""
@@ -380,6 +383,9 @@ class PackageFinder:
         except (OSError, ValueError):  # the name is too long or contains a NUL
             return Resource(text=text, kind=kind, package=package, path=None, exists=False)
         actual = _find_actual_spelling(path)
+        if actual is None and kind == "package":
+            spellings = map(_find_actual_spelling, self._iter_installed_sources(path))
+            actual = next((name for name in spellings if name is not None), None)
         # On a file system that ignores case, the file opens although its name differs.
         return Resource(
             text=text,

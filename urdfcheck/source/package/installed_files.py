@@ -11,8 +11,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-# The most files of one package, and the most places of one folder, that are looked at.
-MOST_ENTRIES = 2_000
+# The most folders and files of one build file that are looked at: each path of a model is compared with all of them.
+MOST_ENTRIES = 500
 _MAGIC = re.compile(r"[*?\[]")
 
 
