@@ -87,6 +87,14 @@ def test_a_sphere_without_radius_is_a_point_which_drake_means_and_mujoco_refuses
     assert not any("box" in sentence for sentence in finding.consequences.values())
 
 
+def test_the_points_of_a_robot_are_one_finding(tmp_path: Path) -> None:
+    point = geometry("collision", '<sphere radius="0"/>')
+    text = robot(link("a", point, point), link("b", point), joint("j", "a", "b"))
+    (finding,) = find(tmp_path, text, "GEO001")
+    assert finding.message.startswith("3 collision spheres have the radius 0, at a, b:")
+    assert (len(finding.subjects), len(finding.related)) == (3, 2)
+
+
 @pytest.mark.parametrize(
     ("shape", "severity"),
     [

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model, Shape
 from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.engine_reactions import describe_loss
@@ -35,6 +37,7 @@ KNOW_POINTS = frozenset({"drake", "pinocchio"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    points: list[tuple[str, Attribute]] = []
     for link in model.links:
         for shape in (*link.visuals, *link.collisions):
             for name, parts in _DIMENSIONS.get(shape.kind or "", {}).items():
@@ -42,11 +45,30 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 values = None if attribute is None else parse_numbers(attribute.value, len(parts))
                 if attribute is not None and values is not None:
                     sizes = dict(zip(parts, values, strict=True))
-                    yield from _check_dimensions(model, rule, shape, attribute, link=link.name, values=sizes)
+                    if shape.kind == "sphere" and shape.role == "collision" and not any(values):
+                        points.append((link.name, attribute))
+                    else:
+                        yield from _check_dimensions(rule, shape, attribute, link=link.name, values=sizes)
+    if points:
+        yield _build_point_finding(model, rule, points)
+
+
+def _build_point_finding(model: Model, rule: Rule, points: Sequence[tuple[str, Attribute]]) -> Finding:
+    """Return one finding for the robot: whoever marks contacts by points marks all of them so."""
+    meant = model.targets and set(model.targets) <= KNOW_POINTS
+    finding = rule.finding(
+        "point",
+        at=points[0][1],
+        related=[attribute for _, attribute in points[1:]],
+        severity=Severity.INFO if meant else Severity.WARNING,
+        spheres=format_count(len(points), "collision sphere has", "collision spheres have"),
+        links=join_names(dict.fromkeys(name for name, _ in points)),
+    )
+    return replace(finding, subjects=tuple(dict.fromkeys(attribute.location.subject for _, attribute in points)))
 
 
 def _check_dimensions(
-    model: Model, rule: Rule, shape: Shape, attribute: Attribute, *, link: str, values: dict[str, float]
+    rule: Rule, shape: Shape, attribute: Attribute, *, link: str, values: dict[str, float]
 ) -> Iterator[Finding]:
     mesh = shape.kind == "mesh"  # whose negative scale mirrors it and is not a wrong size
     negative = [part for part, value in values.items() if value < 0 and not mesh]
@@ -76,8 +98,5 @@ def _check_dimensions(
         if shape.kind == "sphere":
             reactions["drake"] = POINT
         yield rule.finding("drawn", at=attribute, severity=Severity.INFO, **data)
-    elif zero and shape.kind == "sphere":
-        meant = model.targets and set(model.targets) <= KNOW_POINTS
-        yield rule.finding("point", at=attribute, severity=Severity.INFO if meant else Severity.WARNING, **data)
     elif zero:
         yield rule.finding("zero", at=attribute, **data)

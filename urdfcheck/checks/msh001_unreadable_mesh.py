@@ -26,6 +26,8 @@ REPORTED_ELSEWHERE = frozenset({"lfs-pointer", "too-large"})
 # it reads binary files of exactly the declared size, as ours does.
 OWN_LOADERS = {"mujoco": frozenset({"obj"}), "drake": frozenset({"obj", "gltf"}), "rviz": frozenset({"stl"})}
 NOT_ASKED = "has a loader of its own for this format, which was not asked"
+# Older versions of Assimp read beyond the array in this case, without a message.
+NEWER_ASSIMP = dict.fromkeys(("rviz", "moveit"), "drops the shape with newer versions of Assimp")
 # trimesh and yourdfpy read COLLADA as we do, by pycollada.
 PYCOLLADA = ("trimesh", "yourdfpy")
 
@@ -62,7 +64,7 @@ def _build_finding(
         related=[use.filename for use in uses[1:]],
         cause=CAUSES.get(reason_id),
         severity=severity,
-        consequences=_describe_consequences(rule, uses, message),
+        consequences=_describe_consequences(rule, uses, message, reason_id),
         mesh=uses[0].filename.value,
         reason=reason,
         repair=REPAIRS.get(reason_id, DEFAULT_REPAIR),
@@ -70,11 +72,13 @@ def _build_finding(
     )
 
 
-def _describe_consequences(rule: Rule, uses: Sequence[MeshUse], message: str) -> dict[str, str]:
+def _describe_consequences(rule: Rule, uses: Sequence[MeshUse], message: str, reason_id: str) -> dict[str, str]:
     """Describe what the programs of the page do in this case."""
     file_type = uses[0].name.rpartition(".")[2].lower()
     described = describe_unreadable_mesh(use.shape.element for use in uses)
     if message != "unreadable":
         described.update({program: NOT_ASKED for program, own in OWN_LOADERS.items() if file_type in own})
         described.update(dict.fromkeys(PYCOLLADA if file_type != "dae" else (), NOT_ASKED))
+    if reason_id == "flaw":
+        described.update(NEWER_ASSIMP)
     return {program: sentence for program, sentence in described.items() if program in rule.consumers[message]}
