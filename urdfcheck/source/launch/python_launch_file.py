@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.launch.python_texts import (
     MAX_LENGTH,
     PythonTexts,
@@ -22,8 +23,6 @@ from urdfcheck.source.launch.python_texts import (
 )
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders
-from urdfcheck.source.reach import FileReach
-from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
@@ -176,7 +175,7 @@ class PythonLaunchReader:
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
             elif exact is not None and isinstance(node, ast.expr):
                 joined.update(map(id, ast.walk(node)))
-                if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_built(*exact)):
+                if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_built(*exact, MODEL_SUFFIXES)):
                     missing[str(exact[0])] = node
             elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
                 unknown[str(node.value)] = node
@@ -377,42 +376,3 @@ def _is_model_path(text: object) -> bool:
     if not isinstance(text, str) or not text.endswith(MODEL_SUFFIXES) or len(text) > MAX_LENGTH:
         return False
     return re.fullmatch(r"(?:\w[\w.-]*/)*\w[\w.-]*\.(?:urdf|xacro)", text) is not None
-
-
-def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> bool:
-    """Whether a package's build or a program of its own may make or install a missing file.
-
-    It may if the package has a file of that name with other suffixes, if the build mentions the name, or if git ignores it.
-    """
-    stem = path.name.partition(".")[0]
-    for _, names, files in walk(package):
-        names[:] = [n for n in names if not n.startswith(".")]
-        alike = [file for file in files if any(suffix in file for suffix in suffixes)]
-        if any(file.partition(".")[0] == stem for file in alike):
-            return True
-    reach = FileReach.from_paths([package], [])
-    builds = [package / name for name in ("CMakeLists.txt", "setup.py")]
-    if any(path.name in _read_text(build) for build in builds if reach.can_open(build)):
-        return True
-    return is_git_ignored(path, reach)
-
-
-def is_git_ignored(path: Path, reach: FileReach) -> bool:
-    """Whether a ``.gitignore`` around a file names it: then it is made, and no checkout has it."""
-    ignored = False
-    # A hidden file is never in reach; this one is, unless it is a link to elsewhere.
-    folders = [f for f in path.parents if reach.can_open(f) and not (f / ".gitignore").is_symlink()]
-    for folder in reversed(folders):  # the last pattern that fits decides, in the innermost file
-        names = split_relative_path(path, folder)
-        for line in _read_text(folder / ".gitignore").splitlines()[:MAX_PATHS]:
-            pattern = line.strip().removeprefix("!")
-            if pattern and not pattern.startswith("#") and match_any_pattern([pattern], names):
-                ignored = not line.strip().startswith("!")
-    return ignored
-
-
-def _read_text(path: Path) -> str:
-    try:
-        return read_regular(path).decode("utf-8", "replace")
-    except OSError:
-        return ""
