@@ -136,6 +136,20 @@ def test_a_model_in_a_variable_folder(
     assert [f.message for f in run.findings] == ([] if told is None else [told])
 
 
+def test_a_bare_name_means_the_only_file_of_its_name_in_the_package(tmp_path: Path) -> None:
+    """As in the demos of ros2_control, whose build installs description/urdf as urdf."""
+    find_in_package(tmp_path, "", "LCH001")
+    package = tmp_path / "car"
+    path = package / "description/urdf/demo.urdf"
+    path.parent.mkdir(parents=True)
+    path.write_text('<robot name="r"><link name="l"/></robot>')
+    launch = package / "launch" / "car.launch.py"
+    launch.write_text("file = LaunchConfiguration('f')\nDeclareLaunchArgument('f', default_value='demo.urdf')\n")
+    run = check(launch, codes={"LCH001"})
+    assert [Path(m.path).name for m in run.models] == ["demo.urdf"]
+    assert not run.findings
+
+
 @pytest.mark.parametrize(
     ("ignore", "missing"), [("*.gen.urdf", False), ("/urdf/*.urdf\n!made.gen.urdf", True), ("# made.gen.urdf", True)]
 )

@@ -113,6 +113,43 @@ def test_empty_file_name_names_the_argument_that_is_empty(tmp_path: Path) -> Non
     assert "argument file is empty" in finding.message
 
 
+LOAD = """<xacro:arg name="left_arm" default=""/><xacro:arg name="left_dof" default=""/>
+<xacro:macro name="load" params="arm dof">
+  <xacro:include filename="$(dirname)/arms/${arm}/${dof}dof/urdf/${arm}_macro.xacro"/>
+</xacro:macro>
+<xacro:property name="arm" value="$(arg left_arm)"/>
+<xacro:load arm="${arm}" dof="$(arg left_dof)"/><link name="l"/>"""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ({}, "arguments left_arm (default '') and left_dof (default '') lead to"),
+        ({"left_arm": "gen9", "left_dof": "7"}, "argument left_arm ('gen9' is given) leads to"),
+        ({"left_arm": "gen3", "left_dof": "9"}, "argument left_dof ('9' is given) leads to"),
+    ],
+)
+def test_missing_file_is_told_at_the_arguments_that_lead_there(
+    tmp_path: Path, arguments: dict[str, str], says: str
+) -> None:
+    part = tmp_path / "arms/gen3/7dof/urdf/gen3_macro.xacro"
+    part.parent.mkdir(parents=True)
+    part.write_text('<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>')
+    finding = only(xacro(tmp_path, LOAD, {"XAC001"}, arguments=arguments))
+    assert finding.message.startswith(says)
+    assert finding.location.subject == f"argument[{says.split()[1]}]"
+    assert "xacro:include@filename" in [place.subject.split("/")[-1] for place in finding.related]
+    complete = xacro(tmp_path, LOAD, {"XAC001"}, arguments={"left_arm": "gen3", "left_dof": "7"})
+    assert not complete.findings
+
+
+def test_slip_in_a_path_with_an_empty_argument_is_told_at_the_path(tmp_path: Path) -> None:
+    (tmp_path / "meterials.xacro").write_text("<robot/>")
+    text = '<xacro:arg name="prefix" default=""/><xacro:include filename="$(arg prefix)materials.xacro"/>'
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert (finding.message_id, finding.data["hint"]) == ("file-missing", " (did you mean 'meterials.xacro'?)")
+
+
 def test_missing_yaml_key(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("a: 1\n", encoding="utf-8")
     text = """<xacro:property name="data" value="${xacro.load_yaml('a.yaml')}"/><link name="${data['b']}"/>"""

@@ -11,7 +11,7 @@ from conftest import check
 
 from urdfcheck.cli import FINDINGS, OK, main
 from urdfcheck.core import Run
-from urdfcheck.output import html, junit, markdown, sarif, text
+from urdfcheck.output import github, gitlab, html, junit, markdown, rdjson, sarif, text
 from urdfcheck.output.json import render as render_json
 from urdfcheck.policy.config import ConfigResolver
 from urdfcheck.run.shared_findings import is_computed
@@ -186,6 +186,8 @@ class TestOutputs:
         assert "\n  in    duo, fer, fp3 and 1 more\n" in text.render(run)
         assert "duo, fer, fp3 and 1 more" in markdown.render(run)
         assert "In duo, fer, fp3 and 1 more." in html.render(run)
+        for other in (github, gitlab, rdjson, junit):
+            assert "duo, fer, fp3 and 1 more" in other.render(run)
         (result,) = json.loads(sarif.render(run))["runs"][0]["results"]
         assert "In duo, fer, fp3 and 1 more." in result["message"]["text"]
         assert len(result["properties"]["models"]) == 4

@@ -9,6 +9,7 @@ from pathlib import Path
 from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_name_hint
 from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.source.launch.built_files import is_git_ignored
 from urdfcheck.source.launch.launch_file import (
     BrokenInclude,
     DescriptionSource,
@@ -16,7 +17,7 @@ from urdfcheck.source.launch.launch_file import (
     is_included_by_sibling,
     list_declared_arguments,
 )
-from urdfcheck.source.launch.python_launch_file import PythonLaunch, is_git_ignored
+from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.reach import FileReach

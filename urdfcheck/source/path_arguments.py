@@ -31,7 +31,10 @@ class PathArgument:
 
 
 def list_path_arguments(source: Source, made_of: Iterable[Location]) -> list[PathArgument]:
-    """Return the arguments among the definitions that a path was made of, without those that are made of others."""
+    """Return the arguments among the definitions that a path was made of, without those that are made of others.
+
+    They are in the order of their places.
+    """
     found: dict[str, PathArgument] = {}
     for place in made_of:
         if not place.subject.startswith(_SUBJECT):
@@ -42,7 +45,12 @@ def list_path_arguments(source: Source, made_of: Iterable[Location]) -> list[Pat
         origin = "launch" if name in source.found_arguments else "given" if name in source.arguments else "default"
         if "$(" not in value:
             found[name] = PathArgument(name, value, source.found_arguments.get(name, place), origin)
-    return list(found.values())
+    return sorted(found.values(), key=_get_place)
+
+
+def _get_place(argument: PathArgument) -> tuple[str, int]:
+    span = argument.location.span
+    return ("", 0) if span is None else (span.file, span.start)
 
 
 def find_missing_part(source: Source, path: Path) -> Path:

@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from urdfcheck.core import Location
-from urdfcheck.source.launch.python_launch_file import PythonLaunch, may_be_built, read_python_launch
+from urdfcheck.source.launch.built_files import may_be_built
+from urdfcheck.source.launch.python_launch_file import PythonLaunch, read_python_launch
 from urdfcheck.source.launch.static_transforms import StaticTransform, read_static_transforms
 from urdfcheck.source.launch.substitutions import SubstitutionResolver, UnresolvedReason, Value, split_command
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES

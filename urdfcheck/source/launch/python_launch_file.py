@@ -8,12 +8,13 @@ import itertools
 import os
 import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tokenize import detect_encoding
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.launch.python_texts import (
     MAX_LENGTH,
     PythonTexts,
@@ -25,8 +26,6 @@ from urdfcheck.source.launch.python_texts import (
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
-from urdfcheck.source.reach import FileReach
-from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.encodings import is_single_byte
@@ -36,6 +35,8 @@ from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 MAX_PYTHON = 1024**2
 # Limit on paths of models that are looked up, each in several folders.
 MAX_PATHS = 1_000
+# Limit on folders of a package in which models are searched by name.
+MAX_FOLDERS = 2_000
 # The characters of an expression that a message shows.
 MAX_SHOWN = 40
 # Limit on missing launch files that are searched in their whole package.
@@ -150,6 +151,7 @@ class PythonLaunchReader:
         self.texts = PythonTexts(self.nodes, finder)
         declared = read_declared_arguments(self.nodes, self.texts)
         values = {name: argument.value for name, argument in declared.items() if argument.value is not None}
+        self.model_files: dict[str, list[Path]] | None = None
         self.at_plain_launch = PythonTexts(self.nodes, finder, arguments=values)
         package = finder.find_package_of(path.absolute())
         self.own_folder = package.path if package is not None else path.parent
@@ -182,13 +184,15 @@ class PythonLaunchReader:
                     and len(by_literal) < MAX_PATHS
                 ):
                     by_literal[literal] = _find_model_file(literal, folders, self.finder)
-                model = by_literal.get(literal) or self.find_variable_model(node, around, folders)
+                model = by_literal.get(literal)
+                if model is None and literal in by_literal:
+                    model = self.find_variable_model(node, around, folders)
             if model is not None:
                 models[model] = None
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
             elif exact is not None and isinstance(node, ast.expr):
                 joined.update(map(id, ast.walk(node)))
-                if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_built(*exact)):
+                if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_built(*exact, MODEL_SUFFIXES)):
                     missing[str(exact[0])] = node
             elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
                 unknown[str(node.value)] = node
@@ -220,25 +224,22 @@ class PythonLaunchReader:
     def find_variable_model(
         self, node: ast.AST, around: Mapping[int, ast.expr], folders: Sequence[Path]
     ) -> Path | None:
-        """Return the model that a literal means in a path with a variable folder.
+        """Return the model that a literal means whose folder is not known from the text.
 
         It is the one at a plain launch, with the defaults of all arguments, else the only file of its name in the packages
         that the launch file names.
         """
-        whole = around.get(id(node))
-        if whole is None or not isinstance(node, ast.Constant) or not _is_model_path(node.value):
+        if not isinstance(node, ast.Constant) or not _is_model_path(node.value):
             return None
-        plain = self.at_plain_launch.evaluate(whole)
+        whole = around.get(id(node))
+        plain = None if whole is None else self.at_plain_launch.evaluate(whole)
         if plain is not None and self.finder.can_open(Path(plain)) and os.path.isfile(plain):
             return Path(plain)
-        alike = {
-            os.path.realpath(path): path
-            for folder in folders
-            if (folder / "package.xml").is_file()
-            for path in _find_files_named(Path(str(node.value)).name, folder)
-            if self.finder.can_open(path)
-        }
-        return next(iter(alike.values())) if len(alike) == 1 else None
+        if self.model_files is None:
+            self.model_files = _index_model_files(folder for folder in folders if (folder / "package.xml").is_file())
+        tail = str(node.value)
+        alike = [path for path in self.model_files.get(Path(tail).name, ()) if f"{path}".endswith(f"/{tail}")]
+        return alike[0] if len(alike) == 1 and self.finder.can_open(alike[0]) else None
 
     def describe_variables(self, whole: ast.expr | None) -> str:
         """Return the names of the variable parts of a path, as the launch file calls them."""
@@ -356,12 +357,17 @@ def _list_path_parts(node: ast.AST, texts: PythonTexts) -> list[ast.expr]:
     return parts
 
 
-def _find_files_named(name: str, folder: Path) -> Iterator[Path]:
-    """Yield the files of this name in a package."""
-    for place, names, files in walk(folder):
-        names[:] = [n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS]
-        if name in files:
-            yield Path(place, name)
+def _index_model_files(packages: Iterable[Path]) -> dict[str, list[Path]]:
+    """Return the model files of some packages by their names, each once."""
+    found: dict[str, dict[str, Path]] = {}
+    for folder in packages:
+        for place, names, files in itertools.islice(walk(folder), MAX_FOLDERS):
+            names[:] = [n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS]
+            for name in files:
+                if name.endswith(MODEL_SUFFIXES):
+                    path = Path(place, name)
+                    found.setdefault(name, {}).setdefault(os.path.realpath(path), path)
+    return {name: list(paths.values()) for name, paths in found.items()}
 
 
 def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinder) -> Path | None:
@@ -395,42 +401,3 @@ def _is_model_path(text: object) -> bool:
     if not isinstance(text, str) or not text.lower().endswith(MODEL_SUFFIXES) or len(text) > MAX_LENGTH:
         return False
     return re.fullmatch(r"(?:\w[\w.-]*/)*\w[\w.-]*\.(?i:urdf|xacro)", text) is not None
-
-
-def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> bool:
-    """Whether a package's build or a program of its own may make or install a missing file.
-
-    It may if the package has a file of that name with other suffixes, if the build mentions the name, or if git ignores it.
-    """
-    stem = path.name.partition(".")[0]
-    for _, names, files in walk(package):
-        names[:] = [n for n in names if not n.startswith(".")]
-        alike = [file for file in files if any(suffix in file.lower() for suffix in suffixes)]
-        if any(file.partition(".")[0] == stem for file in alike):
-            return True
-    reach = FileReach.from_paths([package], [])
-    builds = [package / name for name in ("CMakeLists.txt", "setup.py")]
-    if any(path.name in _read_text(build) for build in builds if reach.can_open(build)):
-        return True
-    return is_git_ignored(path, reach)
-
-
-def is_git_ignored(path: Path, reach: FileReach) -> bool:
-    """Whether a ``.gitignore`` around a file names it: then it is made, and no checkout has it."""
-    ignored = False
-    # A hidden file is never in reach; this one is, unless it is a link to elsewhere.
-    folders = [f for f in path.parents if reach.can_open(f) and not (f / ".gitignore").is_symlink()]
-    for folder in reversed(folders):  # the last pattern that fits decides, in the innermost file
-        names = split_relative_path(path, folder)
-        for line in _read_text(folder / ".gitignore").splitlines()[:MAX_PATHS]:
-            pattern = line.strip().removeprefix("!")
-            if pattern and not pattern.startswith("#") and match_any_pattern([pattern], names):
-                ignored = not line.strip().startswith("!")
-    return ignored
-
-
-def _read_text(path: Path) -> str:
-    try:
-        return read_regular(path).decode("utf-8", "replace")
-    except OSError:
-        return ""

@@ -1,0 +1,51 @@
+"""Files that a launch file names and that no checkout has, because a build or a program makes them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from urdfcheck.source.reach import FileReach
+from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
+from urdfcheck.system.files import read_regular, walk
+
+# Limit on the patterns of one .gitignore that are read.
+MAX_PATTERNS = 1_000
+
+
+def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
+    """Whether a package's build or a program of its own may make or install a missing file.
+
+    It may if the package has a file of that name with other suffixes, if the build mentions the name, or if git ignores it.
+    """
+    stem = path.name.partition(".")[0]
+    for _, names, files in walk(package):
+        names[:] = [n for n in names if not n.startswith(".")]
+        alike = [file for file in files if any(suffix in file.lower() for suffix in suffixes)]
+        if any(file.partition(".")[0] == stem for file in alike):
+            return True
+    reach = FileReach.from_paths([package], [])
+    builds = [package / name for name in ("CMakeLists.txt", "setup.py")]
+    if any(path.name in _read_text(build) for build in builds if reach.can_open(build)):
+        return True
+    return is_git_ignored(path, reach)
+
+
+def is_git_ignored(path: Path, reach: FileReach) -> bool:
+    """Whether a ``.gitignore`` around a file names it: then it is made, and no checkout has it."""
+    ignored = False
+    # A hidden file is never in reach; this one is, unless it is a link to elsewhere.
+    folders = [f for f in path.parents if reach.can_open(f) and not (f / ".gitignore").is_symlink()]
+    for folder in reversed(folders):  # the last pattern that fits decides, in the innermost file
+        names = split_relative_path(path, folder)
+        for line in _read_text(folder / ".gitignore").splitlines()[:MAX_PATTERNS]:
+            pattern = line.strip().removeprefix("!")
+            if pattern and not pattern.startswith("#") and match_any_pattern([pattern], names):
+                ignored = not line.strip().startswith("!")
+    return ignored
+
+
+def _read_text(path: Path) -> str:
+    try:
+        return read_regular(path).decode("utf-8", "replace")
+    except OSError:
+        return ""
