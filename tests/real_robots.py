@@ -13,14 +13,11 @@ STARTED_ELSEWHERE = {"kosakanishkdev/ROS:robot"}
 def list_robots(folder: Path) -> list[dict[str, Any]]:
     """The entries of ``corpus.json`` that can be checked as they lie there.
 
-    Left out: `STARTED_ELSEWHERE`, robots of which a package was not collected, and files ``*.URDF``, which urdfcheck does not
-    take for models.
+    Left out: `STARTED_ELSEWHERE`, and robots of which a package was not collected.
     """
     entries: list[dict[str, Any]] = json.loads((folder / "corpus.json").read_text(encoding="utf-8"))
     return [
         entry
         for entry in entries
-        if entry["id"] not in STARTED_ELSEWHERE
-        and not entry["entry"].endswith(".URDF")
-        and all((folder / root).is_dir() for root in entry["package_roots"])
+        if entry["id"] not in STARTED_ELSEWHERE and all((folder / root).is_dir() for root in entry["package_roots"])
     ]

@@ -29,6 +29,11 @@ XACRO = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
 def folder(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytest.Pytester:
     """A folder with a model of each kind, a file of macros and a test of somebody's own."""
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    for variable in (
+        "HOME",
+        "USERPROFILE",
+    ):  # pytester sets them to the folder, and a home folder is not checked as a whole
+        monkeypatch.setenv(variable, str(pytester.path.parent))
     for name, text in {
         "sound.urdf": '<robot name="r"><link name="base"/></robot>',
         "broken.urdf": BROKEN,

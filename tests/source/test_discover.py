@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.discover import ModelTarget, Plan, discover_targets
+from urdfcheck.source.discover import discover_targets
+from urdfcheck.source.model_file import ModelFile
 from urdfcheck.source.package.file_kinds import is_launch
+from urdfcheck.source.plan import ModelTarget, Plan
+from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import FileReach
 
 URDF = '<robot name="r"><link name="base"/></robot>'
@@ -564,6 +568,143 @@ def test_a_file_that_xacro_cannot_read_is_no_mere_macro_file(workspace: Path) ->
     write(workspace, {"r.urdf.xacro": "<robot><foo:bar/></robot>", "m.xacro": xacro(MACRO)})
     assert models("r.urdf.xacro") == ["r.urdf.xacro"]
     assert models(".") == ["r.urdf.xacro"]
+
+
+# -- the work that it takes --------------------------------------------------------------------------------------------
+
+
+def count_calls(*paths: str) -> int:
+    """The number of function calls of a search: a measure of its work that no other load on the machine changes."""
+    calls = 0
+
+    def count(_frame: object, event: str, _argument: object) -> None:
+        nonlocal calls
+        calls += event in {"call", "c_call"}
+
+    sys.setprofile(count)
+    try:
+        planned(*paths)
+    finally:
+        sys.setprofile(None)
+    return calls
+
+
+def test_files_that_include_each_other_are_looked_at_in_linear_time(workspace: Path) -> None:
+    calls = []
+    for count in (20, 80):  # each file includes ten others, and all files belong to one circle
+        for i in range(count):
+            parts = "".join(include(f"f{(i + step) % count}.xacro") for step in range(1, 11))
+            write(workspace, {f"{count}/f{i}.xacro": xacro(LINK + parts)})
+        calls.append(count_calls(str(count)))
+    assert calls[1] < 1.3 * 4 * calls[0]
+
+
+def test_a_chain_of_includes_is_looked_at_in_linear_time(workspace: Path) -> None:
+    calls = []
+    for count in (20, 80):
+        for i in range(count):
+            write(workspace, {f"{count}/f{i}.xacro": xacro(LINK + include(f"f{i + 1}.xacro"))})
+        calls.append(count_calls(str(count)))
+    assert calls[1] < 1.3 * 4 * calls[0]
+
+
+@pytest.mark.parametrize("kind", ["urdf", "meshes", "config", "launch"])
+def test_paths_are_looked_at_in_linear_time(workspace: Path, kind: str) -> None:
+    calls = []
+    for count in (10, 40):
+        root = f"ws{count}"
+        write(workspace, {f"{root}/.git/HEAD": "", f"{root}/car/package.xml": manifest("car")})
+        for i in range(count):
+            mesh = f'<link name="a"><visual><geometry><mesh filename="package://car/meshes/a{i}.stl"/></geometry></visual></link>'
+            write(
+                workspace,
+                {
+                    f"{root}/car/urdf/r{i}.urdf.xacro": xacro(include(f"m{i}.xacro") + mesh, f' name="r{i}"'),
+                    f"{root}/car/urdf/m{i}.xacro": xacro(MACRO, ""),
+                    f"{root}/car/meshes/a{i}.stl": "",
+                    f"{root}/car/config/c{i}.yaml": "",
+                    f"{root}/car/config/r{i}.srdf": f'<robot name="r{i}"/>',
+                    f"{root}/car/launch/l{i}.launch": ROS_1.format("arm:=true"),
+                },
+            )
+        calls.append(count_calls(*(str(path) for path in Path(root, "car", kind).iterdir())))
+    assert calls[1] < 1.3 * 4 * calls[0]
+
+
+def test_what_is_not_looked_at_in_time_is_told_and_hides_no_other(
+    workspace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(workspace, {"a.urdf": URDF, "b.urdf": URDF, "c.urdf": URDF})
+    budget = PlanningBudget(60, 30)
+    left = iter([False, False, False, True, True])  # the folder, a, b, c, and whatever comes after
+    monkeypatch.setattr(budget, "is_used_up", lambda: next(left, True))
+    found = discover_targets([Path("."), Path("d")], {}, packages={}, package_paths=[], budget=budget)
+    assert [t.path.name for t in found.models] == ["a.urdf", "b.urdf"]
+    reason = "is not checked: looking for models took more than 60 s (--timeout)"
+    assert dict(found.missing) == {"c.urdf": reason, "d": reason}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="alarms")
+def test_a_file_that_takes_too_long_hides_no_other(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(workspace, {"huge.urdf": URDF, "slow.urdf": URDF, "z.urdf": URDF})
+
+    def read(path: Path) -> ModelFile:
+        if path.name == "slow.urdf":
+            time.sleep(20)
+        if path.name == "huge.urdf":
+            raise MemoryError
+        return ModelFile(path)
+
+    monkeypatch.setattr("urdfcheck.source.planning_budget.ModelFile", read)
+    found = discover_targets([Path(".")], {}, packages={}, package_paths=[], budget=PlanningBudget(600, 0.2))
+    assert [t.path.name for t in found.models] == ["z.urdf"]
+    assert dict(found.missing) == {
+        "huge.urdf": "is not checked: reading it takes too much memory (--memory)",
+        "slow.urdf": "is not checked: reading it takes more than 0.2 s (--timeout)",
+    }
+
+
+# -- names and suffixes ------------------------------------------------------------------------------------------------
+
+
+def test_suffixes_count_in_any_case(workspace: Path) -> None:
+    mesh = '<link name="l"><visual><geometry><mesh filename="package://car/meshes/BOX.STL"/></geometry></visual></link>'
+    write(
+        workspace,
+        {
+            "car/package.xml": manifest("car"),
+            "car/urdf/CAR.URDF": f'<robot name="car">{mesh}</robot>',
+            "car/urdf/Wheel.URDF.XACRO": xacro(LINK),
+            "car/meshes/BOX.STL": "",
+            "car/config/CAR.SRDF": '<robot name="car"/>',
+            "car/launch/CAR.LAUNCH": ROS_1.format("").replace("car.xacro", "Wheel.URDF.XACRO"),
+            "car/launch/car.launch.py": "m = os.path.join(share, 'urdf', 'CAR.URDF')",
+        },
+    )
+    both = ["car/urdf/CAR.URDF", "car/urdf/Wheel.URDF.XACRO"]
+    assert models("car") == models(*both) == both
+    assert models("car/meshes/BOX.STL") == models("car/config/CAR.SRDF") == models("car/urdf/CAR.URDF") == both[:1]
+    assert [Path(m).resolve() for m in models("car/launch/CAR.LAUNCH")] == [workspace / both[1]]
+    assert [Path(m).resolve() for m in models("car/launch/car.launch.py")] == [workspace / both[0]]
+
+
+@pytest.mark.parametrize(
+    ("start", "xacro_runs"),
+    [
+        ("Command([FindExecutable(name='xacro'), ' ', 'urdf/car.urdf'])", True),
+        ("Command(['xacro ', 'urdf/car.urdf'])", True),
+        ("xacro.process_file('urdf/car.urdf')", True),
+        ("open('urdf/car.urdf').read()", None),
+    ],
+)
+def test_a_python_launch_file_that_runs_xacro_on_its_model_is_heeded(
+    workspace: Path, start: str, xacro_runs: bool | None
+) -> None:
+    write(
+        workspace,
+        {"car/package.xml": manifest("car"), "car/urdf/car.urdf": URDF, "car/launch/a.launch.py": f"d = {start}"},
+    )
+    assert [target.xacro for target in planned("car").models] == [xacro_runs]
 
 
 def test_hidden_files_of_a_folder_are_left_alone(workspace: Path) -> None:

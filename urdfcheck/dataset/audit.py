@@ -24,9 +24,9 @@ from urdfcheck.rules import has_check, load_rules
 from urdfcheck.run.assemble_run import collect_versions, report_foreign_libraries
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
 from urdfcheck.run.pipeline import audit_session, plan_units
-from urdfcheck.source.discover import Plan
 from urdfcheck.source.model_role import MODEL
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.plan import Plan
 from urdfcheck.version import __version__
 
 LINES, INDEX = "audit.jsonl", "index.html"

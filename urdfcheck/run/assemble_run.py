@@ -16,8 +16,8 @@ from urdfcheck.policy.suppression import report_bad_comments
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.findings import finalize_run_findings
 from urdfcheck.run.jobs import Request, Unit, UnitReport
-from urdfcheck.source.discover import Plan
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.plan import Plan
 from urdfcheck.system import libraries
 from urdfcheck.system.files import read_regular
 from urdfcheck.version import __version__

@@ -114,7 +114,7 @@ class Unit:
     is_tentative: bool = False
     is_part: bool = False
     is_spare: bool = False
-    """For these three see :class:`urdfcheck.source.discover.ModelTarget`."""
+    """For these three see :class:`urdfcheck.source.plan.ModelTarget`."""
     is_xacro: bool | None = None
     """See :func:`urdfcheck.source.load.load_source`."""
     baseline_entries: BaselineEntries = field(default_factory=dict)
@@ -130,7 +130,7 @@ class Unit:
     fail_on: str | None = None
     """Least severity of a finding that fails the run; None where the run decides."""
     varied_arguments: tuple[str, ...] = ()
-    """See :class:`urdfcheck.source.discover.ModelTarget`."""
+    """See :class:`urdfcheck.source.plan.ModelTarget`."""
     is_reduced: bool = False
     """Whether the unit was made to find the arguments that a finding takes."""
 

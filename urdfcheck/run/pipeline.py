@@ -29,10 +29,11 @@ from urdfcheck.run.source_texts import SourceTexts
 from urdfcheck.run.unchecked import build_stopped_report
 from urdfcheck.run.unit_audit import audit_unit
 from urdfcheck.run.variants import format_arguments, propose_smaller_variants
-from urdfcheck.source.discover import Plan, discover_targets
+from urdfcheck.source.discover import discover_targets
 from urdfcheck.source.model_role import MODEL
 from urdfcheck.source.package.file_kinds import is_srdf
 from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.plan import Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import FileReach
 from urdfcheck.system import libraries, sandbox

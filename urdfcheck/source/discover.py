@@ -8,9 +8,8 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
 
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unreadable, resolve_path
@@ -27,91 +26,10 @@ from urdfcheck.source.package.file_kinds import (
     is_yaml,
 )
 from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.plan import DiscoveryConfig, ModelTarget, Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, explain_unreachable
 from urdfcheck.system.files import is_known_file
-
-
-class ConfiguredModel(Protocol):
-    """A model that a configuration names, with its arguments."""
-
-    @property
-    def path(self) -> Path: ...
-    @property
-    def name(self) -> str | None: ...
-    @property
-    def arguments(self) -> Mapping[str, str]: ...
-
-
-class DiscoveryConfig(Protocol):
-    """The part of a configuration that discovery needs: where packages and models are, and what to leave out."""
-
-    @property
-    def packages(self) -> Mapping[str, Path]: ...
-    @property
-    def package_path(self) -> Sequence[Path]: ...
-    @property
-    def models(self) -> Sequence[ConfiguredModel]: ...
-    def excludes(self, path: Path) -> bool: ...
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ModelTarget:
-    """A model to check, with the arguments to expand it with."""
-
-    path: Path
-    arguments: Mapping[str, str] = field(default_factory=dict)
-    launches: tuple[Path, ...] = ()
-    """Launch files that start the model, to be checked with it."""
-    explicit: bool = False
-    """Whether the user named the file."""
-    tentative: bool = False
-    """Whether only its expansion shows that the file is a model: it makes a link or a joint."""
-    is_part: bool = False
-    """Whether another file includes it, or may: then only its expansion shows whether it is a model of its own."""
-    is_spare: bool = False
-    """Whether it is expanded only if no model turns out to be made of it."""
-    xacro: bool | None = None
-    """Whether a launch file hands the file to xacro (True) or to a parser as it is (False); None where none says so."""
-    name: str | None = None
-    """The configuration's name for the model with these arguments; empty if it names the arguments only."""
-    varied: tuple[str, ...] = ()
-    """Arguments that are given only to see what they change, and that may be left out."""
-
-    @property
-    def has_launch_arguments(self) -> bool:
-        """Whether a launch file sets the arguments; the arguments of a Python launch file are unknown."""
-        return any(launch.suffix != ".py" for launch in self.launches)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
-    """What there is to check."""
-
-    models: tuple[ModelTarget, ...]
-    launches: tuple[Path, ...]
-    """Launch files that are not checked with a model."""
-    packages: tuple[Path, ...]
-    candidates: tuple[ModelTarget, ...] = ()
-    """Files that other files include: models only if their expansion shows that they are."""
-    libraries: tuple[Path, ...] = ()
-    """The xacro files in the given folders that only define macros and properties."""
-    missing: tuple[tuple[str, str], ...]
-    """Paths that do not exist or cannot be checked, each with the reason."""
-    unused: tuple[tuple[str, str], ...] = ()
-    """Macro files and meshes that the user named and no model uses, each with the reason."""
-    reach: FileReach | None = None
-    """Which files may be opened, including the packages of models that launch files lead to."""
-    configs: Mapping[str, Any] = field(default_factory=dict)
-    """The configuration of each model, launch file and package that has one, by path."""
-    whole_packages: frozenset[Path] = frozenset()
-    """Packages in a folder that was given, which are checked with all their files."""
-    config_errors: tuple[str, ...] = ()
-    """Errors in configurations, each text beginning with its place."""
-    known_packages: Mapping[str, Sequence[Path]] = field(default_factory=dict)
-    """The folders of each package below the given folders, and in the repositories of the given files, by its name."""
-    macro_files: tuple[Path, ...] = ()
-    """Files in the given folders that define macros."""
 
 
 def discover_targets(
@@ -175,6 +93,7 @@ class _Planner:
         self.unused: list[tuple[str, str]] = []
         self.folders: dict[Path, FolderIndex] = {}
         self.found: dict[Path, FoundModel] = {}
+        self.users: set[Path] = set()
         self.finders: dict[Path, PackageFinder] = {}
         self.given_folders: list[Path] = []
         self.known_packages: dict[str, list[Path]] = {}
@@ -344,8 +263,7 @@ class _Planner:
         if not (file.has_name and file.has_parts) or (file.is_xacro and self.has_project_around(path)):
             users = self.find_users(path, lambda folder, _: folder.find_including_models(path))
             is_part = bool(users) or any(folder.may_be_part(path) for folder, _ in self.iter_folders_around(path))
-        for user in users:
-            self.add_found_model(self.found.get(user, FoundModel(path=user)))
+        self.add_each_user(users)
         self.add_model(
             ModelTarget(path=path, arguments=self.arguments, explicit=True, tentative=file.only_macros, is_part=is_part)
         )
@@ -385,10 +303,16 @@ class _Planner:
         return [by_real[real] for real in named if real in by_real]
 
     def add_users(self, path: Path, users: Sequence[Path], otherwise: str) -> None:
-        for user in users:
-            self.add_found_model(self.found.get(user, FoundModel(path=user)))
+        self.add_each_user(users)
         if not users:
             self.unused.append((format_path(path), otherwise))
+
+    def add_each_user(self, users: Sequence[Path]) -> None:
+        """Add the models that use a file; most are those of the file before."""
+        for user in users:
+            if user not in self.users:
+                self.users.add(user)
+                self.add_found_model(self.found.get(user, FoundModel(path=user)))
 
     def add_model(self, target: ModelTarget) -> None:
         """Add a model; if the configuration names it, once for each of the configured sets of arguments."""
@@ -408,16 +332,7 @@ class _Planner:
         targets = self.models.setdefault(resolve_path(target.path), [])
         for index, other in enumerate(targets):
             if dict(other.arguments) == dict(target.arguments):
-                targets[index] = replace(
-                    other,
-                    launches=(*other.launches, *(x for x in target.launches if x not in other.launches)),
-                    explicit=other.explicit or target.explicit,
-                    tentative=other.tentative and target.tentative,
-                    is_part=other.is_part and target.is_part,
-                    is_spare=other.is_spare and target.is_spare,
-                    xacro=_merge_readings(other.xacro, target.xacro),
-                    name=other.name or target.name,
-                )
+                targets[index] = other.merge(target)
                 return
         targets.append(target)
 
@@ -576,11 +491,6 @@ class _Planner:
         """Whether a path is one of the given folders, or below one."""
         real = resolve_path(path)
         return any(folder in (real, *real.parents) for folder in self.given_folders)
-
-
-def _merge_readings(one: bool | None, other: bool | None) -> bool | None:
-    """Return how launch files read a file: one that hands it to xacro wins over one that does not, and both over none."""
-    return True if one or other else one if other is None else other
 
 
 def _assign_launches(targets: Sequence[ModelTarget]) -> list[ModelTarget]:

@@ -60,15 +60,16 @@ class FolderIndex:
         self.launches = [f for f in files if is_launch(f)]
         self.files = {f: file for f in files if is_model(f) and (file := read(f)) is not None}
         self.srdfs = {f: file for f in files if is_srdf(f) and (file := read(f)) is not None}
-        self.by_real = {resolve_path(f): file for f, file in self.files.items()}
+        self.reals = {f: resolve_path(f) for f in (*self.files, *self.srdfs, *self.launches)}
+        self.by_real = {self.reals[f]: file for f, file in self.files.items()}
         self.by_name: dict[str, set[Path]] = {}
         for f in self.files:
-            self.by_name.setdefault(f.name, set()).add(resolve_path(f))
+            self.by_name.setdefault(f.name, set()).add(self.reals[f])
         self.compared = 0
         self.resolved: dict[tuple[str, str], frozenset[Path]] = {}
         # The folders in which a file without a name may be a part: a file there includes whatever a variable names.
         self.open_folders: set[Path] = set()
-        includes = {resolve_path(f): self._resolve_includes(f, file.includes) for f, file in self.files.items()}
+        includes = {self.reals[f]: self._resolve_includes(f, file.includes) for f, file in self.files.items()}
         self.mentioned: set[Path] = set()
         for f, file in self.files.items():
             self.mentioned |= self._resolve_includes(f, set(file.mentions).difference(file.includes))
@@ -82,7 +83,7 @@ class FolderIndex:
             if optional:
                 included |= self._resolve_include(path, "".join(optional.groups()))
             included |= self._resolve_include(path, name)
-        return included - {resolve_path(path)}
+        return included - {self.reals[path]}
 
     def _resolve_include(self, path: Path, name: str) -> frozenset[Path]:
         """Return the files that one include means; one with arguments in its path may mean every file of its name."""
@@ -155,7 +156,7 @@ class FolderIndex:
         for path, file in self.files.items():
             if file.only_macros:
                 continue
-            is_part = self._may_be_part(resolve_path(path), file)
+            is_part = self._may_be_part(self.reals[path], file)
             if is_part and not file.has_name:
                 continue
             # An empty robot is a placeholder that others include; a file without a robot is reported as not a robot.
@@ -188,17 +189,17 @@ class FolderIndex:
     @cached_property
     def _models(self) -> list[Path]:
         """The models through which a file is checked: those that no other file includes."""
-        return [m.path for m in self.found_models if not m.is_part or not self.graph.is_included(resolve_path(m.path))]
+        return [m.path for m in self.found_models if not m.is_part or not self.graph.is_included(self.reals[m.path])]
 
     @cached_property
     def _users(self) -> UserTable:
-        return self.graph.make_user_table([resolve_path(model) for model in self._models])
+        return self.graph.make_user_table([self.reals[model] for model in self._models])
 
     def find_including_models(self, path: Path) -> list[Path]:
         """Return the models that include a file, directly or through others."""
         real = resolve_path(path)
         users = (self._models[index] for index in iter_bits(self._users.find_users([real])))
-        return [model for model in users if resolve_path(model) != real]
+        return [model for model in users if self.reals[model] != real]
 
     def find_models_by_robot_name(self, srdf: Path) -> list[Path]:
         """Return the models of the robot that a semantic description names; a name with expressions may be any."""
@@ -207,21 +208,33 @@ class FolderIndex:
         if not wanted:
             return []
         if "\0" in wanted:
-            return [model for model in self._models if self._get_robot_name(model)]
-        return [model for model in self._models if "\0" in (name := self._get_robot_name(model)) or name == wanted]
+            return [model for named in self._models_by_robot_name.values() for model in named]
+        named = self._models_by_robot_name
+        return named.get(wanted, []) + [model for name, models in named.items() if "\0" in name for model in models]
 
-    def _get_robot_name(self, model: Path) -> str:
-        return self.files[model].robot_name if model in self.files else ""
+    @cached_property
+    def _models_by_robot_name(self) -> dict[str, list[Path]]:
+        """The models whose robots have a name, which may hold expressions, by that name."""
+        models: dict[str, list[Path]] = {}
+        for model in self._models:
+            name = self.files[model].robot_name if model in self.files else ""
+            if name:
+                models.setdefault(name, []).append(model)
+        return models
 
     def find_models_of_srdf_beside(self, settings: Path) -> list[Path]:
         """Return the models of the robots that the semantic descriptions beside a configuration file name."""
-        inside = (Path(settings.parent, name) for name in _list_folder(str(settings.parent))[1])
-        return [
-            model
-            for srdf in inside
-            if is_srdf(srdf) and self.finder.can_open(srdf)
-            for model in self.find_models_by_robot_name(srdf)
-        ]
+        folder = settings.parent
+        if folder not in self._models_beside:
+            inside = (folder / name for name in _list_folder(str(folder))[1])
+            srdfs = [srdf for srdf in inside if is_srdf(srdf) and self.finder.can_open(srdf)]
+            found = (model for srdf in srdfs for model in self.find_models_by_robot_name(srdf))
+            self._models_beside[folder] = list(dict.fromkeys(found))
+        return self._models_beside[folder]
+
+    @cached_property
+    def _models_beside(self) -> dict[Path, list[Path]]:
+        return {}
 
     def find_models_configured_by(self, settings: Path) -> list[Path]:
         """Return all models, if the folder is a package and the file is in one of its configuration folders."""
@@ -241,9 +254,9 @@ class FolderIndex:
         for pattern, files in self._mesh_patterns.items():
             if pattern.match(file.name):
                 naming |= files
-        users = self._users.find_users(map(resolve_path, naming))
+        users = self._users.find_users(map(self.reals.__getitem__, naming))
         if package:
-            users &= self._users.find_users(map(resolve_path, self._find_files_with(package)))
+            users &= self._users.find_users(map(self.reals.__getitem__, self._find_files_with(package)))
         return [self._models[index] for index in iter_bits(users)]
 
     @cached_property

@@ -78,7 +78,8 @@ def explain_unreachable(path: Path) -> str:
     place = _find_place(path)
     if os.path.isdir(place) and not os.path.islink(place) and _is_shared_by_all(place):
         what = "the root of the disk" if place.parent == place else "a folder for all files of a user or of everybody"
-        return f"it is {what}: name the folders of the robots in it, or allow all of it with --allow-read {path.as_posix()}"
+        shown = Path(os.path.relpath(path)).as_posix()
+        return f"it is {what}: name the folders of the robots in it, or allow all of it with --allow-read {shown}"
     return OUT_OF_REACH
 
 

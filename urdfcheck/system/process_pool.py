@@ -123,7 +123,7 @@ class _PlainUnpickler(pickle.Unpickler):
             "policy.suppression",
             "run.jobs",
             "simulators.outcome",
-            "source.discover",
+            "source.plan",
             "source.reach",
             "source.text.suppression_comments",
         )
