@@ -76,7 +76,9 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> Mistak
     if before.endswith("]]") and here == ">":
         return Mistake("`]]>` may not stand in a text", at - 2, at + 1, "write `]]&gt;`")
     if not opened and before.rfind("<") < 0:
-        return Mistake("text stands before the root element", at - 1, at, "delete what stands before the first `<`")
+        return Mistake(
+            "text stands before the root element", max(at - 1, 0), max(at, 1), "delete what stands before the first `<`"
+        )
     return _describe_tag(text, at)
 
 
