@@ -23,6 +23,10 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     if places:
         first, *others = dict.fromkeys(p.location for p in places)
         yield rule.finding("place", at=first, related=others[:9], severity=Severity.WARNING)
+    orders = source.find_problems("order-decides")
+    if orders:
+        first, *others = dict.fromkeys(p.location for p in orders)
+        yield rule.finding("order", at=first, related=others[:9])
 
 
 def _get_value(source: Source, name: str) -> str:

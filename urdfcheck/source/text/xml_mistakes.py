@@ -22,7 +22,7 @@ _MOST_SHOWN = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Mistake:
+class XmlMistake:
     """A mistake, the offsets of its text, and how to mend it."""
 
     message: str
@@ -31,7 +31,7 @@ class Mistake:
     repair: str = _GENERAL_REPAIR
 
 
-def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]]) -> Mistake:
+def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]]) -> XmlMistake:
     """Return the mistake at which expat stopped.
 
     :param at: the offset at which it stopped.
@@ -40,7 +40,7 @@ def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]
     """
     message = ErrorString(code)
     if not text.strip():
-        return Mistake("the file is empty", at, at)
+        return XmlMistake("the file is empty", at, at)
     describe = {
         errors.XML_ERROR_INVALID_TOKEN: _describe_token,
         errors.XML_ERROR_TAG_MISMATCH: _describe_end_tag,
@@ -53,45 +53,45 @@ def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]
         errors.XML_ERROR_UNCLOSED_CDATA_SECTION: _describe_unclosed,
     }.get(message)
     mistake = None if describe is None else describe(text, at, opened)
-    return mistake or Mistake(message, at, min(at + 1, len(text)))
+    return mistake or XmlMistake(message, at, min(at + 1, len(text)))
 
 
-def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> Mistake | None:
+def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMistake | None:
     """Return what is wrong with characters that expat cannot make anything of."""
     before, here = text[:at], text[at : at + 1]
     if before.endswith("--") and before.rfind("<!--", 0, at - 2) > before.rfind("-->"):
         message = "a comment may not contain `--`"
         repair = "write one hyphen, or another character (`==`), and close the comment with `-->`"
-        return Mistake(message, at - 2, at, repair)
+        return XmlMistake(message, at - 2, at, repair)
     if here and NO_CHARACTER.match(here):
-        return Mistake(f"the character U+{ord(here):04X} is not allowed in XML", at, at + 1, "delete it")
+        return XmlMistake(f"the character U+{ord(here):04X} is not allowed in XML", at, at + 1, "delete it")
     if here == "\ufeff":
         message = "a byte order mark stands inside of the file"
-        return Mistake(
+        return XmlMistake(
             message, at, at + 1, "delete the invisible character, which a file that was pasted here has left"
         )
     entity = _OPEN_ENTITY.search(before, max(0, at - 42))
     if entity is not None:
         return _describe_ampersand(entity)
     if before.endswith("]]") and here == ">":
-        return Mistake("`]]>` may not stand in a text", at - 2, at + 1, "write `]]&gt;`")
+        return XmlMistake("`]]>` may not stand in a text", at - 2, at + 1, "write `]]&gt;`")
     if not opened and before.rfind("<") < 0:
-        return Mistake(
+        return XmlMistake(
             "text stands before the root element", max(at - 1, 0), max(at, 1), "delete what stands before the first `<`"
         )
     return _describe_tag(text, at)
 
 
-def _describe_ampersand(entity: re.Match[str]) -> Mistake:
+def _describe_ampersand(entity: re.Match[str]) -> XmlMistake:
     start, end, typed = entity.start(), entity.end(), entity[0]
     if typed[1:] in _ENTITIES or typed.startswith("&#"):
-        return Mistake(f"`{typed}` lacks its semicolon or its number", start, end, f"write `{typed};`")
-    return Mistake(
+        return XmlMistake(f"`{typed}` lacks its semicolon or its number", start, end, f"write `{typed};`")
+    return XmlMistake(
         "`&` begins the name of an entity and may not stand alone", start, start + 1, "write `&amp;` for the `&`"
     )
 
 
-def _describe_tag(text: str, at: int) -> Mistake | None:
+def _describe_tag(text: str, at: int) -> XmlMistake | None:
     """Return what is wrong inside of a tag, or with a ``<`` that begins none."""
     begin = text.rfind("<", 0, at)
     if begin < 0:
@@ -100,7 +100,7 @@ def _describe_tag(text: str, at: int) -> Mistake | None:
     if not inside.strip("/!-"):
         shown = "a blank" if here.isspace() else f"`{here}`"
         message = f"`<` begins a tag, and {shown} begins no name"
-        return Mistake(
+        return XmlMistake(
             message,
             begin,
             begin + 1,
@@ -111,7 +111,7 @@ def _describe_tag(text: str, at: int) -> Mistake | None:
         start = begin + 1 + quote
         line = text.count("\n", 0, start) + 1
         message = f"`<` stands in the value of an attribute, whose quotes open in line {line}"
-        return Mistake(
+        return XmlMistake(
             message, at, at + 1, "close the quotes of that value, or write `&lt;` for a `<` that is part of it"
         )
     if quote is not None or ">" in inside:
@@ -119,25 +119,25 @@ def _describe_tag(text: str, at: int) -> Mistake | None:
     return _describe_attribute(at, inside, here)
 
 
-def _describe_attribute(at: int, inside: str, here: str) -> Mistake | None:
+def _describe_attribute(at: int, inside: str, here: str) -> XmlMistake | None:
     """Return what is wrong with an attribute outside of its quotes."""
     if here == "<":
-        return Mistake("the tag before this `<` is not closed", at, at + 1, "close the tag with `>` or `/>`")
+        return XmlMistake("the tag before this `<` is not closed", at, at + 1, "close the tag with `>` or `/>`")
     if inside.rstrip().endswith("="):
         name = _shorten(_NAME.findall(inside)[-1]) if _NAME.search(inside) else ""
         found = "stands in typographic quotes" if here in _TYPOGRAPHIC else "has no quotes"
-        return Mistake(f"the value of the attribute {name} {found}", at, at + 1, f'write `{name}="…"`')
+        return XmlMistake(f"the value of the attribute {name} {found}", at, at + 1, f'write `{name}="…"`')
     if inside.endswith(('"', "'")):
         if here in {'"', "'"}:
-            return Mistake(
+            return XmlMistake(
                 "a quote too many stands behind the value of an attribute", at, at + 1, "delete one of the quotes"
             )
-        return Mistake("no blank stands between two attributes", at, at + 1, "write a blank behind the quotes")
+        return XmlMistake("no blank stands between two attributes", at, at + 1, "write a blank behind the quotes")
     named = re.search(r"\s([^\s<>/=\"'&]+)\s*\Z", inside)
     if named is not None:
         name = _shorten(named[1])
         start = at - len(inside) + named.start(1)
-        return Mistake(
+        return XmlMistake(
             f"the attribute {name} has no value", start, start + len(named[1]), f'write `{name}="…"`, or delete it'
         )
     return None
@@ -154,7 +154,7 @@ def _find_open_quote(inside: str) -> int | None:
     return None
 
 
-def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> Mistake | None:
+def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMistake | None:
     name = _NAME.match(text, at)
     if name is None or not opened:
         return None
@@ -164,56 +164,56 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> Mist
     inner = _shorten(inner)
     if around is None:
         message = f"</{typed}> closes nothing that is open: <{inner}>, opened in line {line}, has not been closed"
-        return Mistake(message, start, end, f"write `</{inner}>`, or delete `</{typed}>`")
+        return XmlMistake(message, start, end, f"write `</{inner}>`, or delete `</{typed}>`")
     message = (
         f"</{typed}> closes <{typed}> of line {around}, while <{inner}>, opened in line {line}, has not been closed"
     )
-    return Mistake(message, start, end, f"write `</{inner}>` where the element ends, or `/>` at the end of its tag")
+    return XmlMistake(message, start, end, f"write `</{inner}>` where the element ends, or `/>` at the end of its tag")
 
 
-def _describe_entity(text: str, at: int, _: list[tuple[str, int]]) -> Mistake | None:
+def _describe_entity(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
     found = next((m for m in _ENTITY.finditer(text, at) if m[1] not in _ENTITIES), None)
     if found is None:
         return None
     message = f"`{_shorten(found[0])}` is an undefined entity: XML knows `&amp;`, `&lt;`, `&gt;`, `&quot;` and `&apos;`"
-    return Mistake(message, *found.span(), repair="write the character itself, or `&amp;` for a `&`")
+    return XmlMistake(message, *found.span(), repair="write the character itself, or `&amp;` for a `&`")
 
 
-def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> Mistake | None:
+def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMistake | None:
     root = f"<{_shorten(opened[0][0])}> of line {opened[0][1]}" if opened else "the root element"
     tag = re.compile(r"<([^\s<>/=\"'&!?]+)").match(text, at)
     if tag is not None:
         message = f"a second root element, <{_shorten(tag[1])}>, begins after the end of {root}"
-        return Mistake(
+        return XmlMistake(
             message, *tag.span(), repair=f"move it into {root}, or delete the end tag that closes it too early"
         )
     end = text.find("\n", at)
     message = f"text stands behind the end of {root}"
-    return Mistake(message, at, len(text) if end < 0 else max(end, at + 1), repair="delete it")
+    return XmlMistake(message, at, len(text) if end < 0 else max(end, at + 1), repair="delete it")
 
 
-def _describe_declaration(text: str, at: int, _: list[tuple[str, int]]) -> Mistake:
+def _describe_declaration(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake:
     before = text[:at].lstrip("\ufeff")
     what = "a blank" if not before.strip(" \t") else "an empty line" if not before.strip() else "something else"
     what = "a comment" if before.lstrip().startswith("<!--") else what
     message = f"the declaration `<?xml …?>` is not at the start of the file: {what} stands before it"
-    return Mistake(message, at, at + 5, repair="move the declaration to the very start of the file, or delete it")
+    return XmlMistake(message, at, at + 5, repair="move the declaration to the very start of the file, or delete it")
 
 
-def _describe_duplicate(text: str, at: int, _: list[tuple[str, int]]) -> Mistake | None:
+def _describe_duplicate(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
     name = _NAME.match(text, at)
     if name is None:
         return None
     shown = _shorten(name[0])
-    return Mistake(f"the attribute {shown} stands twice in one tag", *name.span(), repair=f"delete one {shown}")
+    return XmlMistake(f"the attribute {shown} stands twice in one tag", *name.span(), repair=f"delete one {shown}")
 
 
-def _describe_end_of_file(text: str, at: int, opened: list[tuple[str, int]]) -> Mistake:
+def _describe_end_of_file(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMistake:
     if not opened:
-        return Mistake("the file has no element", at, at, repair="put the text of the model in its place")
+        return XmlMistake("the file has no element", at, at, repair="put the text of the model in its place")
     tag, line = _shorten(opened[-1][0]), opened[-1][1]
     message = f"the file ends before <{tag}>, opened in line {line}, is closed"
-    return Mistake(
+    return XmlMistake(
         message,
         at,
         min(at + 1, len(text)),
@@ -221,7 +221,7 @@ def _describe_end_of_file(text: str, at: int, opened: list[tuple[str, int]]) -> 
     )
 
 
-def _describe_unclosed(text: str, at: int, _: list[tuple[str, int]]) -> Mistake | None:
+def _describe_unclosed(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
     """Return what is not closed: the file ends in the middle of it."""
     cdata = text.rfind("<![CDATA[", 0, at)
     if cdata >= 0 and "]]>" not in text[cdata:]:  # expat names its end
@@ -235,7 +235,7 @@ def _describe_unclosed(text: str, at: int, _: list[tuple[str, int]]) -> Mistake 
     for begin, what, end in kinds:
         if text.startswith(begin, at):
             message = f"the {what} that begins here has no end: no `{end}` follows"
-            return Mistake(
+            return XmlMistake(
                 message, at, at + len(begin), repair=f"write `{end}` where it ends; the file may have been cut off"
             )
     return None

@@ -26,8 +26,10 @@ from urdfcheck.source.xacro.varying_values import (
     ensure_order,
     ensure_order_inside,
     ensure_text,
+    has_random_order,
     is_orderless,
     make_varying_error,
+    sort_items,
 )
 
 # Far above the need of robots, far below what harms: in a hundred robots the maximum is 35,000 steps.
@@ -79,7 +81,7 @@ _DEEP_METHODS = frozenset({"count", "index", "remove", "sort", "copy", *_SET_MET
 # `vars` returns a class's own dictionary, in which dunder names are plain keys; `type` returns the classes.
 _FORBIDDEN_FUNCTIONS = frozenset({"type", "vars"})
 # Functions that make a text of their arguments.
-_TEXT_FUNCTIONS = _split_words("str repr message warning error fatal print_location format")
+_TEXT_FUNCTIONS = frozenset({"str", "repr", "format"})
 # Functions and methods that hand the place of a file on, or open it, without a decision.
 _PATH_FUNCTIONS = _split_words(
     "str repr message warning error fatal print_location format join load_yaml abs_filename dict"
@@ -110,7 +112,7 @@ class GuardedFunction:
         self._shallow = shallow
 
     def __call__(self, /, *args: Any, **kwargs: Any) -> Any:
-        self._guards.check_call(self._name, args, kwargs)
+        args = self._guards.check_call(self._name, args, kwargs)
         if not self._shallow:
             args = tuple(map(self._guards.guard_argument, args))
             kwargs = {name: self._guards.guard_argument(value) for name, value in kwargs.items()}
@@ -148,15 +150,16 @@ class Guards:
     """The guards of one expansion, which share one count of steps."""
 
     def __init__(
-        self, namespace: type, *, places: set[str] | None = None, on_place: Callable[[], None] | None = None
+        self, namespace: type, *, places: set[str] | None = None, notify: Callable[[str], None] = lambda _kind: None
     ) -> None:
         """Start the count. ``namespace``: xacro's class of name tables, the only type of value that is not Python's own.
 
-        ``places``: the folders that the file was told so far; ``on_place`` is called where an expression looks into one.
+        ``places``: the folders that the file was told so far; ``notify`` is called with the kind of problem
+        where an expression looks into one (place-decides), or goes through a set whose order is random (order-decides).
         """
         self.steps = MAX_STEPS
         self._places = set() if places is None else places
-        self._on_place = on_place
+        self._notify = notify
         self._namespace = namespace
         self._own_tables: set[int] = set()
         self._named: dict[str, Callable[..., Any]] = {
@@ -205,8 +208,11 @@ class Guards:
         self.measure(value)  # it has an end
         ensure_text(value, self._is_table)
 
-    def check_call(self, name: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
-        """Refuse arguments of a function or method that make its value random; note a decision by where files lie."""
+    def check_call(self, name: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> tuple[Any, ...]:
+        """Return the arguments of a function or method, the items of a set in a fixed order where it matters.
+
+        :raises ExpressionRefusedError: if the value would be another in each process.
+        """
         for value in (*args, *kwargs.values()):
             self._ensure_foreign_table(value)
             if name in _TEXT_FUNCTIONS:
@@ -214,18 +220,25 @@ class Guards:
             elif name == "hash":
                 self.measure(value)
                 ensure_hash(value)
-            elif not is_orderless(name, kwargs):
-                ensure_order(value)
             if name not in _PATH_FUNCTIONS:
                 self._note_decision(value)
+        return args if is_orderless(name, kwargs) else tuple(map(self._order_items, args))
+
+    def _order_items(self, value: Any) -> Any:
+        """Return a set whose order is random as a list in a fixed order, and note that; return anything else as it is."""
+        if not has_random_order(value):
+            return value
+        self.measure(value)
+        self._notify("order-decides")
+        return sort_items(value)
 
     def _note_decision(self, value: Any) -> None:
         """Note that an expression looks into a text that holds the place of a file, instead of only writing it."""
-        if self._places and self._on_place is not None:
+        if self._places:
             items = value if isinstance(value, (list, tuple)) else (value,)
             texts = (item for item in items if isinstance(item, str))
             if any(place in text for text in texts for place in self._places):
-                self._on_place()
+                self._notify("place-decides")
 
     def _is_table(self, value: Any) -> bool:
         return isinstance(value, self._namespace)
@@ -470,10 +483,9 @@ class Guards:
 
     def _iter_counted(self, value: Any) -> Iterator[Any]:
         self._ensure_foreign_table(value)
-        ensure_order(value)
         if isinstance(value, str):
             self._note_decision(value)
-        iterator = iter(value)
+        iterator = iter(self._order_items(value))
 
         def iter_counting() -> Iterator[Any]:
             for item in iterator:

@@ -80,7 +80,7 @@ class Tracer:
 
             self._patch_functions(patch)
             self._patch_state(patch)
-            self.guards = Guards(xacro.Table, places=self.access.places, on_place=self.report_place)
+            self.guards = Guards(xacro.Table, places=self.access.places, notify=self.report_decision)
             patch(xacro, "str", make_text_type(self.guards.make_text))
             self.symbols = xacro.create_global_symbols()
             dict.__setitem__(self.symbols["xacro"], "arg", self.get_argument)
@@ -551,9 +551,9 @@ class Tracer:
 
         return resolve_traced
 
-    def report_place(self) -> None:
-        """Record that an expression decides by where files lie."""
-        self.trace.report_once("place-decides", "", self.trace.locate_cause())
+    def report_decision(self, kind: str) -> None:
+        """Record that an expression depends on where files lie, or on the order of a set."""
+        self.trace.report_once(kind, "", self.trace.locate_cause())
 
     def report_warning(self, *args: Any) -> None:
         """Record a warning of xacro."""

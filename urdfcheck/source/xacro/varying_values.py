@@ -46,6 +46,11 @@ def ensure_order(value: Any) -> None:
         raise make_varying_error("the order of the items of a set is another in each process")
 
 
+def sort_items(value: Any) -> list[Any]:
+    """Return the items of a set in an order that is the same in each process."""
+    return sorted(value, key=lambda item: (type(item).__name__, repr(item)))
+
+
 def ensure_order_inside(value: Any) -> None:
     """Refuse to take a value apart into several names if a set in it has a random order. ``value`` does not hold itself."""
     stack = [value]
