@@ -869,3 +869,15 @@ def test_circle_that_a_condition_ends_is_none(tmp_path: Path) -> None:
     run = xacro(tmp_path, prop("n", "0") + '<xacro:include filename="a.xacro"/>', {"XAC001", "XAC013"})
     assert not run.findings
     assert run.models[0].status == "checked"
+
+
+@pytest.mark.parametrize(("value", "message"), [("${2*2.0}", "not-text"), ("${0}", "value-lost"), ("${str(2)}", None)])
+def test_a_value_that_is_no_text_is_named_with_its_repair(tmp_path: Path, value: str, message: str | None) -> None:
+    body = f'<link name="a"><inertial><mass><xacro:attribute name="value" value="{value}"/></mass></inertial></link>'
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{body}</robot>'
+    found = check_text(tmp_path, text, "robot.urdf.xacro", codes={"XAC001"}).findings
+    assert [f.message_id for f in found] == ([] if message is None else [message])
+    for finding in found:
+        assert finding.severity == (Severity.ERROR if message == "not-text" else Severity.WARNING)
+        assert finding.fix is not None
+        assert "${str(…)}" in finding.fix.title

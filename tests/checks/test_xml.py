@@ -191,6 +191,7 @@ class TestEncodings:
             (declare("gb2312").encode(), None),
             ('<robot name="r"><link name="a"/></robot>'.encode("utf-16-le"), None),
             (declare("utf-16").encode("utf-16"), "xacro-encoding"),
+            ('<robot name="r"><link name="中"/></robot>'.encode("utf-16-le"), None),
             (declare("ISO-8859-1", "ä").encode("latin-1"), "xacro-encoding"),
             (declare("utf-8", "ä").encode("latin-1"), "encoding"),
         ],
@@ -227,6 +228,15 @@ class TestEncodings:
             assert [f.message_id for f in found] == ["yaml"] * refused
         else:
             assert [f.message_id for f in found] == [message] * refused
+
+    def test_half_of_a_character_in_utf_16_may_be_a_line_break_for_xacro(self, tmp_path: Path) -> None:
+        import xacro
+
+        path = tmp_path / "robot.urdf.xacro"
+        path.write_bytes('<robot name="r"><link name="名"/></robot>'.encode("utf-16-le"))
+        assert 'name="吊"' in xacro.process_file(str(path)).toxml()
+        (finding,) = check(path, codes={"XML001"}).findings
+        assert (finding.message_id, finding.severity) == ("xacro-encoding", Severity.ERROR)
 
     @pytest.mark.parametrize(
         ("encoding", "hidden"),

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 
-from fuzz import meshes, nasty, seeds, texts, trees
+from fuzz import meshes, nasty, readings, seeds, texts, trees
 from fuzz.expressions import Language
 from fuzz.texts import utf8
 
@@ -19,13 +19,15 @@ SECRET = "secret-that-no-report-may-show"
 class Case:
     """``files`` by their path below the folder ``robot``; ``entry`` is what is checked of it. ``links``: symbolic links and
     what they lead to; ``pipes``: files that are none. ``plain``: whether plain xacro may be asked about the entry: nothing in
-    it is meant to run. ``mesh``: the file that is a mutated mesh."""
+    it is meant to run. ``mesh``: the file that is a mutated mesh. ``reading``: whether urdfdom and plain
+    xacro must read the same robot as we do."""
 
     entry: str
     files: Mapping[str, bytes]
     tier: str = "source"
     plain: bool = False
     mesh: str = ""
+    reading: bool = False
     links: Mapping[str, str] = field(default_factory=dict)
     pipes: tuple[str, ...] = ()
 
@@ -89,6 +91,15 @@ def _urdf(rng: Random) -> Case:
     if rng.random() < 0.3:
         data = texts.mutated(data, rng, _URDF_TEXTS, texts.XML)
     return Case("model.urdf", {**_around(rng), "model.urdf": data}, tier=_tier(rng))
+
+
+def _reading(rng: Random) -> Case:
+    """A robot in one of its many spellings."""
+    return Case("model.urdf", {"model.urdf": readings.write_robot(rng, xacro=False)}, reading=True)
+
+
+def _xacro_reading(rng: Random) -> Case:
+    return Case("model.urdf.xacro", {"model.urdf.xacro": readings.write_robot(rng, xacro=True)}, reading=True)
 
 
 def _xacro(rng: Random) -> Case:
@@ -351,6 +362,8 @@ def _reference(rng: Random) -> Case:
 MAKERS: Mapping[str, Callable[[Random], Case]] = {
     "urdf": _urdf,
     "xacro": _xacro,
+    "reading": _reading,
+    "xacro-reading": _xacro_reading,
     "expression": _expression,
     "yaml": _yaml,
     "launch": _launch,

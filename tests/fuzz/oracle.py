@@ -22,6 +22,7 @@ from pathlib import Path
 from unittest import mock
 from xml.parsers import expat
 
+from fuzz import readings
 from fuzz.cases import SECRET, Case
 from jsonschema import Draft202012Validator
 
@@ -299,6 +300,9 @@ def _refused(case: Case, path: Path, outcome: Run) -> str | None:
     """Why this input should have had a finding, although there is no error: what another parser says of it."""
     if case.mesh:
         return _no_mesh(case, outcome)
+    if case.reading:
+        misread = any(f.message_id in {"misdeclared", "undecoded"} for f in outcome.findings)
+        return None if misread else readings.find_difference(path)
     data = path.read_bytes() if path.is_file() else b""
     if path.suffix == ".urdf":
         return _malformed(data) or (_pinocchio(data, outcome) if case.tier == "full" else None)

@@ -65,6 +65,42 @@ FOUND = {
     "a package whose name no file system takes": Case(
         "model.urdf", {"model.urdf": drawn(f"package://{'n' * 300}/a.stl")}
     ),
+    "a character that tells xacro of another in UTF-16": Case(
+        "model.urdf.xacro",
+        {"model.urdf.xacro": '<robot name="r"><link name="名"/></robot>'.encode("utf-16-le")},
+        reading=True,
+    ),
+    "an entity before the root": Case("model.urdf", {"model.urdf": b'&#65279;<robot name="r"/>'}),
+    "a comment for one encoding, links for another": Case(
+        "model.urdf",
+        {
+            "model.urdf": b'<?xml version="1.0" encoding="utf-7"?><robot name="r"><link name="a"/>+ADwAIQAtAC0-<link name="b"/>'
+            b"+AC0ALQA+-</robot>"
+        },
+        reading=True,
+    ),
+    "a name with a tab where its joint has a blank": Case(
+        "model.urdf",
+        {
+            "model.urdf": model(
+                '<link name="a\tb"/><link name="c"/><joint name="j" type="fixed"><parent link="a b"/><child link="c"/></joint>'
+            )
+        },
+        reading=True,
+    ),
+    "an instruction at the top of a xacro": Case(
+        "model.urdf.xacro", {"model.urdf.xacro": b"<?xml-model href='a'?>" + model('<link name="a"/>')}, reading=True
+    ),
+    "letters that are not UTF-8 in a xacro": Case(
+        "model.urdf.xacro",
+        {"model.urdf.xacro": '<?xml version="1.0" encoding="latin-1"?><robot name="ä"/>'.encode("latin-1")},
+        reading=True,
+    ),
+    "a number that xacro cannot write": Case(
+        "model.urdf.xacro",
+        {"model.urdf.xacro": model('<link name="a"><xacro:attribute name="b" value="${2 * 2.0}"/></link>')},
+        reading=True,
+    ),
     "an include without a file in a launch file": Case("it.launch", {"it.launch": b"<launch><include/></launch>"}),
 }
 

@@ -12,6 +12,7 @@ from conftest import FIXTURES
 from real_robots import list_robots
 
 from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.xacro.argument_values import build_argument_sets, find_argument_choices
 from urdfcheck.source.xacro.expand import Expansion, expand_xacro
 
 Expand = Callable[..., Any]
@@ -601,3 +602,93 @@ def test_real_robots_expand_to_the_byte_as_with_plain_xacro(corpus: Path, assert
         if expansion.root is not None:
             assert_located(expansion)
         assert_like_plain(expansion, path, entry["xacro_args"], finder)
+
+
+def _problems(tmp_path: Path, body: str) -> list[tuple[str, int]]:
+    path = tmp_path / "robot.urdf.xacro"
+    path.write_text(f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n{body}\n</robot>')
+    problems = expand_xacro(path, {}, PackageFinder(path, environment={})).problems
+    return [(p.kind, 0 if p.location.span is None else p.location.span.line) for p in problems]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        """<xacro:if value="${'$(optenv ROS_DISTRO none)' != 'none'}"><a/></xacro:if>""",
+        """<xacro:arg name="v" default="$(optenv ROS_VERSION 0)"/>\n<xacro:if value="$(eval v == 2)"><a/></xacro:if>""",
+        """<xacro:include filename="$(optenv ROS_DISTRO none).xacro"/>""",
+        """<a b="${1 if '$(optenv ROS_DISTRO none)' == 'humble' else 2}"/>""",
+        """<xacro:property name="d" value="$(optenv ROS_DISTRO none)"/>\n<xacro:if value="${d == 'x'}"><a/></xacro:if>""",
+        """<xacro:arg name="d" default="$(optenv ROS_DISTRO no)"/>\n<xacro:unless value="${'$(arg d)' == ''}"/>""",
+        """<xacro:property name="d" value="$(optenv ROS_PYTHON_VERSION 3)"/>\n<a b="${dict([(2, 1)]).get(d, 2)}"/>""",
+    ],
+)  # fmt: skip
+def test_what_decides_by_a_variable_of_ros_is_told(tmp_path: Path, body: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_DISTRO", raising=False)
+    (tmp_path / "none.xacro").write_text("<robot/>")
+    assert _problems(tmp_path, body) == [("environment-decides", 2 + body.count("\n"))]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        """<a b="x_$(optenv ROS_DISTRO none)"/>""",
+        """<xacro:property name="d" value="$(optenv ROS_DISTRO none)"/><a b="x_${d}"/>""",
+        """<xacro:if value="${1 == 1}"><a b="$(optenv ROS_DISTRO none)"/></xacro:if>""",
+        """<xacro:property name="d" value="$(dirname)"/><a b="file://${d}/a.stl" c="${d + '/b.stl'}" e="${'%s/c' % d}"/>""",
+        """<a b="${'/'.join(['$(dirname)', 'a'])}" d="${len('a') == 1}"/>""",
+    ],
+)
+def test_what_is_only_written_decides_nothing(tmp_path: Path, body: str) -> None:
+    assert _problems(tmp_path, body) == []
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        "'/share/' in '$(dirname)'",
+        "'$(dirname)' == '/opt/robot'",
+        "'$(dirname)/x'.startswith('/opt')",
+        "'$(dirname)'.split('/')[1] == 'opt'",
+        "'$(dirname)'[1] == 'o'",
+        "len('$(dirname)') == 4",
+        "[c for c in '$(dirname)'][1] == 'o'",
+        "xacro.abs_filename('a.yaml').find('opt') == 1",
+        "here &lt; '/m'",
+        "dict([('/opt', 1)]).get(here, 0)",
+        "python.sum(ord_ == 'o' for ord_ in here)",
+        "here in ['/opt']",
+        "'x'.join([here]).count('/') == 3",
+    ],
+)
+def test_what_decides_by_the_place_of_a_file_is_told(tmp_path: Path, expression: str) -> None:
+    body = f"""<xacro:property name="here" value="$(dirname)"/>\n<xacro:if value="${{{expression}}}"><a/></xacro:if>"""
+    assert ("place-decides", 3) in _problems(tmp_path, body)
+
+
+def test_a_variable_of_ros_can_be_given_like_an_argument(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DISTRO", "jazzy")
+    path = tmp_path / "robot.urdf.xacro"
+    path.write_text('<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="$(env ROS_DISTRO)"/>')
+    for arguments, name in (({}, "jazzy"), ({"env:ROS_DISTRO": "noetic"}, "noetic")):
+        root = expand_xacro(path, arguments, PackageFinder(path, environment={})).root
+        assert root is not None
+        assert root.get("name") == name
+
+
+def test_the_distributions_are_values_of_what_a_model_may_decide_by(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_DISTRO", "mine")
+    path = tmp_path / "robot.urdf.xacro"
+    text = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="$(env {})">{}</robot>'
+    finder = PackageFinder(path, environment={})
+    path.write_text(text.format("ROS_DISTRO", "<!-- $(env ROS_VERSION) --><a b='$(env ROS_VERSION)'/>"))
+    assert find_argument_choices(path, finder) == []
+    decides = """<xacro:if value="${'$(optenv ROS_DISTRO none)' == 'none'}"><a/></xacro:if>"""
+    path.write_text(text.format("ROS_VERSION", decides))
+    (choice,) = find_argument_choices(path, finder)
+    assert (choice.name, choice.default, choice.values[0]) == ("env:ROS_DISTRO", "mine", "mine")
+    assert {"noetic", "humble", "jazzy"} < set(choice.values)
+    assert {"env:ROS_DISTRO": "humble"} in build_argument_sets([choice])
+    assert {} in build_argument_sets([choice])

@@ -116,6 +116,7 @@ def test_blanks_cannot_hide_the_declaration() -> None:
         (declare("ISO-8859-1", "ä").encode("latin-1"), declare("ISO-8859-1", "ä"), "ISO-8859-1"),
         # What urdfdom and xacro read, whatever the declaration says.
         (declare("ISO-8859-1", "ä").encode(), declare("ISO-8859-1", "ä"), "utf-8"),
+        (declare("ISO-8859-1", "a").encode(), declare("ISO-8859-1", "a"), "ISO-8859-1"),
         (declare("gb2312", "a").encode(), declare("gb2312", "a"), "utf-8"),
     ],
 )

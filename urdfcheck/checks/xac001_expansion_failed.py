@@ -317,6 +317,7 @@ def _explain_value_without_text(failure: _ExpansionFailure, match: re.Match[str]
 
 
 _EXPLANATIONS: tuple[tuple[str, Callable[[_ExpansionFailure, re.Match[str]], _FailureReport]], ...] = (
+    (r"^<xacro:attribute> gives (\S+) a value of the type (\S+),", _explain_value_without_text),
     (r"name '([^']+)' is not defined", _explain_undefined_name),
     (r"unknown macro name: (\S+)", _explain_unknown_macro),
     (r"Undefined parameters \[([^\]]*)\]", _explain_missing_parameters),

@@ -1,15 +1,39 @@
-"""XAC016 reports environment variables that the model was expanded without."""
+"""XAC016 reports that the model depends on the environment: on variables that were not read, and on those that decide."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
+from urdfcheck.source.xacro.argument_values import VARIABLE
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
+    yield from _check_ignored(source, rule)
+    decisions = source.find_problems("environment-decides")
+    if decisions:
+        names = sorted({str(p.data["variable"]) for p in decisions})
+        first, *others = dict.fromkeys(p.location for p in decisions)
+        told = [f"{name} is {_get_value(source, name)}" for name in names]
+        yield rule.finding("decides", at=first, related=others[:9], variables=names, listed=join_names(told))
+    places = source.find_problems("place-decides")
+    if places:
+        first, *others = dict.fromkeys(p.location for p in places)
+        yield rule.finding("place", at=first, related=others[:9], severity=Severity.WARNING)
+    orders = source.find_problems("order-decides")
+    if orders:
+        first, *others = dict.fromkeys(p.location for p in orders)
+        yield rule.finding("order", at=first, related=others[:9])
+
+
+def _get_value(source: Source, name: str) -> str:
+    return source.arguments.get(f"{VARIABLE}{name}") or os.environ.get(name) or "not set"
+
+
+def _check_ignored(source: Source, rule: Rule) -> Iterator[Finding]:
     problems = source.find_problems("environment-ignored")
     if not problems:
         return

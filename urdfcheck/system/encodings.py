@@ -72,6 +72,8 @@ def decode_xml(data: bytes) -> DecodedText:
         raise _refuse_declared(found) from None
     if found is not None and not _is_same_text(body, declared, text):
         raise _refuse_declared(found)
+    if encoding == "utf-8" and text.isascii() and is_single_byte(declared):
+        encoding = declared  # in which an edit has to be written, for parsers that heed the declaration
     return DecodedText(text, encoding, declared)
 
 

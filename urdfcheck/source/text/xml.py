@@ -28,6 +28,8 @@ MAX_VALUE = 1024**2
 # Elements, attributes and comments; each takes up to 500 bytes of memory.
 MAX_PARTS = 2_000_000
 
+# Characters of which one byte in UTF-16 is a carriage return, which a reader of text changes to a line break.
+_HALF_RETURN = re.compile("[\u0d00-\u0dff]|[%s]" % "".join(chr(high << 8 | 0x0D) for high in range(1, 0xD8)))  # noqa: UP031
 _BREAK = re.compile(r"\r\n|[\r\n\t]")
 _TAG = re.compile(r"[^ \t\r\n/>]+")
 _ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
@@ -236,6 +238,10 @@ class SourceFile:
 
         :raises XmlError: at the first byte that is not UTF-8.
         """
+        if self.encoding.startswith("utf-16-") and (changed := _HALF_RETURN.search(self.text)) is not None:
+            half = f"it takes a half of {changed[0]!r} for a line break"
+            message = f"{reader} reads every file as UTF-8, and this is UTF-16: {half}"
+            raise XmlError("xacro-encoding", message, self.make_span(*changed.span()))
         found = find_byte_beyond_utf_8(self.text, self.encoding)
         if found is not None:
             message = f"{reader} reads every file as UTF-8, and byte 0x{found[1]:02x} is none"

@@ -76,7 +76,9 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
     if before.endswith("]]") and here == ">":
         return XmlMistake("`]]>` may not stand in a text", at - 2, at + 1, "write `]]&gt;`")
     if not opened and before.rfind("<") < 0:
-        return XmlMistake("text stands before the root element", at - 1, at, "delete what stands before the first `<`")
+        return XmlMistake(
+            "text stands before the root element", max(at - 1, 0), max(at, 1), "delete what stands before the first `<`"
+        )
     return _describe_tag(text, at)
 
 

@@ -27,6 +27,16 @@ MOST_ARGUMENTS, MOST_VALUES, MOST_FILES = 48, 16, 400
 # The longest expression of published robots has 166 characters.
 MOST_CHARACTERS = 2_000
 
+# What the name of an argument begins with that stands for a variable of the environment: `env:ROS_DISTRO`.
+VARIABLE = "env:"
+# The distributions of ROS that are or were in use, and what they set.
+KNOWN_VARIABLES: Mapping[str, tuple[str, ...]] = {
+    "ROS_DISTRO": ("noetic", "humble", "jazzy", "kilted", "rolling"),
+    "ROS_PYTHON_VERSION": ("3", "2"),
+    "ROS_VERSION": ("2", "1"),
+}
+_VARIABLE_READ = re.compile(r"""env[\s('"]+(\w+)""")
+
 _ARGUMENT = r"""\$\(arg\s+([^\s()$]+)\s*\)"""
 _ARGUMENT_DEMAND = re.compile(_ARGUMENT)
 _REFERENCE = re.compile(rf"""(['"]?){_ARGUMENT}\1|(?<![\w.])(?:xacro\.)?arg\(\s*['"]([^'"]+)['"]\s*\)""")
@@ -71,9 +81,10 @@ class _ArgumentUsage:
 def find_argument_choices(path: Path, finder: PackageFinder) -> list[ArgumentChoice]:
     """Return the arguments of a xacro that have more than one known value, in the order of their declarations."""
     trees = _read_included_trees(path, finder)
+    variables = _find_variables(trees)
     usages = _find_arguments(trees)
     if not usages:
-        return []
+        return variables
     _ExpressionReader(trees, finder, usages).read()
     for tree, folder in trees:
         for element in tree.walk():
@@ -85,7 +96,25 @@ def find_argument_choices(path: Path, finder: PackageFinder) -> list[ArgumentCho
                     if name in usages:
                         usages[name].values[value] = None
     choices = [_make_choice(name, usage) for name, usage in usages.items()]
-    return [choice for choice in choices if len(choice.values) > 1]
+    return variables + [choice for choice in choices if len(choice.values) > 1]
+
+
+def _find_variables(trees: Sequence[tuple[Element, Path]]) -> list[ArgumentChoice]:
+    """Return the variables of ROS by which a model may decide, as arguments; the first value is that of this environment."""
+    texts = [
+        text
+        for tree, _ in trees
+        for element in tree.walk()
+        for text in _list_texts(element)
+        if "env" in text and (element.tag.startswith("xacro:") or "${" in text or "$(eval" in text)
+    ]
+    names = {name for text in texts for name in _VARIABLE_READ.findall(text)}
+    choices = []
+    for name in sorted(names & KNOWN_VARIABLES.keys()):
+        here = os.environ.get(name, "")
+        values = tuple(dict.fromkeys((here, *KNOWN_VARIABLES[name])))
+        choices.append(ArgumentChoice(f"{VARIABLE}{name}", here, values))
+    return choices
 
 
 def _find_arguments(trees: Sequence[tuple[Element, Path]]) -> dict[str, _ArgumentUsage]:

@@ -18,6 +18,7 @@ from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile
+from urdfcheck.source.xacro.argument_values import VARIABLE
 from urdfcheck.source.xacro.expansion_state import ExpansionTrace
 from urdfcheck.source.xacro.origins import InvalidOutputError, OutputDefect, convert_document
 from urdfcheck.source.xacro.outside_access import FileAccess
@@ -50,10 +51,13 @@ def expand_xacro(
 ) -> Expansion:
     """Expand a xacro file with the given arguments. Never raises because of the file's content.
 
-    ``extra_environment``: variables that the file may read besides those of ROS.
+    ``extra_environment``: variables that the file may read besides those of ROS. An argument whose name begins with
+    :data:`~urdfcheck.source.xacro.argument_values.VARIABLE` is the value of a variable of the environment instead.
     """
     trace = ExpansionTrace()
-    access = FileAccess(path, finder, extra_environment=extra_environment, trace=trace)
+    variables = {name.removeprefix(VARIABLE): value for name, value in arguments.items() if name.startswith(VARIABLE)}
+    arguments = {name: value for name, value in arguments.items() if not name.startswith(VARIABLE)}
+    access = FileAccess(path, finder, extra_environment=extra_environment, trace=trace, variables=variables)
     document: minidom.Document | None = None
     root: Element | None = None
     with Tracer(trace, access).install_wrappers():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +17,10 @@ from urdfcheck.source.xacro.expressions import ExpressionRefusedError
 from urdfcheck.source.xacro.origins import get_origin
 
 CYCLE = "include cycle"
+# The kind of a definition that stands for a variable of the environment.
+ENVIRONMENT = "environment"
+# The attributes that decide what becomes part of the model.
+_DECIDING = {"xacro:if": "value", "xacro:unless": "value", "xacro:include": "filename", "xacro:call": "macro"}
 # Limit on elements, texts and comments that are visited, those of a macro once for each call: in a hundred robots the maximum
 # is 21,000. Reading a file counts for several.
 MAX_NODES = 200_000
@@ -67,6 +71,7 @@ class ExpansionTrace:
 
     def __init__(self) -> None:
         self.problems: list[Problem] = []
+        self._reported: set[tuple[str, Location, str]] = set()
         self.arguments_read: set[str] = set()
         self.argument_definitions: dict[str, Definition] = {}
         # The attribute or element that is being evaluated, and the macro calls and includes around it.
@@ -187,6 +192,29 @@ class ExpansionTrace:
         """Record a problem, with the definitions that led to the failure."""
         related = tuple(d.location for d in flatten_definitions(self.failed_reads) if d.span is not None)
         self.problems.append(Problem(kind=kind, message=message, location=location, data=data, related=related))
+
+    def report_once(self, kind: str, message: str, location: Location, **data: Any) -> None:
+        """Record a problem unless it was recorded at this place."""
+        key = (kind, location, message)
+        if key not in self._reported:
+            self._reported.add(key)
+            self.report_problem(kind, message, location, **data)
+
+    def is_condition(self) -> bool:
+        """Whether the value that is evaluated decides if something is part of the model."""
+        return self.node is not None and _DECIDING.get(self.node.tagName) == self.attribute is not None
+
+    def report_environment_decision(self, reads: Iterable[Definition]) -> None:
+        """Record the variables of ROS by which the value that was just computed from ``reads`` decides."""
+        seen: set[int] = set()
+        queue = list(reads)
+        while queue:
+            definition = queue.pop()
+            if definition.kind == ENVIRONMENT:
+                self.report_once("environment-decides", definition.name, self.locate_cause(), variable=definition.name)
+            elif id(definition) not in seen:
+                seen.add(id(definition))
+                queue += definition.reads
 
     def report_limit(self, kind: str) -> None:
         """Record that the model's time or memory was used up, and what was being evaluated."""

@@ -86,7 +86,7 @@ class ExpressionRefusedError(Exception):
 
     ``kind``: ``unsafe`` if it leads out of the language, ``construct`` for a harmless part of Python that is not supported,
     ``method`` for a method that is not known to be harmless, ``outside`` for a function that xacro does not offer,
-    ``too_large`` if it would take unbounded memory or time.
+    ``too_large`` if it would take unbounded memory or time, ``varies`` if its value is another in each process.
     """
 
     def __init__(self, kind: str, reason: str, expression: str = "") -> None:
@@ -154,6 +154,12 @@ def _find_refusal(tree: ast.Expression) -> ExpressionRefusedError | None:
 
 def _describe_unsupported(node: ast.AST) -> str:
     """Describe a node that is not part of xacro's language; return an empty text for one that is."""
+    if (
+        isinstance(node, ast.Compare)
+        and len(node.ops) > 1
+        and any(isinstance(op, (ast.Is, ast.IsNot)) for op in node.ops)
+    ):
+        return "`is` in a chain of comparisons"
     if not isinstance(node, _NODES):
         names = {"Lambda": "a lambda", "JoinedStr": "an f-string", "NamedExpr": "an assignment (:=)", "Await": "await"}
         return names.get(type(node).__name__, f"a Python {type(node).__name__}")
@@ -196,8 +202,11 @@ class _GuardInserter(ast.NodeTransformer):
 
     def visit_Compare(self, node: ast.Compare) -> ast.AST:
         node = self._visit_children(node)
-        node.left = _guard_operand(node.left)
-        node.comparators = [_guard_operand(operand) for operand in node.comparators]
+        if len(node.ops) == 1 and isinstance(node.ops[0], (ast.Is, ast.IsNot)):
+            same = _make_guard_call("@identical", node.left, node.comparators[0])
+            return same if isinstance(node.ops[0], ast.Is) else ast.UnaryOp(ast.Not(), same)
+        sides = zip([None, *node.ops], [*node.ops, None], [node.left, *node.comparators], strict=True)
+        node.left, *node.comparators = [_guard_compared(operand, before, after) for before, after, operand in sides]
         return node
 
     def visit_Starred(self, node: ast.Starred) -> ast.AST:
@@ -207,7 +216,7 @@ class _GuardInserter(ast.NodeTransformer):
         return node
 
     def visit_comprehension(self, node: ast.comprehension) -> ast.AST:
-        spread = any(isinstance(n, ast.Starred) for n in ast.walk(node.target))
+        spread = not isinstance(node.target, ast.Name)
         node = self._visit_children(node)
         node.iter = _make_guard_call("@unpacked" if spread else "@iterable", node.iter)
         return node
@@ -251,6 +260,15 @@ def _make_guard_call(guard: str, *arguments: ast.expr) -> ast.Call:
 
 def _guard_operand(node: ast.expr) -> ast.expr:
     return node if isinstance(node, ast.Constant) else _make_guard_call("@measured", node)
+
+
+def _guard_compared(node: ast.expr, before: ast.cmpop | None, after: ast.cmpop | None) -> ast.expr:
+    """Guard an operand of a comparison by the operators on both sides; a container on the right of ``in`` may be an iterator."""
+    # A path that xacro has put into the expression is a constant too.
+    if isinstance(node, ast.Constant) and not (isinstance(node.value, str) and "/" in node.value):
+        return node
+    contains = isinstance(before, (ast.In, ast.NotIn)) and after is None
+    return _make_guard_call("@measured" if contains else "@compared", node)
 
 
 @lru_cache(maxsize=4096)  # several rules read the same files

@@ -19,6 +19,18 @@ from types import CodeType
 from typing import Any
 
 from urdfcheck.source.xacro.expressions import ExpressionRefusedError
+from urdfcheck.source.xacro.varying_values import (
+    ensure_comparable,
+    ensure_hash,
+    ensure_identity,
+    ensure_order,
+    ensure_order_inside,
+    ensure_text,
+    has_random_order,
+    is_orderless,
+    make_varying_error,
+    sort_items,
+)
 
 # Far above the need of robots, far below what harms: in a hundred robots the maximum is 35,000 steps.
 MAX_STEPS = 2_000_000
@@ -68,6 +80,13 @@ _METHODS: Mapping[type, frozenset[str]] = {
 _DEEP_METHODS = frozenset({"count", "index", "remove", "sort", "copy", *_SET_METHODS})
 # `vars` returns a class's own dictionary, in which dunder names are plain keys; `type` returns the classes.
 _FORBIDDEN_FUNCTIONS = frozenset({"type", "vars"})
+# Functions that make a text of their arguments.
+_TEXT_FUNCTIONS = frozenset({"str", "repr", "format"})
+# Functions and methods that hand the place of a file on, or open it, without a decision.
+_PATH_FUNCTIONS = _split_words(
+    "str repr message warning error fatal print_location format join load_yaml abs_filename dict"
+)
+_PATH_METHODS = frozenset({"format", "join"})
 _NAMESPACE_METHODS = frozenset({"get", "items", "keys", "values"})
 _FIELD = re.compile(r"%(?:\([^()]*\))?[-#0 +]*(\*|\d*)(?:\.(\*|\d*))?[hlL]?[^(]", re.DOTALL)
 
@@ -75,17 +94,25 @@ _FIELD = re.compile(r"%(?:\([^()]*\))?[-#0 +]*(\*|\d*)(?:\.(\*|\d*))?[hlL]?[^(]"
 class GuardedFunction:
     """A function that expressions may call; its guard checks the arguments first, and may refuse them."""
 
-    __slots__ = ("_check", "_guards", "_shallow", "function")
+    __slots__ = ("_check", "_guards", "_name", "_shallow", "function")
 
     def __init__(
-        self, guards: Guards, function: Callable[..., Any], check: Callable[..., None] | None, *, shallow: bool = False
+        self,
+        guards: Guards,
+        function: Callable[..., Any],
+        check: Callable[..., None] | None,
+        *,
+        name: str = "",
+        shallow: bool = False,
     ) -> None:
         self.function = function
         self._guards = guards
         self._check = check
+        self._name = name
         self._shallow = shallow
 
     def __call__(self, /, *args: Any, **kwargs: Any) -> Any:
+        args = self._guards.check_call(self._name, args, kwargs)
         if not self._shallow:
             args = tuple(map(self._guards.guard_argument, args))
             kwargs = {name: self._guards.guard_argument(value) for name, value in kwargs.items()}
@@ -95,7 +122,14 @@ class GuardedFunction:
         return self.function(*args, **kwargs)
 
     def __repr__(self) -> str:
-        return repr(self.function)
+        """Refuse every way of making a text of it: with an address in it, and with other names than plain xacro's."""
+        raise make_varying_error("the text of a function holds an address, which is another in each process")
+
+    def __eq__(self, _other: object) -> bool:
+        raise make_varying_error("it compares a function, which is equal to nothing but itself")
+
+    def __hash__(self) -> int:
+        raise make_varying_error("the hash of a function is another in each process")
 
 
 class _EvaluationGlobals(dict[str, Any]):
@@ -115,10 +149,19 @@ class _EvaluationGlobals(dict[str, Any]):
 class Guards:
     """The guards of one expansion, which share one count of steps."""
 
-    def __init__(self, namespace: type) -> None:
-        """Start the count. ``namespace``: xacro's class of name tables, the only type of value that is not Python's own."""
+    def __init__(
+        self, namespace: type, *, places: set[str] | None = None, notify: Callable[[str], None] = lambda _kind: None
+    ) -> None:
+        """Start the count. ``namespace``: xacro's class of name tables, the only type of value that is not Python's own.
+
+        ``places``: the folders that the file was told so far; ``notify`` is called with the kind of problem
+        where an expression looks into one (place-decides), or goes through a set whose order is random (order-decides).
+        """
         self.steps = MAX_STEPS
+        self._places = set() if places is None else places
+        self._notify = notify
         self._namespace = namespace
+        self._own_tables: set[int] = set()
         self._named: dict[str, Callable[..., Any]] = {
             "@add": self._add,
             "@multiply": self._multiply,
@@ -133,7 +176,9 @@ class Guards:
             "@item": self._get_item,
             "@slice": slice,
             "@call": self._call_function,
-            "@measured": self.guard_argument,
+            "@measured": self._guard_member,
+            "@compared": self._guard_compared,
+            "@identical": self._guard_identical,
             "@iterable": self._iter_counted,
             "@unpacked": self._iter_measured,
             "@mapping": self._guard_mapping,
@@ -147,6 +192,77 @@ class Guards:
         value = eval(code, _EvaluationGlobals(self._named, symbols))
         self.measure(value)
         return value
+
+    # -- what differs from process to process, and from place to place -------------------------------------------
+
+    def make_text(self, value: Any) -> str:
+        """Return the text of a value.
+
+        :raises ExpressionRefusedError: if it is another in each process.
+        """
+        if type(value) is not str:
+            self._ensure_text(value)
+        return str(value)
+
+    def _ensure_text(self, value: Any) -> None:
+        self.measure(value)  # it has an end
+        ensure_text(value, self._is_table)
+
+    def check_call(self, name: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> tuple[Any, ...]:
+        """Return the arguments of a function or method, the items of a set in a fixed order where it matters.
+
+        :raises ExpressionRefusedError: if the value would be another in each process.
+        """
+        for value in (*args, *kwargs.values()):
+            self._ensure_foreign_table(value)
+            if name in _TEXT_FUNCTIONS:
+                self._ensure_text(value)
+            elif name == "hash":
+                self.measure(value)
+                ensure_hash(value)
+            if name not in _PATH_FUNCTIONS:
+                self._note_decision(value)
+        return args if is_orderless(name, kwargs) else tuple(map(self._order_items, args))
+
+    def _order_items(self, value: Any) -> Any:
+        """Return a set whose order is random as a list in a fixed order, and note that; return anything else as it is."""
+        if not has_random_order(value):
+            return value
+        self.measure(value)
+        self._notify("order-decides")
+        return sort_items(value)
+
+    def _note_decision(self, value: Any) -> None:
+        """Note that an expression looks into a text that holds the place of a file, instead of only writing it."""
+        if self._places:
+            items = value if isinstance(value, (list, tuple)) else (value,)
+            texts = (item for item in items if isinstance(item, str))
+            if any(place in text for text in texts for place in self._places):
+                self._notify("place-decides")
+
+    def _is_table(self, value: Any) -> bool:
+        return isinstance(value, self._namespace)
+
+    def _ensure_foreign_table(self, value: Any) -> None:
+        """Refuse the tables ``python``, ``math`` and ``xacro`` as values: their content is that of a version."""
+        if id(value) in self._own_tables:
+            raise make_varying_error(
+                "it looks into a table of Python's or xacro's functions, which differs between versions"
+            )
+
+    def _guard_member(self, value: Any) -> Any:
+        """Return an operand of ``in`` or a key, after a look at it."""
+        self._ensure_foreign_table(value)
+        self._note_decision(value)
+        return self.guard_argument(value)
+
+    def _guard_compared(self, value: Any) -> Any:
+        ensure_comparable(value)
+        return self._guard_member(value)
+
+    def _guard_identical(self, left: Any, right: Any) -> Any:
+        ensure_identity((left, right))
+        return left is right
 
     # -- limits ------------------------------------------------------------------------------------------------
 
@@ -252,6 +368,7 @@ class Guards:
 
     def _apply_modulo(self, left: Any, right: Any) -> Any:
         if isinstance(left, str):
+            self._ensure_text(right)
             self._ensure_template(left, right)
         elif isinstance(left, bytes):  # a yaml value that is tagged !!binary
             raise ExpressionRefusedError("method", "it uses a % format of bytes")
@@ -290,6 +407,7 @@ class Guards:
     def _get_attribute(self, value: Any, name: str) -> Any:
         if isinstance(value, self._namespace):
             if name in _NAMESPACE_METHODS:
+                self._ensure_foreign_table(value)
                 return GuardedFunction(self, getattr(value, name), None)
             if name != "depth" and (hasattr(type(value), name) or name in vars(value)):
                 raise _make_attribute_error(name)
@@ -313,6 +431,10 @@ class Guards:
     def _guard_method(self, owner: Any, name: str, method: Callable[..., Any]) -> GuardedFunction:
         if name in _DEEP_METHODS and not isinstance(owner, str):
             self.measure(owner)
+        if name == "pop":
+            ensure_order(owner)
+        if name not in _PATH_METHODS:
+            self._note_decision(owner)
         check: Callable[..., None] | None = None
         if isinstance(owner, str):
             self.charge(len(owner) // _CHARACTERS_PER_STEP)
@@ -320,12 +442,12 @@ class Guards:
             check = None if check is None else partial(check, owner)
         elif isinstance(owner, (list, set, dict)):
             check = partial(self._ensure_room, owner)
-        return GuardedFunction(self, method, check)
+        return GuardedFunction(self, method, check, name=name)
 
     def _get_unbound_method(self, kind: Any, name: str) -> Any:
         """Return a method such as ``str.lower``, to be called with a text."""
         if kind is dict and name == "fromkeys":
-            return GuardedFunction(self, dict.fromkeys, None)
+            return GuardedFunction(self, dict.fromkeys, None, name="fromkeys")
         names = _METHODS.get(kind, frozenset()) if isinstance(kind, type) else frozenset()
         if name not in names:
             raise _make_attribute_error(name)
@@ -335,12 +457,14 @@ class Guards:
                 raise TypeError(f"{kind.__name__}.{name} is called with a {type(owner).__name__}")
             return self._call_function(self._get_attribute(owner, name), *args, **kwargs)
 
-        return GuardedFunction(self, call_on_owner, None)
+        return GuardedFunction(self, call_on_owner, None, name=name)
 
     def _get_item(self, value: Any, key: Any) -> Any:
         if isinstance(value, (str, list, tuple, dict, range)):
             if isinstance(key, tuple):
                 self.measure(key)
+            self._note_decision(value)
+            self._note_decision(key)
             found = value[key]
             if isinstance(key, slice):
                 self._ensure_result_size(len(found), MAX_CHARACTERS if isinstance(value, str) else MAX_ITEMS, "items")
@@ -358,7 +482,10 @@ class Guards:
         return function(*args, **kwargs)
 
     def _iter_counted(self, value: Any) -> Iterator[Any]:
-        iterator = iter(value)
+        self._ensure_foreign_table(value)
+        if isinstance(value, str):
+            self._note_decision(value)
+        iterator = iter(self._order_items(value))
 
         def iter_counting() -> Iterator[Any]:
             for item in iterator:
@@ -370,9 +497,11 @@ class Guards:
     def _iter_measured(self, value: Any) -> Iterator[Any]:
         for item in self._iter_counted(value):
             self.measure(item)
+            ensure_order_inside(item)
             yield item
 
     def _guard_mapping(self, value: Any) -> Any:
+        self._ensure_foreign_table(value)
         self.measure(value)
         return value
 
@@ -430,10 +559,10 @@ class Guards:
     def guard_function(self, name: str, function: Callable[..., Any]) -> GuardedFunction:
         """Return a function of xacro's language with the guard for its name."""
         if name in {"isinstance", "issubclass"}:
-            return GuardedFunction(self, _accept_guarded_types(function), None, shallow=True)
+            return GuardedFunction(self, _accept_guarded_types(function), None, name=name, shallow=True)
         shallow = name in {"len", "bool", "arg", "env", "optenv", "find", "dirname"}
         check = self._ensure_sum if name == "sum" else _ARGUMENT_CHECKS.get(name)
-        return GuardedFunction(self, function, check, shallow=shallow)
+        return GuardedFunction(self, function, check, name=name, shallow=shallow)
 
     def _ensure_sum(self, items: Any = (), start: Any = 0, **_: Any) -> None:
         if isinstance(start, (list, tuple)) and isinstance(items, Iterable):  # copied again for each item
@@ -446,6 +575,8 @@ class Guards:
         """Put a guard around each function of xacro's global symbols and of the namespaces among them."""
         for name, table in {**symbols, "": symbols}.items():
             if isinstance(table, dict):
+                if name:
+                    self._own_tables.add(id(table))
                 for key, function in table.items():
                     if name == "python" and key in _FORBIDDEN_FUNCTIONS:
                         dict.__setitem__(table, key, self.make_forbidden_function(f"python.{key}"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from glob import has_magic
 from pathlib import Path
 from typing import Any
@@ -13,8 +13,9 @@ from xml.parsers import expat
 
 from urdfcheck.core import Location
 from urdfcheck.source.package.finder import PackageFinder, format_path
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml
+from urdfcheck.source.text.xml import Definition, Element, SourceFile, XmlError, find_unbound_prefix, parse_xml
 from urdfcheck.source.xacro.expansion_state import (
+    ENVIRONMENT,
     NODES_OF_FILE,
     ExpansionStoppedError,
     ExpansionTrace,
@@ -32,21 +33,50 @@ class FileAccess:
     """Replacements for xacro's own access to files, packages and the environment."""
 
     def __init__(
-        self, path: Path, finder: PackageFinder, *, extra_environment: frozenset[str], trace: ExpansionTrace
+        self,
+        path: Path,
+        finder: PackageFinder,
+        *,
+        extra_environment: frozenset[str],
+        trace: ExpansionTrace,
+        variables: Mapping[str, str],
     ) -> None:
+        """``variables``: those of the environment that have another value than here."""
         self.path = path
         self.finder = finder
         self.environment = READABLE_ENVIRONMENT | extra_environment
+        self.variables = {**os.environ, **variables}
         self.trace = trace
         self.files: dict[str, SourceFile] = {}
         self.trees: dict[str, Element] = {}
-        self._reported: set[tuple[str, Location]] = set()
+        # The folders that expressions were told.
+        self.places: set[str] = set()
 
     def get_current_file(self) -> str:
         """Return the file that is being read."""
         import xacro
 
         return str(xacro.filestack[-1] if xacro.filestack else self.path)
+
+    def get_current_folder(self) -> str:
+        """Return the folder of the file that is being read: ``$(dirname)``."""
+        return self._note_place(os.path.dirname(os.path.abspath(self.get_current_file())))
+
+    def _note_place(self, path: str) -> str:
+        """Remember a folder that the file is told: no expression should decide by it."""
+        if len(path) > 1:
+            self.places.add(path)
+        return path
+
+    def wrap_abs_filename(self, original: Callable[[str], str]) -> Callable[[str], str]:
+        """Wrap xacro's ``abs_filename_spec``, which completes a path."""
+
+        def complete_path(spec: str) -> str:
+            path = original(spec)
+            self._note_place(os.path.dirname(path) if path != spec else "")
+            return path
+
+        return complete_path
 
     def ensure_reach(self, path: Path) -> None:
         """Stop the expansion if a file may not be opened.
@@ -165,7 +195,7 @@ class FileAccess:
         folder = self.finder.find(package)
         if folder is None:
             raise UnknownPackageError(package)
-        return str(folder)
+        return self._note_place(str(folder))
 
     def read_environment(self, name: str) -> str:
         """Return a variable's value: ``$(env NAME)``. A variable that a file must not read counts as not set."""
@@ -173,19 +203,23 @@ class FileAccess:
 
         if name not in self.environment:
             raise substitution.SubstitutionException(f"environment variable {name!r} is not read")
-        if name not in os.environ:
+        self._note_environment(name)
+        if name not in self.variables:
             raise substitution.SubstitutionException(f"environment variable {name!r} is not set")
-        return os.environ[name]
+        return self.variables[name]
 
     def read_optional_environment(self, name: str, default: Any = "") -> Any:
         """Return a variable's value or the default: ``$(optenv NAME default)``."""
         if name in self.environment:
-            return os.environ.get(name, default)
-        at = self.trace.locate_cause()
-        if (name, at) not in self._reported:
-            self._reported.add((name, at))
-            self.trace.report_problem("environment-ignored", f"{name} is not read", at, variable=name)
+            self._note_environment(name)
+            return self.variables.get(name, default)
+        self.trace.report_once("environment-ignored", f"{name} is not read", self.trace.locate_cause(), variable=name)
         return default
+
+    def _note_environment(self, name: str) -> None:
+        """Note that a value is computed from a variable of ROS: it is the same for all who use one distribution only."""
+        if name in READABLE_ENVIRONMENT:
+            self.trace.record_read(Definition(ENVIRONMENT, name, None))
 
 
 def _list_file_names(folder: str) -> list[str]:

@@ -25,6 +25,20 @@ def replace_attribute(target: Any, name: str, value: Any) -> Iterator[None]:
             delattr(target, name)
 
 
+def make_text_type(make_text: Callable[[Any], str]) -> type[str]:
+    """Return what takes the place of ``str`` in xacro's own code, where it makes texts of values: ``make_text`` may refuse."""
+
+    class _TextType(type):
+        def __instancecheck__(cls, value: Any) -> bool:
+            return isinstance(value, str)
+
+    class Text(str, metaclass=_TextType):
+        def __new__(cls, value: Any = "") -> str:  # type: ignore[misc]
+            return str(value) if isinstance(value, BaseException) else make_text(value)
+
+    return Text
+
+
 def make_silent(name: str) -> Callable[..., None]:
     """Return a function that takes the place of one that prints; findings report instead."""
 

@@ -28,6 +28,7 @@ from urdfcheck.source.xacro.patches import (
     SubstitutionContext,
     limit_property_names,
     make_silent,
+    make_text_type,
     replace_attribute,
 )
 
@@ -79,7 +80,8 @@ class Tracer:
 
             self._patch_functions(patch)
             self._patch_state(patch)
-            self.guards = Guards(xacro.Table)
+            self.guards = Guards(xacro.Table, places=self.access.places, notify=self.report_decision)
+            patch(xacro, "str", make_text_type(self.guards.make_text))
             self.symbols = xacro.create_global_symbols()
             dict.__setitem__(self.symbols["xacro"], "arg", self.get_argument)
             self.guards.guard_symbols(self.symbols)
@@ -114,6 +116,8 @@ class Tracer:
         patch(xacro, "is_valid_name", limit_property_names(xacro.is_valid_name))
         patch(xacro.Table, "_setitem", self.wrap_set_item(xacro.Table._setitem))
         patch(xacro.Table, "_resolve_", self.wrap_resolve(xacro.Table._resolve_))
+        patch(substitution, "_eval_dirname", lambda _file: self.access.get_current_folder())
+        patch(xacro, "abs_filename_spec", self.access.wrap_abs_filename(xacro.abs_filename_spec))
         patch(substitution, "_eval_find", self.access.find_package)
         patch(substitution, "_eval_env", self.access.read_environment)
         patch(substitution, "_eval_optenv", self.access.read_optional_environment)
@@ -187,13 +191,15 @@ class Tracer:
             finally:
                 self.evaluating -= 1
                 self.last_reads = tuple(dict.fromkeys(self.trace.readers.pop()))
+            if self.trace.is_condition():
+                self.trace.report_environment_decision(self.last_reads)
             origin = get_origin(self.trace.node)
             if is_attribute and origin is not None and self.trace.attribute is not None:
                 # A block is evaluated by the caller and again where it is inserted, when nothing is left to read.
                 before = origin.reads.get(self.trace.attribute, ())
                 origin.reads[self.trace.attribute] = tuple(dict.fromkeys((*before, *self.last_reads)))
             elif self.adding is not None:
-                self.add_attribute(*self.adding, result=str(result))
+                self.add_attribute(*self.adding, result=result if isinstance(result, str) else "")
             elif self.last_reads and self.trace.node is not None and self.trace.node.tagName == "xacro:arg":
                 name = self.trace.node.getAttribute("name")
                 self.trace.argument_definitions[name] = replace(
@@ -363,10 +369,13 @@ class Tracer:
         :raises ExpressionRefusedError: if it leads out of the language or takes too much.
         """
         try:
-            return self.guards.evaluate(compile_expression(expression), symbols)
+            value = self.guards.evaluate(compile_expression(expression), symbols)
         except ExpressionRefusedError as refused:
             # A new exception, because compile_expression's cache keeps the old one and may raise it again.
             raise ExpressionRefusedError(refused.kind, str(refused), refused.expression or expression) from refused
+        if not expression.strip().isidentifier():
+            self.trace.report_environment_decision(self.trace.readers[-1] if self.trace.readers else ())
+        return value
 
     def evaluate_extension(self, expression: str, context: Mapping[str, Any]) -> str:
         """Return the value of ``$(eval …)``; takes the place of ``substitution_args._eval``."""
@@ -375,7 +384,7 @@ class Tracer:
         if "__" in expression:  # xacro looks for it in the text, whether or not the text is an expression
             raise ExpressionRefusedError("outside", "xacro takes no name with two underscores in $(eval …)", expression)
         try:
-            return str(self.evaluate(expression, self.list_extension_names(context)))
+            return self.guards.make_text(self.evaluate(expression, self.list_extension_names(context)))
         except Exception:
             self.trace.failed_extension = self.trace.failed_extension or f"$(eval {expression})"
             raise
@@ -392,7 +401,7 @@ class Tracer:
 
         commands: dict[str, Callable[..., Any]] = {
             "arg": convert_argument,
-            "dirname": lambda: substitution._eval_dirname(self.access.get_current_file()),
+            "dirname": self.access.get_current_folder,
             "env": self.access.read_environment,
             "optenv": self.access.read_optional_environment,
             "find": self.access.find_package,
@@ -547,6 +556,10 @@ class Tracer:
             return value
 
         return resolve_traced
+
+    def report_decision(self, kind: str) -> None:
+        """Record that an expression depends on where files lie, or on the order of a set."""
+        self.trace.report_once(kind, "", self.trace.locate_cause())
 
     def report_warning(self, *args: Any) -> None:
         """Record a warning of xacro."""
