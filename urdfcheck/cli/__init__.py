@@ -40,6 +40,11 @@ def main(argv: Sequence[str] | None = None, *, working_folders: Sequence[str] = 
     except OSError as error:
         say(f"urdfcheck: cannot write the output: {error.strerror or error}", sys.stderr)
         silence_stdout()
+    except MemoryError:
+        erase_progress()
+        print(
+            "urdfcheck: the reports on all models take more memory than there is: name fewer of them", file=sys.stderr
+        )
     except KeyboardInterrupt:
         erase_progress()
         print("urdfcheck: interrupted", file=sys.stderr)

@@ -26,6 +26,7 @@ from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.rules import find_pages_folder
 from urdfcheck.run.assemble_run import build_run
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, UnitReport
+from urdfcheck.run.source_texts import SourceTexts
 from urdfcheck.run.unit_audit import audit_unit, report_stopped_unit
 from urdfcheck.run.variants import format_arguments, propose_smaller_variants
 from urdfcheck.source.discover import Plan, discover_targets
@@ -90,6 +91,8 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     start = time.perf_counter()
     plan, units = plan_units(request, in_process=execution.audit is not None)
     reports = {} if previous is None else _reuse_reports(previous, units, request.options.texts)
+    texts = SourceTexts()
+    reports = {index: texts.share(report, units[index].id) for index, report in reports.items()}
     with audit_session(request, units, plan.reach or request.reach) as settings:
         while missing := [index for index in range(len(units)) if index not in reports]:
             stream = stream_reports(
@@ -97,7 +100,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
             )
             with contextlib.suppress(KeyboardInterrupt), contextlib.closing(stream):
                 for place, report in stream:
-                    reports[missing[place]] = report
+                    reports[missing[place]] = texts.share(report, units[missing[place]].id)
                     if execution.on_progress is not None:
                         execution.on_progress(len(reports), len(units))
             if len(reports) < len(units) or not request.all_arguments:

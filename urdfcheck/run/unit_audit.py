@@ -26,6 +26,8 @@ from urdfcheck.run.comment_usage import assess_comments
 from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.source_texts import RULE as TEXTS_RULE
+from urdfcheck.run.source_texts import limit_texts
 from urdfcheck.source.launch.launch_file import Launch, load_launch
 from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
@@ -318,6 +320,9 @@ class _UnitAudit:
             skipped_codes={skip.code for skip in self.skipped},
         )
         named_files |= {usage.comment.span.file for usage in usages}
+        sources, left_out = limit_texts({name: text for name, text in self.texts.items() if name in named_files})
+        if left_out:
+            self.add_skip(TEXTS_RULE, left_out)
         return UnitReport(
             findings=settled.findings,
             skipped=(*self.skipped, *settled.unlisted),
@@ -326,7 +331,7 @@ class _UnitAudit:
             pairs=self.pairs,
             drop=self.drop,
             outline=self.outline,
-            sources={name: text for name, text in self.texts.items() if name in named_files},
+            sources=sources,
             failures=tuple(self.failures),
             comments=usages,
             files=() if self.source is None else tuple(self.source.files),

@@ -33,6 +33,8 @@ WORKER_VARIABLES = (*_THREAD_VARIABLES, "PYTHONSAFEPATH")
 _FEW, _PATIENCE = 4, 0.3
 # From linux/prctl.h: the signal that a process gets when its parent ends.
 _PR_SET_PDEATHSIG = 1
+# Bytes of an answer; the texts of its files have at most an eighth of it.
+MAX_ANSWER = 1024**3
 # Seconds that a worker has to exit after it closed its pipe.
 _GRACE = 10.0
 
@@ -175,8 +177,8 @@ class Worker:
         :raises WorkerDiedError: when the process exited without an answer, or sent anything but plain data.
         """
         try:
-            data = self.pipe.recv_bytes()
-        except (EOFError, ConnectionResetError):
+            data = self.pipe.recv_bytes(MAX_ANSWER)
+        except (EOFError, OSError):
             self.pipe.close()
             self.process.join(_GRACE)
             self.process.kill()  # in case that it survives its pipe

@@ -23,9 +23,9 @@ class FrameLine:
 
 
 def extract_code_frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
-    """Return the lines of ``span`` and ``context`` lines around it; none when the span lies outside of the text."""
+    """Return the lines of ``span`` and ``context`` lines around it; none where the text is not there, or the span lies outside of it."""
     lines = split_lines(source)
-    if not 1 <= span.line <= len(lines):
+    if not source or not 1 <= span.line <= len(lines):
         return []
     last = min(span.end_line, span.line + MOST_LINES - 1, len(lines))
     frame = []
