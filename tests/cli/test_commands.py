@@ -321,12 +321,106 @@ def test_a_report_to_what_is_no_file_goes_into_it(tmp_path: Path) -> None:
 
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
-    (tmp_path / "r.urdf").write_text('<robot name="r"><link name="l"/></robot>')
+    (tmp_path / "checked").mkdir()
+    (tmp_path / "checked/r.urdf").write_text('<robot name="r"><link name="l"/></robot>')
     read: list[str] = []
     reader = threading.Thread(target=lambda: read.append(pipe.read_text()), daemon=True)
     reader.start()
-    assert cli.main([str(tmp_path / "r.urdf"), "-o", f"json={pipe}"]) == cli.OK
+    assert cli.main([str(tmp_path / "checked/r.urdf"), "-o", f"json={pipe}"]) == cli.OK
     reader.join(timeout=10)
     assert read
     assert '"urdfcheck/1"' in read[0]
     assert pipe.is_fifo()
+
+
+def test_an_argument_that_no_model_declares_is_told(tmp_path: Path) -> None:
+    xacro = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}<link name="base"/></robot>'
+    (tmp_path / "a.urdf.xacro").write_text(xacro.format('<xacro:arg name="length" default="1"/>'))
+    (tmp_path / "b.urdf.xacro").write_text(xacro.format(""))
+    quick = (".", "--tier", "source")
+    done = urdfcheck(*quick, "--arg", "lenght:=2", "--arg", "other:=1", cwd=tmp_path)
+    assert done.returncode == cli.OK
+    assert done.stderr == (
+        "urdfcheck: --arg lenght: no model that was checked declares this argument; did you mean length?\n"
+        "urdfcheck: --arg other: no model that was checked declares this argument\n"
+    )
+    assert urdfcheck(*quick, "--arg", "length:=2", cwd=tmp_path).stderr == "", "one declares it"
+    (tmp_path / "b.urdf.xacro").write_text(xacro.format("${1 +}"))
+    assert urdfcheck(*quick, "--arg", "lenght:=2", cwd=tmp_path).stderr == "", "what b declares is unknown"
+    (tmp_path / "b.urdf.xacro").write_text(xacro.format('<link name="$(arg side)"/>'))
+    assert urdfcheck(*quick, "--arg", "side:=left", cwd=tmp_path).stderr == "", "it is read without a declaration"
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["chekc", "sound.urdf"], "did you mean urdfcheck check?"),
+        (["rules"], "did you mean urdfcheck rule?"),
+        (["explain", "INR003"], "did you mean urdfcheck rule CODE?"),
+        (["basline", "write"], "did you mean urdfcheck baseline?"),
+        (["sound.urdf", "--ignroe", "INR003"], "did you mean --ignore instead of --ignroe?"),
+        (["sound.urdf", "--fail-no=error"], "did you mean --fail-on instead of --fail-no?"),
+        (["srdf", "sound.urdf", "--throrough"], "did you mean --thorough instead of --throrough?"),
+    ],
+    ids=str,
+)
+def test_a_misspelt_command_or_option_is_a_question(folder: Path, words: list[str], says: str) -> None:
+    done = urdfcheck(*words, cwd=folder)
+    assert (done.returncode, done.stdout) == (cli.FAILED, "")
+    assert says in done.stderr
+
+
+def test_a_path_is_no_misspelt_command(folder: Path) -> None:
+    for name in ("rules", "chekc"):
+        (folder / name).mkdir()
+        shutil.copy(folder / "sound.urdf", folder / name)
+        assert urdfcheck(name, cwd=folder).returncode == cli.OK
+    for missing in ("wheels", "rules.urdf", "engine/x"):
+        done = urdfcheck(missing, cwd=folder)
+        assert f"not checked: {missing}: does not exist" in done.stdout, "it resembles no command, or is a path"
+
+
+def test_a_cache_that_cannot_be_read_is_told_once_and_not_used(folder: Path) -> None:
+    (folder / "file").write_text("")
+    for words in ((".",), ("srdf", "broken.urdf"), ("audit", ".", "-o", "out")):
+        done = urdfcheck(*words, cwd=folder, URDFCHECK_CACHE_DIR=str(folder / "file"))
+        assert done.stderr.count("is not used as a cache: Not a directory") == 1
+        assert "cannot write" not in done.stderr
+    assert "INR003" in urdfcheck(".", cwd=folder, URDFCHECK_CACHE_DIR=str(folder / "file")).stdout
+
+
+def test_a_cache_without_permission_is_told(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As root every folder can be read: the refusal is made here."""
+    refused = folder / "cache/urdfcheck-results"
+    list_folder = os.scandir
+
+    def refuse(path: object = ".") -> object:
+        if path in {refused, str(refused)}:
+            raise PermissionError(13, "Permission denied")
+        return list_folder(path)  # type: ignore[call-overload]
+
+    monkeypatch.setattr(os, "scandir", refuse)
+    done = urdfcheck("broken.urdf", cwd=folder, URDFCHECK_CACHE_DIR=str(folder / "cache"))
+    assert done.stderr == f"urdfcheck: {refused} is not used as a cache: Permission denied\n"
+    assert done.returncode == cli.FINDINGS
+
+
+def test_every_command_takes_the_options_of_the_table() -> None:
+    import importlib
+
+    from urdfcheck.cli import options
+
+    for option in options._OPTIONS:
+        for command in options._ALL:
+            parser = importlib.import_module(f"urdfcheck.cli.commands.{command}").build_parser()
+            known = option.name in parser._option_string_actions
+            assert known or command not in option.commands, f"{command} {option.name}"
+    assert {name for option in options._OPTIONS for name in option.commands} == set(options._ALL)
+
+
+@pytest.mark.parametrize("command", ["srdf", "engines", "drop"])
+def test_what_is_wrong_with_an_option_is_told_by_every_command(folder: Path, command: str) -> None:
+    assert "--jobs 0: at least 1" in urdfcheck(command, "sound.urdf", "--jobs", "0", cwd=folder).stderr
+    if command != "srdf":
+        done = urdfcheck(command, "sound.urdf", "--target", "gazbo", cwd=folder)
+        assert "did you mean 'gazebo'?" in done.stderr

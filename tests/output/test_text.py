@@ -158,7 +158,7 @@ def test_quiet_is_errors_warnings_what_failed_and_one_line() -> None:
     assert "skipped" not in text
     assert "fixable" not in text
     assert text.splitlines()[-2:] == [
-        "urdfcheck failed: it broke",
+        "not checked: it broke",
         "✖ 1 error  ▲ 1 warning  i 1 info  in 1 model, 0.2 s",
     ]
 

@@ -13,6 +13,18 @@ from urdfcheck.core.errors import UrdfcheckError
 __all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "compute_exit_code", "main"]
 
 COMMANDS = ("check", "audit", "rule", "srdf", "cache", "baseline", "engines", "drop", "config", "init", "completion")
+# What other programs call a command.
+_OTHER_NAMES = {
+    "explain": "rule CODE",
+    "show": "rule CODE",
+    "list": "rule",
+    "lint": "check",
+    "validate": "check",
+    "fix": "check --fix",
+    "watch": "check --watch",
+    "version": "--version",
+    "help": "--help",
+}
 # Words that later versions will use as commands; a file of such a name is written ./diff.
 RESERVED = ("diff", "lsp")
 
@@ -59,9 +71,25 @@ def _run_command(words: list[str]) -> int:
     name = words[0] if words else ""
     if name in RESERVED:
         raise UrdfcheckError(f"the command {name!r} does not exist yet; to check a file of this name write ./{name}")
+    _suggest_command(name)
     command, rest = (name, words[1:]) if name in COMMANDS else ("check", words)
     code: int = importlib.import_module(f"urdfcheck.cli.commands.{command}").main(rest)
     return code
+
+
+def _suggest_command(name: str) -> None:
+    """Reject a word that resembles a command, where there is no such path.
+
+    :raises UrdfcheckError: with what was probably meant.
+    """
+    if name in COMMANDS or not name.isalpha() or os.path.lexists(name):
+        return
+    import difflib
+
+    similar = difflib.get_close_matches(name, COMMANDS, n=1, cutoff=0.7)
+    meant = _OTHER_NAMES.get(name) or (similar[0] if similar else None)
+    if meant is not None:
+        raise UrdfcheckError(f"there is neither a command nor a file {name!r}; did you mean urdfcheck {meant}?")
 
 
 def _report_planted_modules(folders: Sequence[str], words: Sequence[str]) -> None:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import difflib
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
+from urdfcheck.cli.terminal import say
 from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
@@ -32,51 +36,92 @@ class CommandParser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         from urdfcheck.output.shared.escaping import escape_for_log
 
-        super().error(escape_for_log(message))
+        super().error(escape_for_log(message + self._suggest(message)))
+
+    def _suggest(self, message: str) -> str:
+        """Return the options that resemble those that are unknown."""
+        _, is_unknown, words = message.partition("unrecognized arguments: ")
+        found = []
+        for word in words.split() if is_unknown else ():
+            name = word.partition("=")[0]
+            similar = difflib.get_close_matches(name, self._option_string_actions, n=1) if name[:2] == "--" else []
+            found += [f"{similar[0]} instead of {name}"] if similar else []
+        return f" (did you mean {', '.join(found)}?)" if found else ""
 
 
-def add_options(p: argparse.ArgumentParser) -> None:
-    """Add the options that decide what is checked, and how."""
-    p.add_argument("--tier", choices=("source", "mesh", "full"), help="how much to compute (default: full)")
-    p.add_argument("--select", action="append", metavar="CODES", help="only these rules: codes, prefixes, names, tags")
-    p.add_argument("--ignore", action="append", metavar="CODES", help="not these rules")
-    p.add_argument(
-        "--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)"
-    )
-    add_access_options(p)
-    p.add_argument(
-        "--all-args", action="store_true", help="each xacro with all values that its text has for its arguments"
-    )
-    p.add_argument(
-        "--target",
-        metavar="NAMES",
-        help="who will read the model: gazebo, mujoco, drake, …; what one of them refuses is an error",
-    )
-    p.add_argument("--baseline", type=Path, metavar="FILE", help="findings that are known (see urdfcheck baseline)")
-    p.add_argument("--thorough", action="store_true", help="look at 5,000 configurations of the joints instead of 200")
-    p.add_argument("--jobs", type=int, metavar="N", help="models checked at the same time (default: the cores)")
-    p.add_argument("--allow-empty", action="store_true", help="exit 0 when there is nothing to check")
+@dataclass(frozen=True, slots=True)
+class _Option:
+    """An option of several commands."""
+
+    name: str
+    commands: frozenset[str]
+    settings: Mapping[str, Any]
+    """What `argparse.ArgumentParser.add_argument` takes."""
 
 
-def add_access_options(p: argparse.ArgumentParser) -> None:
-    """Add the options that decide what a model is read with, and its limits."""
-    p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument for all models")
-    p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
-    p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
-    p.add_argument(
-        "--allow-read", action="append", default=[], metavar="DIR", help="folder whose files may be opened too"
-    )
-    p.add_argument(
-        "--env", action="append", default=[], metavar="NAME", help="environment variable that xacro may read"
-    )
-    p.add_argument(
+def _make_option(name: str, commands: Iterable[str], **settings: Any) -> _Option:
+    return _Option(name, frozenset(commands), settings)
+
+
+_CHECKING = ("check", "audit", "baseline", "config")
+_DROPPING = (*_CHECKING, "drop")
+_ALL = (*_DROPPING, "engines", "srdf")
+_REPEATED: Mapping[str, Any] = {"action": "append", "default": []}
+# What is checked, how, what a model is read with, and its limits, in the order of the help.
+_OPTIONS = (
+    _make_option("--tier", _CHECKING, choices=("source", "mesh", "full"), help="how much to compute (default: full)"),
+    _make_option(
+        "--select", _CHECKING, action="append", metavar="CODES", help="only these rules: codes, prefixes, names, tags"
+    ),
+    _make_option("--ignore", _CHECKING, action="append", metavar="CODES", help="not these rules"),
+    _make_option(
+        "--fail-on",
+        _DROPPING,
+        choices=("error", "warning", "info", "never"),
+        help="exit 1 from here on (default: error)",
+    ),
+    _make_option("--arg", _ALL, **_REPEATED, metavar="NAME:=VALUE", help="xacro argument for all models"),
+    _make_option("--package", _ALL, **_REPEATED, metavar="NAME=DIR", help="where a ROS package is"),
+    _make_option("--package-path", _ALL, **_REPEATED, metavar="DIR", help="folder that holds packages"),
+    _make_option("--allow-read", _ALL, **_REPEATED, metavar="DIR", help="folder whose files may be opened too"),
+    _make_option("--env", _ALL, **_REPEATED, metavar="NAME", help="environment variable that xacro may read"),
+    _make_option(
         "--isolated",
+        _ALL,
         action="store_true",
         help="heed no configuration, comment or baseline of the repository (for gates: they may be a stranger's)",
-    )
-    p.add_argument("--no-cache", action="store_true", help="keep no measurements and use none that were kept")
-    p.add_argument("--timeout", type=float, metavar="SECONDS", help="for one model (default: 300; 0: none)")
-    p.add_argument("--memory", type=int, metavar="MIB", help="for one model (default: 4096)")
+    ),
+    _make_option("--no-cache", _ALL, action="store_true", help="keep no measurements and use none that were kept"),
+    _make_option("--timeout", _ALL, type=float, metavar="SECONDS", help="for one model (default: 300; 0: none)"),
+    _make_option("--memory", _ALL, type=int, metavar="MIB", help="for one model (default: 4096)"),
+    _make_option(
+        "--all-args",
+        _DROPPING,
+        action="store_true",
+        help="each xacro with all values that its text has for its arguments",
+    ),
+    _make_option(
+        "--target",
+        (*_DROPPING, "engines"),
+        metavar="NAMES",
+        help="who will read the model: gazebo, mujoco, drake, …; what one of them refuses is an error",
+    ),
+    _make_option(
+        "--baseline", _DROPPING, type=Path, metavar="FILE", help="findings that are known (see urdfcheck baseline)"
+    ),
+    _make_option(
+        "--thorough", _DROPPING, action="store_true", help="look at 5,000 configurations of the joints instead of 200"
+    ),
+    _make_option("--jobs", _ALL, type=int, metavar="N", help="models checked at the same time (default: the cores)"),
+    _make_option("--allow-empty", _CHECKING, action="store_true", help="exit 0 when there is nothing to check"),
+)
+
+
+def add_options(p: argparse.ArgumentParser, command: str) -> None:
+    """Add the options that a command shares with others."""
+    for option in _OPTIONS:
+        if command in option.commands:
+            p.add_argument(option.name, **option.settings)
 
 
 def ensure_paths(options: argparse.Namespace) -> None:
@@ -91,7 +136,7 @@ def ensure_paths(options: argparse.Namespace) -> None:
 
 
 def read_options(options: argparse.Namespace, paths: Sequence[str]) -> RunOptions:
-    """Convert the options of `add_options` or `add_access_options`; of the latter, all others keep their defaults.
+    """Convert the options of `add_options`; those that a command has not keep their defaults.
 
     :raises UrdfcheckError: for an option whose value has the wrong form.
     """
@@ -126,19 +171,38 @@ def read_options(options: argparse.Namespace, paths: Sequence[str]) -> RunOption
 
 
 def build_request(options: argparse.Namespace, *, scene: bool = False) -> tuple[Request, Config]:
-    """Resolve the options of `add_options`: see :func:`urdfcheck.run.request.make_request`."""
+    """Resolve the options of a command that checks: see :func:`urdfcheck.run.request.make_request`."""
     from urdfcheck.run.request import make_request
 
-    return make_request(read_options(options, options.paths), scene=scene)
+    request, config = make_request(read_options(options, options.paths), scene=scene)
+    return _drop_unusable_cache(request), config
 
 
-def build_access_request(options: argparse.Namespace, path: str, codes: frozenset[str]) -> tuple[Request, Config]:
-    """Resolve the options of `add_access_options` and the configuration for one path."""
-    from urdfcheck.policy.config import ConfigResolver
-    from urdfcheck.run.request import make_access_request
+def build_access_request(
+    options: argparse.Namespace, path: str, codes: frozenset[str]
+) -> tuple[Request, tuple[str, ...]]:
+    """Resolve the options and the configuration for one path, of a command that selects the rules itself.
 
-    config = ConfigResolver(isolated=options.isolated).for_path(Path(path))
-    return make_access_request(read_options(options, [path]), config, codes), config
+    Also return the programs that will read the model.
+    """
+    from urdfcheck.run.request import make_access_request, make_config_resolver
+
+    run_options = read_options(options, [path])
+    resolver = make_config_resolver(run_options)
+    config = resolver.for_path(Path(path))
+    request = _drop_unusable_cache(make_access_request(run_options, config, codes))
+    return request, resolver.resolve(config, Path(path)).policy.targets
+
+
+def _drop_unusable_cache(request: Request) -> Request:
+    """Return the request without a cache that cannot be read, and say so."""
+    from urdfcheck.system.array_cache import explain_unusable_folder
+
+    reason = None if request.cache is None else explain_unusable_folder(request.cache)
+    if reason is None:
+        return request
+    say(f"urdfcheck: {request.cache} is not used as a cache: {reason}", sys.stderr)
+    return replace(request, cache=None)
 
 
 def _split_pair(text: str, separator: str, option: str, *, value: str = "VALUE") -> tuple[str, str]:

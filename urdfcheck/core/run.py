@@ -74,6 +74,8 @@ class Run:
     """Programs that will read the models."""
     partial: bool = False
     """Whether the run was interrupted."""
+    undeclared_arguments: Mapping[str, str] = field(default_factory=dict)
+    """Arguments of the request that no model declares, each with the name of one that resembles it, or nothing."""
     fail_on: Mapping[str, str] = field(default_factory=dict)
     """Model id → least severity of a finding that fails the run, where a configuration sets it."""
     baselines: frozenset[str] = frozenset()

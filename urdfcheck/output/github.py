@@ -39,7 +39,7 @@ def _iter_lines(run: Run) -> Iterator[str]:
     failures = run.failures[:MOST_ANNOTATIONS]
     hidden = len(run.failures) - len(failures)
     for failure in failures:
-        yield format_workflow_command("error", [("title", "urdfcheck failed")], failure)
+        yield format_workflow_command("error", [("title", "not checked")], failure)
     for severity in SEVERITY_ORDER:
         # Failures are errors too.
         room = MOST_ANNOTATIONS - len(failures) if severity == Severity.ERROR else MOST_ANNOTATIONS

@@ -25,7 +25,7 @@ def _iter_failure_issues(run: Run) -> Iterator[dict[str, Any]]:
         yield {
             "type": "issue",
             "check_name": "urdfcheck",
-            "description": f"urdfcheck failed: {failure}",
+            "description": f"not checked: {failure}",
             "categories": ["Bug Risk"],
             "severity": "blocker",
             "fingerprint": f"failure-{number}",

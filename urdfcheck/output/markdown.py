@@ -131,7 +131,7 @@ def _add_head(page: _BoundedPage, run: Run) -> None:
     suppressed = sum(run.suppressed_counts.values())
     hidden = f" · {suppressed} known and not shown" if suppressed else ""
     page.add_lines(f"{counts} · in {describe_checked_units(run)}{hidden}", "")
-    failures = [[f"- urdfcheck failed: {escape_for_markdown(_truncate_text(failure))}"] for failure in run.failures]
+    failures = [[f"- not checked: {escape_for_markdown(_truncate_text(failure))}"] for failure in run.failures]
     page.add_group("failure", head=[], blocks=failures, foot=[""])
 
 

@@ -32,7 +32,7 @@ def _get_severity_name(severity: Severity) -> str:
 
 def _build_failure(run: Run, failure: str) -> dict[str, Any]:
     return {
-        "message": f"urdfcheck failed: {escape_for_markdown(failure)}",
+        "message": f"not checked: {escape_for_markdown(failure)}",
         "location": {"path": run.models[0].path if run.models else "."},
         "severity": "ERROR",
     }

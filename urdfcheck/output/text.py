@@ -131,7 +131,7 @@ def _needs_full_detail(run: Run, finding: Finding, fail_on: str) -> bool:
 
 def _iter_failures(run: Run, width: int) -> Iterator[Text]:
     for failure in run.failures:
-        yield from _wrap_text(Text.assemble(("urdfcheck failed: ", "bold red"), escape_invisible(failure)), width)
+        yield from _wrap_text(Text.assemble(("not checked: ", "bold red"), escape_invisible(failure)), width)
 
 
 def _iter_statistics(run: Run, width: int) -> Iterator[Text]:

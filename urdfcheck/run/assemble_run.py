@@ -73,6 +73,7 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
         baseline_unit_names=unit_names,
         tier=request.policy.tier,
         targets=request.policy.targets,
+        undeclared_arguments=_collect_undeclared_arguments(request, audited_units),
         fail_on={unit.id: unit.fail_on for unit in units if unit.fail_on is not None},
         baselines=frozenset(format_path(known.path) for known, _ in baselines),
     )
@@ -88,6 +89,19 @@ def _collect_failures(plan: Plan, reports: Iterable[UnitReport]) -> list[str]:
     """Return the paths that do not exist, and the failures of urdfcheck itself."""
     failures = [f"{path}: {reason}" for path, reason in plan.missing]
     return failures + [failure for report in reports for failure in report.failures]
+
+
+def _collect_undeclared_arguments(request: Request, audited_units: AuditedUnits) -> dict[str, str]:
+    """Return the arguments of the request that no model declares, none where that is unknown of a model."""
+    reports = [report.undeclared for unit, report in audited_units if unit.kind == "model"]
+    known = [undeclared for undeclared in reports if undeclared is not None]
+    if not known or len(known) < len(reports):
+        return {}
+    return {
+        name: next((similar for undeclared in known if (similar := undeclared[name])), "")
+        for name in request.arguments
+        if all(name in undeclared for undeclared in known)
+    }
 
 
 def _collect_sources(

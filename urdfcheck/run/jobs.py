@@ -174,3 +174,6 @@ class UnitReport:
     """Comments that suppress findings, or would."""
     files: tuple[str, ...] = ()
     """Files that make up the model, as findings call them."""
+    undeclared: Mapping[str, str] | None = None
+    """Arguments that were given and that the model does not declare, each with the name of a declared one that resembles it, if
+    any; None where what it declares is unknown."""

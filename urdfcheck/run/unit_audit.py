@@ -9,6 +9,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,6 +37,7 @@ from urdfcheck.source.resources import find_uninstalled_files
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.suppression_comments import find_ignore_comments
 from urdfcheck.source.text.xml import Element, SourceFile
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
 
@@ -335,6 +337,7 @@ class _UnitAudit:
             failures=tuple(self.failures),
             comments=usages,
             files=() if self.source is None else tuple(self.source.files),
+            undeclared=None if self.source is None else _find_undeclared_arguments(self.source),
         )
 
     def read_named_files(self) -> set[str]:
@@ -359,6 +362,20 @@ class _UnitAudit:
             return read_regular(path).decode("utf-8", "replace")
         except OSError:
             return None
+
+
+def _find_undeclared_arguments(source: Source) -> dict[str, str] | None:
+    """Return what :attr:`UnitReport.undeclared` holds."""
+    if source.root is None:
+        return None
+    elements = iter_elements_by_tag(source.trees, "xacro:arg") if source.is_xacro else ()
+    declared = {name for element in elements if (name := element.get("name")) is not None}
+    similar = {name: get_close_matches(name, declared, n=1) for name in source.arguments if name not in declared}
+    return {
+        name: found[0] if found else ""
+        for name, found in similar.items()
+        if name not in source.arguments_read  # $(arg name) works without a declaration
+    }
 
 
 def _find_missing_tier(rule: Rule, tier: str) -> str | None:

@@ -18,6 +18,7 @@ from urdfcheck.source.launch.python_launch_file import read_python_launch
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES, is_launch, is_srdf
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
+from urdfcheck.system.files import is_known_file
 
 
 class ConfiguredModel(Protocol):
@@ -178,7 +179,7 @@ class _Planner:
                 self.missing.append((str(path), OUT_OF_REACH))
             elif path.is_dir():
                 self.add_folder(path)
-            elif path.is_file():
+            elif is_known_file(path):
                 self.add_file(path)
             elif path.exists():
                 self.missing.append((str(path), "is neither a file nor a folder"))

@@ -92,7 +92,7 @@ class ArrayCache:
 
     def tidy(self) -> None:
         """Trim unless that was done within the last hour."""
-        if self.folder is None or not self.folder.is_dir():
+        if self.folder is None or not os.path.isdir(self.folder):
             return
         marker = self.folder / "trimmed"
         with contextlib.suppress(OSError):
@@ -246,6 +246,19 @@ def _decode_npy(data: bytes) -> NDArray[Any]:
     shape = tuple(int(size) for size in header.group(3).split(b",") if size.strip())
     array: NDArray[Any] = np.frombuffer(data, np.dtype(header.group(1).decode()), offset=header.end())
     return array.reshape(shape, order="F" if header.group(2) == b"True" else "C")
+
+
+def explain_unusable_folder(folder: Path) -> str | None:
+    """Return why a folder cannot be read as a cache; None where it can, and where it is not there and cannot be made."""
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    try:
+        os.scandir(folder).close()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        return error.strerror or str(error)
+    return None
 
 
 def _write_atomically(path: Path, data: bytes) -> None:

@@ -110,6 +110,11 @@ def read_start(path: Path, count: int) -> bytes:
 @contextmanager
 def _open_regular(path: Path) -> Iterator[tuple[BinaryIO, int]]:
     """Open a regular file; yields it with its size."""
+    data = _get_overlaid(path)
+    if data is not None and not os.path.exists(path):  # it is only given
+        note_lookup(path)
+        yield BytesIO(data), len(data)
+        return
     try:
         _ensure_regular(os.stat(path), path)
         descriptor = os.open(path, _FLAGS)
@@ -122,12 +127,26 @@ def _open_regular(path: Path) -> Iterator[tuple[BinaryIO, int]]:
         status = os.fstat(descriptor)
         _ensure_regular(status, path)
         note_lookup(path, status)
-        overlay = _overlay.get()
-        data = overlay.get(os.path.realpath(path)) if overlay else None
         if data is None:
             yield file, status.st_size
         else:
             yield BytesIO(data), len(data)
+
+
+def is_known_file(path: Path) -> bool:
+    """Whether there is a regular file at a path, or a content is given for it (`overlay_files`)."""
+    return path.is_file() or (_get_overlaid(path) is not None and not os.path.lexists(path))
+
+
+def _get_overlaid(path: Path) -> bytes | None:
+    """Return the content that replaces the file's, if any."""
+    overlay = _overlay.get()
+    if not overlay:
+        return None
+    try:
+        return overlay.get(os.path.realpath(path))
+    except (OSError, ValueError):  # no name of a file
+        return None
 
 
 def walk(root: Path) -> Iterator[tuple[str, list[str], list[str]]]:

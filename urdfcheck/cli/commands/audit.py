@@ -37,7 +37,7 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="local|dask=ADDRESS|ray[=ADDRESS]",
         help="where the work is done: here, or on a cluster that is there already (pip install urdfcheck[cluster])",
     )
-    add_options(p)
+    add_options(p, "audit")
     return p
 
 

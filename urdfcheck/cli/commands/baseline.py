@@ -44,7 +44,7 @@ def build_parser() -> argparse.ArgumentParser:
         "error; prune: take out what is gone",
     )
     p.add_argument("paths", nargs="*", default=["."], metavar="PATH", help="what check takes (default: this folder)")
-    add_options(p)
+    add_options(p, "baseline")
     return p
 
 
@@ -63,7 +63,7 @@ def main(words: Sequence[str]) -> int:
         print_run(outcome, "text", "auto")
         return compute_exit_code(outcome, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)
     for failure in outcome.failures:
-        say(f"urdfcheck failed: {failure}", sys.stderr)
+        say(f"not checked: {failure}", sys.stderr)
     if outcome.partial:
         raise UrdfcheckError("interrupted: the baseline is as it was")
     if not outcome.units:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from urdfcheck.cli.commands.job_summary import append_summary, find_summary_file
 from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, ensure_paths
 from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, parse_outputs, write_report
+from urdfcheck.cli.standard_input import STDIN, read_given_file
 from urdfcheck.cli.terminal import (
     FINDINGS,
     OK,
@@ -43,6 +44,7 @@ def build_parser() -> argparse.ArgumentParser:
     p = CommandParser(
         prog="urdfcheck",
         usage="urdfcheck [check] PATH... [options]\n"
+        "       urdfcheck [check] - [--stdin-filename FILE] [options]\n"
         "       urdfcheck rule [CODE] | init [FOLDER] | config [PATH]\n"
         "       urdfcheck baseline write|check|prune [PATH...] [options]\n"
         "       urdfcheck engines MODEL | drop MODEL | srdf MODEL [options]\n"
@@ -52,7 +54,14 @@ def build_parser() -> argparse.ArgumentParser:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    p.add_argument("paths", nargs="*", metavar="PATH", help="model, launch file, mesh, package or folder")
+    p.add_argument(
+        "paths", nargs="*", metavar="PATH", help="model, launch file, mesh, package or folder; - for standard input"
+    )
+    p.add_argument(
+        "--stdin-filename",
+        metavar="FILE",
+        help="what standard input (-) is called, and where: packages and configurations are looked for from there",
+    )
     p.add_argument(
         "--format",
         choices=FORMATS,
@@ -68,7 +77,7 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="FORMAT=FILE",
         help="also write a report to a file (repeatable), e.g. -o html=report.html; html=FOLDER/ has a page for each model",
     )
-    add_options(p)
+    add_options(p, "check")
     p.add_argument(
         "--fix",
         action="store_true",
@@ -112,6 +121,7 @@ def main(words: Sequence[str]) -> int:
     options = build_parser().parse_args(words)
     ensure_paths(options)
     _validate_options(options)
+    given = read_given_file(options)
     warm_worker = start_warm_worker()
     reports = ReportPlan.from_options(options)
 
@@ -119,6 +129,7 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.system import libraries
 
     request, settings = build_request(options, scene=reports.needs_scene)
+    request = replace(request, options=replace(request.options, texts=given))
     libraries.prefer_own_folders()
     if options.watch:
         return _watch(options, reports, asked=(request, settings), warm_worker=warm_worker)
@@ -148,6 +159,11 @@ def _validate_options(options: argparse.Namespace) -> None:
     if options.format != "text" and (options.watch or options.statistics):
         option = "--watch" if options.watch else "--statistics"
         raise UrdfcheckError(f"{option} prints text: write -o {options.format}=FILE instead of --format")
+    if STDIN in options.paths and (options.fix or options.diff or options.watch):
+        option = "--fix" if options.fix else "--diff" if options.diff else "--watch"
+        raise UrdfcheckError(f"{option} is for files, and standard input (-) is none: leave it out")
+    if options.stdin_filename is not None and STDIN not in options.paths:
+        raise UrdfcheckError("--stdin-filename names what is read from standard input: add - as the path")
     if options.watch and not any(map(os.path.lexists, options.paths)):
         raise UrdfcheckError(f"{', '.join(options.paths)}: does not exist, so there is nothing to watch")
 
@@ -209,6 +225,7 @@ def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, s
         print_statistics(outcome, options.color)
     else:
         print_run(outcome, options.format, options.color, detail=_choose_detail(options), fail_on=fail_on)
+    _report_undeclared_arguments(outcome)
     errors = []
     for output_format, file in reports.files:
         try:
@@ -220,6 +237,13 @@ def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, s
     if errors:
         raise UrdfcheckError("; ".join(errors))
     return compute_exit_code(outcome, fail_on, allow_empty=options.allow_empty)
+
+
+def _report_undeclared_arguments(outcome: Run) -> None:
+    """Say on standard error which ``--arg`` has no effect."""
+    for name, similar in outcome.undeclared_arguments.items():
+        hint = f"; did you mean {similar}?" if similar else ""
+        say(f"urdfcheck: --arg {name}: no model that was checked declares this argument{hint}", sys.stderr)
 
 
 def _choose_detail(options: argparse.Namespace) -> DetailLevel:
@@ -279,7 +303,7 @@ def _print_diff(fixes: FixResult, *, allow_empty: bool) -> int:
             say(line)
     sys.stdout.flush()
     for failure in fixes.outcome.failures:
-        say(f"urdfcheck failed: {failure}", sys.stderr)
+        say(f"not checked: {failure}", sys.stderr)
     _summarise_fixes("would fix", fixes)
     code = compute_exit_code(replace(fixes.outcome, findings=()), "never", allow_empty=allow_empty)
     return code or (FINDINGS if fixes.changes else OK)

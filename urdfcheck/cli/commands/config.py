@@ -75,7 +75,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     p.add_argument("path", nargs="?", default=".", metavar="PATH", help="a model or a folder (default: this one)")
     p.add_argument("--format", choices=("text", "json"), default="text", help="how it is printed")
-    add_options(p)
+    add_options(p, "config")
     return p
 
 

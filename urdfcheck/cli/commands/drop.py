@@ -7,7 +7,7 @@ import importlib.util
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from urdfcheck.cli.options import CommandParser, add_access_options, add_options, build_request
+from urdfcheck.cli.options import CommandParser, add_options, build_request
 from urdfcheck.cli.output_files import CheckedFolders, parse_outputs, write_file
 from urdfcheck.cli.terminal import compute_exit_code, make_progress_printer, print_run
 from urdfcheck.core.errors import UrdfcheckError
@@ -35,10 +35,7 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="FORMAT=FILE",
         help="also write it to a file (repeatable); html is the whole report of the model",
     )
-    p.add_argument(
-        "--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)"
-    )
-    add_access_options(p)
+    add_options(p, "drop")
     p.add_argument(
         "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
     )
@@ -49,7 +46,7 @@ def main(words: Sequence[str]) -> int:
     """Run the command."""
     # All other options have the defaults of a check.
     check = CommandParser()
-    add_options(check)
+    add_options(check, "check")
     options = build_parser().parse_args(words, check.parse_args(["--tier=full"]))
     outputs = parse_outputs(options.output, options.paths)
     if importlib.util.find_spec("mujoco") is None:

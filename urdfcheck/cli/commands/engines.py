@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.cli.options import CommandParser, add_access_options, build_access_request
+from urdfcheck.cli.options import CommandParser, add_options, build_access_request
 from urdfcheck.cli.terminal import FINDINGS, OK, print_document
 
 if TYPE_CHECKING:
@@ -30,7 +29,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
     p.add_argument("--format", choices=("text", "json"), default="text", help="how to print it (default: text)")
-    add_access_options(p)
+    add_options(p, "engines")
     return p
 
 
@@ -38,15 +37,13 @@ def main(words: Sequence[str]) -> int:
     """Run the command."""
     options = build_parser().parse_args(words)
 
-    from dataclasses import replace
-
     from urdfcheck.rules import load_rules
     from urdfcheck.simulators.comparison import compare_engines
     from urdfcheck.system import libraries
 
     libraries.prefer_own_folders()
-    request, settings = build_access_request(options, options.model, frozenset(load_rules()))
-    done = compare_engines(replace(request, jobs=os.cpu_count() or 1))
+    request, targets = build_access_request(options, options.model, frozenset(load_rules()))
+    done = compare_engines(request)
     if options.format == "json":
         print_document(json.dumps(_build_document(done), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     else:
@@ -54,7 +51,7 @@ def main(words: Sequence[str]) -> int:
 
         for line in _iter_lines(done, _get_width()):
             print(escape_for_log(line))
-    failed = any(_is_unexpected_refusal(row, settings.target) for row in done.rows)
+    failed = any(_is_unexpected_refusal(row, targets) for row in done.rows)
     return FINDINGS if failed else OK
 
 

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from urdfcheck.cli.options import CommandParser, add_access_options, build_access_request
+from urdfcheck.cli.options import CommandParser, add_options, build_access_request
 from urdfcheck.cli.output_files import CheckedFolders, write_file
 from urdfcheck.cli.terminal import NOTHING, OK, print_document, say
 from urdfcheck.core.errors import UrdfcheckError
@@ -24,7 +24,7 @@ def build_parser() -> argparse.ArgumentParser:
     p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
     p.add_argument("-o", "--output", type=Path, metavar="FILE", help="write to a file instead of standard output")
     p.add_argument("--thorough", action="store_true", help=f"look at {THOROUGH:,} configurations, not at {SAMPLES:,}")
-    add_access_options(p)
+    add_options(p, "srdf")
     return p
 
 

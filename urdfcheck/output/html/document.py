@@ -85,4 +85,4 @@ def _render_failures(run: Run) -> str:
     if not run.failures:
         return ""
     items = "".join(f"<li>{escape_html(failure)}</li>" for failure in run.failures)
-    return f'<section class="failures"><h2>What failed in urdfcheck</h2><ul>{items}</ul></section>\n'
+    return f'<section class="failures"><h2>What could not be checked</h2><ul>{items}</ul></section>\n'

@@ -23,7 +23,8 @@ class FrameLine:
 
 
 def extract_code_frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
-    """Return the lines of ``span`` and ``context`` lines around it; none where the text is not there, or the span lies outside of it."""
+    """Return the lines of ``span`` and ``context`` lines around it; none where the span lies outside of the text, or that is not
+    there."""
     lines = split_lines(source)
     if not source or not 1 <= span.line <= len(lines):
         return []

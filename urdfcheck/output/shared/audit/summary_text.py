@@ -41,7 +41,7 @@ def _iter_lines(summary: AuditSummary, rules: Mapping[str, Rule]) -> Iterator[st
     if rest > 0:
         yield f"and {rest:,} more that could not be checked"
     for failure in summary.failures:
-        yield f"urdfcheck failed: {escape_one_line(failure)}"
+        yield f"not checked: {escape_one_line(failure)}"
     if summary.failure_count > len(summary.failures):
         yield f"and {summary.failure_count - len(summary.failures):,} more failures"
     yield _format_totals(summary)
