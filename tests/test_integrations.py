@@ -173,7 +173,7 @@ def test_code_scanning_does_not_get_what_is_known_already(tmp_path: Path, comman
     known = "<!-- urdfcheck: ignore[INR003] the vendor's own numbers -->"
     (checkout / "known.urdf").write_text(BROKEN.replace("<link", f"{known}<link", 1))
     (checkout / "new.urdf").write_text(BROKEN)
-    runner = Runner(tmp_path, {"html": "", "args": "--select INR003"})
+    runner = Runner(tmp_path, {"html": "", "args": "--select INR003"}, event_name="push")
     runner.check(commands, checkout)
     found = {
         name: [

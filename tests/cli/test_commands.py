@@ -424,3 +424,18 @@ def test_what_is_wrong_with_an_option_is_told_by_every_command(folder: Path, com
     if command != "srdf":
         done = urdfcheck(command, "sound.urdf", "--target", "gazbo", cwd=folder)
         assert "did you mean 'gazebo'?" in done.stderr
+
+
+def test_a_diff_needs_no_right_to_write(folder: Path) -> None:
+    """It only shows; --fix says that it cannot."""
+    axis = '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="continuous"><parent link="a"/><child link="b"/>'
+    file = folder / "axis.urdf"
+    file.write_text(axis + '<axis xyz="0 0 2"/></joint></robot>')
+    words = ("axis.urdf", "--unsafe-fixes", "--select", "JNT002")
+    shown = urdfcheck(*words, "--diff", cwd=folder)
+    assert 'xyz="0 0 1"' in shown.stdout
+    file.chmod(0o444)
+    assert urdfcheck(*words, "--diff", cwd=folder).stdout == shown.stdout
+    done = urdfcheck(*words, "--fix", cwd=folder)
+    assert "it is read-only" in done.stderr
+    assert 'xyz="0 0 2"' in file.read_text()

@@ -44,13 +44,22 @@ class FixResult:
     """Real path → content before and after."""
 
 
-def compute_fixes(request: Request, execution: Execution = IN_WORKERS, *, include_unsafe: bool = False) -> FixResult:
+def compute_fixes(
+    request: Request,
+    execution: Execution = IN_WORKERS,
+    *,
+    include_unsafe: bool = False,
+    are_only_shown: bool = False,
+) -> FixResult:
     """Check, and compute the content of the files after the safe fixes, and with ``include_unsafe`` all. No file is changed.
+
+    ``are_only_shown``: no file will be, so that those that cannot be written have fixes as well.
 
     :raises KeyboardInterrupt: if a check of edited files was interrupted.
     """
     state = run_audit(request, execution)
-    fixer = _Fixer(state, Execution(audit=execution.audit), include_unsafe=include_unsafe)
+    editable = EditableFiles(request.paths, _list_package_folders(state), are_written=not are_only_shown)
+    fixer = _Fixer(editable, Execution(audit=execution.audit), include_unsafe=include_unsafe)
     if not state.outcome.partial:
         for _ in range(MAX_ROUNDS):
             before, state = state, fixer.run_round(state)
@@ -81,10 +90,10 @@ class _FixGroup:
 
 
 class _Fixer:
-    def __init__(self, found: AuditedRun, execution: Execution, *, include_unsafe: bool) -> None:
+    def __init__(self, editable: EditableFiles, execution: Execution, *, include_unsafe: bool) -> None:
         self.wanted = {Applicability.SAFE, Applicability.UNSAFE} if include_unsafe else {Applicability.SAFE}
         self.execution = execution
-        self.editable = EditableFiles(found.request.paths, _list_package_folders(found))
+        self.editable = editable
         self.originals: dict[str, bytes] = {}
         self.fixed: list[Finding] = []
         self.refused: list[tuple[Finding, str]] = []

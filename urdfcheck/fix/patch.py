@@ -32,10 +32,11 @@ class EditableFiles:
     """The files that may be changed: those below the given paths, and in the repository or package around each of them.
 
     Not changed are installed files, files in other named package folders (``folders``), and files that a symbolic link leads
-    to outside of all this.
+    to outside of all this; nor, unless they are not ``are_written``, those that the user may not write.
     """
 
-    def __init__(self, paths: Iterable[Path], folders: Iterable[Path]) -> None:
+    def __init__(self, paths: Iterable[Path], folders: Iterable[Path], *, are_written: bool = True) -> None:
+        self.are_written = are_written
         paths = list(paths)
         # Where a link leads may be a stranger's choice: what counts is the repository or package that the link lies in.
         self.given_paths = {os.path.realpath(path) for path in paths if not os.path.islink(path)}
@@ -64,6 +65,8 @@ class EditableFiles:
             raise EditRefusedError("it is no regular file")
         if status.st_nlink > 1:
             raise EditRefusedError("it has more than one name (hard links), and only one of them would be changed")
+        if not self.are_written:
+            return real
         if not status.st_mode & stat.S_IWUSR or not os.access(real, os.W_OK):
             raise EditRefusedError("it is read-only")
         if hasattr(os, "geteuid") and os.geteuid() not in {0, status.st_uid}:

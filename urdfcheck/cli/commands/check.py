@@ -89,7 +89,7 @@ def build_parser() -> argparse.ArgumentParser:
     p.add_argument(
         "--diff",
         action="store_true",
-        help="print what --fix would change and change nothing, instead of a report; exit 1 when there is something",
+        help="print what --fix would change, even in files that cannot be written, not a report; exit 1 when there is something",
     )
     p.add_argument(
         "--watch", action="store_true", help="check again whenever a file is saved that matters, until Ctrl-C"
@@ -136,7 +136,7 @@ def main(words: Sequence[str]) -> int:
     execution = Execution(warm_worker=warm_worker, on_idle=reports.import_formats, on_progress=make_progress_printer())
     if not (options.fix or options.diff):
         return _report(run(request, execution), options, reports=reports, settings=settings)
-    fixes = _compute_fixes(request, execution, include_unsafe=options.unsafe_fixes)
+    fixes = _compute_fixes(request, execution, include_unsafe=options.unsafe_fixes, are_only_shown=options.diff)
     if options.diff:
         fail_on = options.fail_on or settings.fail_on
         return _print_diff(fixes, fail_on=fail_on, allow_empty=options.allow_empty)
@@ -271,7 +271,7 @@ def _watch(
 # -- fixes -------------------------------------------------------------------------------------------------------------
 
 
-def _compute_fixes(request: Request, execution: Execution, *, include_unsafe: bool) -> FixResult:
+def _compute_fixes(request: Request, execution: Execution, *, include_unsafe: bool, are_only_shown: bool) -> FixResult:
     """Apply the fixes in memory and check the result.
 
     :raises UrdfcheckError: when the user interrupts.
@@ -279,7 +279,7 @@ def _compute_fixes(request: Request, execution: Execution, *, include_unsafe: bo
     from urdfcheck.fix.fixer import compute_fixes
 
     try:
-        return compute_fixes(request, execution, include_unsafe=include_unsafe)
+        return compute_fixes(request, execution, include_unsafe=include_unsafe, are_only_shown=are_only_shown)
     except KeyboardInterrupt:
         raise UrdfcheckError("interrupted; no file was changed") from None
 
