@@ -54,6 +54,8 @@ UNIFORM = 0.01
 NEAR = 1.5
 # What scales the COM alone, by an inch or a centimetre, has to leave it nearer than that.
 COM_NEAR = 1.2
+# A decimal point of the whole COM is no unit in use: it has to fit as a uniform part's does.
+COM_FITS = 0.3
 # Equal parts differ by less: 2 % in a moment.
 TWIN_LIKE = 0.02
 # One of two parts is wrong when its numbers are this many nats less likely for its mesh.
@@ -312,7 +314,7 @@ def _get_com_tolerance(mistake: Mistake) -> float:
     if mistake.id == "com_unit" and mistake.detail != "mm":
         return COM_NEAR
     if mistake.id == "decimal_point" and mistake.detail.startswith("com ") and mistake.detail.count(" ") == 1:
-        return NEAR / 2
+        return COM_FITS
     return math.inf
 
 
