@@ -57,6 +57,10 @@ KNOWN = {
         "unitreerobotics/unitree_ros:b2_description",
         "mujoco",
     ): "it refuses a missing mesh that PKG002 does not hold against it",
+    (
+        "Gepetto/example-robot-data:tiago_dual",
+        "bullet",
+    ): "a finger whose inertia it replaces by zero turns about its own axis",
     ("PR2/pr2_common:pr2", "gazebo"): "joints inside of <gazebo> name a link that the conversion drops",
 }
 # Bytes: larger meshes take Pinocchio minutes.

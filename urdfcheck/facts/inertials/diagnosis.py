@@ -52,6 +52,10 @@ FAR = 1.6
 UNIFORM = 0.01
 # Undoing a mistake has to leave a part that is no farther from its uniform solid than lumps of 60 % make it.
 NEAR = 1.5
+# What scales the COM alone, by an inch or a centimetre, has to leave it nearer than that.
+COM_NEAR = 1.2
+# A decimal point of the whole COM is no unit in use: it has to fit as a uniform part's does.
+COM_FITS = 0.3
 # Equal parts differ by less: 2 % in a moment.
 TWIN_LIKE = 0.02
 # One of two parts is wrong when its numbers are this many nats less likely for its mesh.
@@ -291,7 +295,7 @@ def _rank_explanations(suspect: Suspect) -> _Ranking:
     )
     scores += [mistake.log_prior for mistake in mistakes]
     scores[_is_meaningless_scaling(declared, reference, mistakes=mistakes, com=numbers.com)] = -np.inf
-    scores[(fit.com_mismatch >= NEAR / 2) & [_has_to_agree(mistake) for mistake in mistakes]] = -np.inf
+    scores[fit.com_mismatch >= [_get_com_tolerance(mistake) for mistake in mistakes]] = -np.inf
     order = np.argsort(-scores, kind="stable")
     return _Ranking(
         mistakes=tuple(mistakes[i] for i in order),
@@ -301,12 +305,17 @@ def _rank_explanations(suspect: Suspect) -> _Ranking:
     )
 
 
-def _has_to_agree(mistake: Mistake) -> bool:
-    """Whether undoing the mistake multiplies the COM and nothing else, by so little that any COM outside the part may get near by
-    chance: an inch, a centimetre, a decimal point. Of millimetres one in a thousand does in each direction."""
-    if mistake.id == "com_unit":
-        return mistake.detail != "mm"
-    return mistake.id == "decimal_point" and mistake.detail.startswith("com ") and mistake.detail.count(" ") == 1
+def _get_com_tolerance(mistake: Mistake) -> float:
+    """Return how far (radii of gyration) the COM may be from the reference's when the mistake is undone.
+
+    Where the COM is multiplied and nothing else, by so little that many a COM outside the part gets near by chance, it has to
+    agree: an inch, a centimetre, and closer still for a decimal point. Of millimetres one in a thousand does in each direction.
+    """
+    if mistake.id == "com_unit" and mistake.detail != "mm":
+        return COM_NEAR
+    if mistake.id == "decimal_point" and mistake.detail.startswith("com ") and mistake.detail.count(" ") == 1:
+        return COM_FITS
+    return math.inf
 
 
 def _is_meaningless_scaling(
@@ -356,7 +365,8 @@ def _is_convincing(ranking: _Ranking, reference: Reference) -> bool:
             return False
     if reference.mixture is OPEN_MIXTURE and best.id not in _COARSE:
         return False
-    return worst < (NEAR / 2 if best.id == "decimal_point" and not _has_to_agree(best) else NEAR)
+    one_number = best.id == "decimal_point" and math.isinf(_get_com_tolerance(best))
+    return worst < (NEAR / 2 if one_number else NEAR)
 
 
 def _measure_effect(declared: DeclaredInertial, mended: DeclaredInertial, factor: float) -> float:
