@@ -244,7 +244,7 @@ def test_a_folder_or_file_that_cannot_be_read_is_a_failure(
     assert outcome.failures == (f"{name}: cannot be read: Permission denied",)
     assert [info.id for info in outcome.models] == ["sound.urdf"], "the others are checked"
     assert compute_exit_code(outcome, "never") == FAILED
-    assert f"\nurdfcheck failed: {name}: cannot be read: Permission denied\n" in text.render(outcome)
+    assert f"\nnot checked: {name}: cannot be read: Permission denied\n" in text.render(outcome)
 
 
 def test_what_is_excluded_or_ignored_need_not_be_readable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -291,10 +291,7 @@ def test_what_the_system_really_refuses_is_a_failure(named: str, tmp_path: Path)
     assert done.returncode == FAILED
     wanted = ["secret", "secret.urdf", "shut"] if named == "." else [named]
     told = [line.partition(": cannot be read: Permission denied")[0] for line in done.stdout.splitlines()]
-    assert (
-        sorted(line.removeprefix("urdfcheck failed: ") for line in told if line.startswith("urdfcheck failed"))
-        == wanted
-    )
+    assert sorted(line.removeprefix("not checked: ") for line in told if line.startswith("not checked:")) == wanted
     assert f"\n⊘ not finished: {len(wanted)} failure" in done.stdout
     assert not done.stderr
 

@@ -56,6 +56,8 @@ def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule
 
 
 def _name_folder(path: Path | None) -> str:
-    """Return the folder of a file as the command line takes it; ``DIR`` where it is far off, as folders of the system are."""
-    shown = "" if path is None else format_path(path.parent)
-    return shown if shown and Path(shown).parts.count("..") <= MOST_LEVELS_UP and not os.path.isabs(shown) else "DIR"
+    """Return the folder of a file as the command line takes it; ``DIR`` for one that is far off, or at the top of the disk."""
+    if path is None or len(Path(os.path.abspath(path.parent)).parts) < 3:
+        return "DIR"
+    shown = format_path(path.parent)
+    return "DIR" if os.path.isabs(shown) or Path(shown).parts.count("..") > MOST_LEVELS_UP else shown

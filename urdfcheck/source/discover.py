@@ -97,7 +97,6 @@ class _Planner:
         self.finders: dict[Path, PackageFinder] = {}
         self.given_folders: list[Path] = []
         self.known_packages: dict[str, list[Path]] = {}
-        self.libraries: dict[Path, Path] = {}
         self.macro_files: dict[Path, None] = {}
 
     def get_finder(self, start: Path) -> PackageFinder:
@@ -184,7 +183,6 @@ class _Planner:
         for model in self.list_configured_models(folder):
             if resolve_path(model) not in self.models:
                 self.add_model(ModelTarget(path=model, arguments=self.arguments))
-        self.libraries.update((resolve_path(f), f) for f, file in folder.files.items() if file.only_macros)
         self.unused += [(format_path(link), OUT_OF_REACH) for link in sorted(folder.outside)]
         for place, reason in sorted(folder.unreadable):
             # An excluded folder is excluded with all that may be in it.
@@ -446,7 +444,6 @@ class _Planner:
         return Plan(
             models=tuple(models),
             candidates=tuple(candidates),
-            libraries=tuple(self.libraries.values()),
             launches=tuple(sorted(launches)),
             packages=tuple(sorted(packages)),
             missing=(*self.missing, *self.budget.unread),

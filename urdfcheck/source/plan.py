@@ -86,8 +86,6 @@ class Plan:
     packages: tuple[Path, ...]
     candidates: tuple[ModelTarget, ...] = ()
     """Files that other files include: models only if their expansion shows that they are."""
-    libraries: tuple[Path, ...] = ()
-    """The xacro files in the given folders that only define macros and properties."""
     missing: tuple[tuple[str, str], ...]
     """Paths that do not exist or cannot be checked, each with the reason."""
     unused: tuple[tuple[str, str], ...] = ()
