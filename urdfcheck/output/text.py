@@ -354,12 +354,20 @@ def _get_first_line(run: Run, span: Span) -> str:
 def _iter_skipped(run: Run, width: int) -> Iterator[Text]:
     """Yield the skipped checks by reason, with their models unless the reason applies to all."""
     reasons: dict[str, tuple[set[str], set[str]]] = {}
+    # Of a model of which nothing is known no single check is named.
+    unchecked = {info.id for info in run.unchecked_models}
     for skip in run.skipped:
+        if skip.model in unchecked:
+            continue
         codes, models = reasons.setdefault(skip.reason, (set(), set()))
         codes.add(skip.code)
         models.add(skip.model)
     for reason, (codes, models) in sorted(reasons.items()):
-        where = "" if "" in models or len(models) >= len(run.models) else f" ({join_first(sorted(models), 3)})"
+        where = (
+            ""
+            if "" in models or len(models) >= len(run.models) - len(unchecked)
+            else f" ({join_first(sorted(models), 3)})"
+        )
         line = f"skipped {join_first(sorted(codes), MAX_CODES)}: {escape_invisible(reason + where)}"
         yield from _wrap_text(Text(line, "dim"), width)
 
