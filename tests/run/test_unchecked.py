@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from conftest import check, command, make_request
 
+import urdfcheck
 from urdfcheck.cli import FAILED, FINDINGS, OK, compute_exit_code
 from urdfcheck.core import Finding, Run, Severity
 from urdfcheck.output import text
@@ -331,3 +332,55 @@ def test_macro_files_that_no_checked_model_reads_are_counted(tmp_path: Path, mon
     found = json.loads(command(".", "--format", "json", "--select", "INR003", cwd=tmp_path).stdout)
     assert found["unused_macro_files"] == ["a.xacro"]
     assert check(Path("m.urdf.xacro")).unused_macro_files == (), "only folders are searched for them"
+
+
+# -- every command -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["."],
+        [".", "--allow-empty"],
+        [".", "--select", "INR003"],
+        [".", "--ignore", "XAC"],
+        [".", "--tier", "source"],
+        [".", "--all-args"],
+        [".", "--fix"],
+        [".", "--diff"],
+        [".", "--statistics"],
+        [".", "--isolated"],
+        ["robot.urdf.xacro"],
+        ["audit", ".", "-o", "kept", "--restart"],
+        ["baseline", "write"],
+    ],
+    ids=" ".join,
+)
+def test_no_command_ends_with_0_unless_it_is_accepted(words: list[str], tmp_path: Path) -> None:
+    write(tmp_path, {**CASES["XAC010"], "sound.urdf": SOUND, "urdfcheck.toml": 'unchecked = ["old/**"]\n'})
+    done = command(*words, cwd=tmp_path)
+    assert done.returncode == FINDINGS, done.stdout + done.stderr
+    assert "not checked" in done.stdout + done.stderr
+    accepted = command(*words, "--unchecked", "warning", cwd=tmp_path)
+    assert accepted.returncode == OK, accepted.stdout + accepted.stderr
+    assert "not checked" in accepted.stdout + accepted.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["srdf", "engines"])
+def test_a_command_about_one_model_fails_without_it(name: str, tmp_path: Path) -> None:
+    write(tmp_path, CASES["XAC010"])
+    assert command(name, "robot.urdf.xacro", cwd=tmp_path).returncode == FAILED
+
+
+@pytest.mark.slow
+def test_from_python(tmp_path: Path) -> None:
+    write(tmp_path, CASES["XAC010"])
+    run = urdfcheck.check(tmp_path, select="INR003", jobs=1, cache=False)
+    assert [(f.code, str(f.severity)) for f in run.findings] == [("XAC010", "error")]
+    assert [m.not_checked.remedy for m in run.unchecked_models if m.not_checked] == ["--arg side:=…"]
+    run = urdfcheck.check(tmp_path, unchecked="warning", jobs=1, cache=False)
+    assert [str(f.severity) for f in run.findings] == ["warning"]
+    with pytest.raises(urdfcheck.UrdfcheckError, match="unchecked never: one of error, warning"):
+        urdfcheck.check(tmp_path, unchecked="never")

@@ -368,13 +368,18 @@ def _iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
 def _iter_skipped(run: Run, width: int) -> Iterator[Text]:
     """Yield the skipped checks by reason, with their models unless the reason applies to all."""
     reasons: dict[str, tuple[set[str], set[str]]] = {}
+    # Of a model of which nothing is known no single check is named.
+    unchecked = {info.id for info in run.unchecked_models}
     for skip in run.skipped:
+        if skip.model in unchecked:
+            continue
         codes, models = reasons.setdefault(skip.reason, (set(), set()))
         codes.add(skip.code)
         models.add(skip.model)
     for reason, (codes, models) in sorted(reasons.items()):
         # What was not checked at all is told by its name; it is none of the models.
-        applies_to_all = "" in models or (len(models) >= len(run.models) and "ALL" not in codes)
+        checked = len(run.models) - len(unchecked)
+        applies_to_all = "" in models or (len(models) >= checked and "ALL" not in codes)
         where = "" if applies_to_all else f" ({join_first(sorted(models), 3)})"
         line = f"skipped {join_first(sorted(codes), MAX_CODES)}: {escape_invisible(reason + where)}"
         yield from _wrap_text(Text(line, "dim"), width)
