@@ -406,7 +406,8 @@ def test_a_folder_is_not_walked_again_for_its_packages(tmp_path: Path, monkeypat
     assert max(Counter(folder for folder in listed if folder.endswith("/leaf")).values()) == 1
     monkeypatch.setattr(finder, "MOST_FOLDERS_OF_REPOSITORY", 8)
     listed.clear()
-    model = Path("src/bot/bot_description/urdf/bot.urdf.xacro")
+    model = Path("src/bot/bot_description/urdf/plain.urdf")  # a xacro is looked for in all that may include it
+    model.write_text('<robot name="r"><link name="a"/></robot>', encoding="utf-8")
     plan = discover_targets([model], {}, packages={}, package_paths=[])
     assert "base_description" not in plan.known_packages
     assert not [folder for folder in listed if folder.endswith("/leaf")]
