@@ -761,4 +761,4 @@ def test_finding_type_is_the_contract() -> None:
     """Every field of a finding reaches the page: a new field must be shown or left out on purpose."""
     shown = {"code", "name", "severity", "confidence", "message", "location", "subjects", "related", "cause"}
     shown |= {"consequences", "data", "fix", "model", "suppressed", "variants", "blocks_check"}
-    assert set(Finding.__dataclass_fields__) - shown == {"message_id"}
+    assert set(Finding.__dataclass_fields__) - shown == {"message_id", "message_ids", "blames_text"}

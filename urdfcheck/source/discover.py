@@ -136,6 +136,8 @@ class _Planner:
         """Note the packages below the given folders, and in the repositories around all given paths, before one is needed."""
         roots: set[Path] = set()
         for path in sorted(paths, key=lambda path: not os.path.isdir(path)):
+            if self.budget.is_used_up():
+                break
             # What is wrong with a path is told when it is added.
             with contextlib.suppress(OSError, UrdfcheckError):
                 if self.reach is not None and not self.reach.can_open(path):
@@ -150,7 +152,7 @@ class _Planner:
 
     def add_path(self, path: Path) -> None:
         try:
-            if self.budget.is_used_up():
+            if self.budget.is_used_up() and resolve_path(path) not in self.folders:
                 self.missing.append((format_path(path), self.budget.explain()))
             elif self.reach is not None and not self.reach.can_open(path):
                 self.missing.append((str(path), explain_unreachable(path)))
