@@ -21,3 +21,8 @@ def list_robots(folder: Path) -> list[dict[str, Any]]:
         for entry in entries
         if entry["id"] not in STARTED_ELSEWHERE and all((folder / root).is_dir() for root in entry["package_roots"])
     ]
+
+
+def list_repositories(folder: Path) -> list[Path]:
+    """The repositories in a folder without a ``corpus.json``."""
+    return sorted(path for path in folder.iterdir() if path.is_dir())

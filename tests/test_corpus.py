@@ -1,17 +1,18 @@
 """Real robots: nothing crashes, what upstream broke is named, and a change brings no new error on a vendor's model.
 
-Runs where URDFCHECK_CORPUS names a folder with a corpus.json. The error-level findings were read one by one; a new one is
-either true, then it is added to ``corpus_errors.json`` (``--accept``), or a false alarm, which is a bug.
+Runs where URDFCHECK_CORPUS names a folder with a corpus.json, or one of whole repositories. The error-level findings were read
+one by one; a new one is either true, then it is added to ``corpus_errors.json`` (``--accept``), or a false alarm, which is a bug.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY, make_request
-from real_robots import list_robots
+from conftest import CORPORA, REPOSITORY, make_request
+from real_robots import list_repositories, list_robots
 
 from urdfcheck.core import Run, Severity
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
@@ -81,19 +82,37 @@ def test_consistent_siblings_give_no_finding(runs: dict[str, Run]) -> None:
 def test_every_error_was_read_and_is_true(runs: dict[str, Run], corpus: Path, request: pytest.FixtureRequest) -> None:
     """By folder and id: two folders may hold different robots under one id. Some errors on the robots of ``judged`` were judged
     false; they are accepted until they are mended."""
+    compare_with_accepted(corpus.name, runs, accept=request.config.getoption("--accept"))
+
+
+@pytest.mark.parametrize(
+    "folder", [f for f in CORPORA if not (f / "corpus.json").is_file()], ids=lambda folder: folder.name
+)
+def test_repositories_are_checked_as_they_come(folder: Path, request: pytest.FixtureRequest) -> None:
+    """As ``urdfcheck .`` does it in each; a model that is not checked is an error at its cause."""
+    runs = {path.name: run(make_request(path, root=path), IN_THIS_PROCESS) for path in list_repositories(folder)}
+    assert {name: r.failures for name, r in runs.items() if r.failures} == {}
+    for name, outcome in runs.items():
+        causes = {model for f in outcome.findings if f.blocks_check for model in f.subjects_by_model}
+        assert {info.id for info in outcome.unchecked_models} == causes, name
+    compare_with_accepted(folder.name, runs, accept=request.config.getoption("--accept"))
+
+
+def compare_with_accepted(folder: str, runs: Mapping[str, Run], *, accept: bool) -> None:
+    """Compare the errors of a folder's runs with the accepted ones, or accept them."""
     errors = {
-        f"{corpus.name}/{name}": sorted(
+        f"{folder}/{name}": sorted(
             f"{f.code} {f.message_id} {s}" for f in r.findings if f.severity is Severity.ERROR for s in f.subjects
         )
         for name, r in sorted(runs.items())
     }
     errors = {name: texts for name, texts in errors.items() if texts}
     accepted = json.loads(ACCEPTED.read_text(encoding="utf-8"))
-    if request.config.getoption("--accept"):
-        others = {name: texts for name, texts in accepted.items() if not name.startswith(f"{corpus.name}/")}
+    if accept:
+        others = {name: texts for name, texts in accepted.items() if not name.startswith(f"{folder}/")}
         accepted = dict(sorted({**others, **errors}.items()))
         ACCEPTED.write_text(json.dumps(accepted, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    here = {name: texts for name, texts in accepted.items() if name.startswith(f"{corpus.name}/")}
+    here = {name: texts for name, texts in accepted.items() if name.startswith(f"{folder}/")}
     new = {name: sorted(set(texts) - set(here.get(name, []))) for name, texts in errors.items()}
     gone = {name: sorted(set(texts) - set(errors.get(name, []))) for name, texts in here.items()}
     assert {name: texts for name, texts in new.items() if texts} == {}

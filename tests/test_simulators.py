@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 from builders import Number, arm_on_base, inertial, joint, link
 from conftest import CORPORA, FIXTURES, make_request
-from real_robots import list_robots
+from real_robots import list_repositories, list_robots
 from test_rules import BAD, GOOD, Case
 
 from urdfcheck import cli
@@ -118,7 +118,7 @@ def checked(name: str, request: Request) -> Iterator[Example]:
     run = run_audit(request, IN_THIS_PROCESS).outcome
     assert not run.failures, run.failures
     for model in run.models:
-        findings = tuple(f for f in run.findings if f.model == model.id)
+        findings = tuple(f for f in run.findings if model.id in f.subjects_by_model)
         robot = read_units.get(model.id)
         if model.status == "needs-arguments" or UNREAD & {(f.code, f.message_id) for f in findings}:
             continue
@@ -208,7 +208,7 @@ def robots(request: pytest.FixtureRequest) -> tuple[Path, list[Example]]:
 
 def list_requests(folder: Path) -> Iterator[tuple[str, Request]]:
     if not (folder / "corpus.json").is_file():
-        for repository in sorted(path for path in folder.iterdir() if path.is_dir()):
+        for repository in list_repositories(folder):
             yield repository.name, ask(repository, tier="mesh")
         return
     for entry in list_robots(folder):
