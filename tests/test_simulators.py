@@ -111,7 +111,7 @@ def checked(name: str, request: Request) -> Iterator[Example]:
     for unit in units if not plan.missing else ():
         if unit.kind == "model":
             packages = unit.packages or request.packages
-            reading = {"explicit": unit.is_explicit, "xacro": unit.is_xacro}
+            reading = {"xacro": unit.is_xacro}
             read_units[unit.id] = read(Path(unit.path), unit.arguments, packages, **reading)
     if not any(robot is not None and meshes(robot) <= LARGEST for robot in read_units.values()):
         return

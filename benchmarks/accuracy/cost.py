@@ -97,7 +97,7 @@ def _turn(robot: Robot, folder: Path, rules: list[Rule]) -> tuple[float, float]:
     ET.ElementTree(robot.root).write(path)
 
     def model() -> Model:
-        source = load_source(path, {}, PackageFinder(folder, {}, []), explicit=True)
+        source = load_source(path, {}, PackageFinder(folder, {}, []))
         assert source.root is not None
         made = Model(source=source, robot=source.root, cache=ArrayCache(folder / "kept"))
         for facts in made.meshes.facts.values():

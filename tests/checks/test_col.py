@@ -47,7 +47,7 @@ def model_of(folder: Path, text: str, cache: ArrayCache | None = None, samples: 
 
 
 def model_at(path: Path, cache: ArrayCache | None = None, samples: int = 200) -> Model:
-    source = load_source(path, {}, PackageFinder(path), explicit=True, xacro=False)
+    source = load_source(path, {}, PackageFinder(path), xacro=False)
     assert source.root is not None
     return Model(source=source, robot=source.root, tier="full", cache=cache or ArrayCache(), samples=samples)
 

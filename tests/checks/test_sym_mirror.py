@@ -156,7 +156,7 @@ def model_of(folder: Path, robot: Robot) -> Model:
     folder.mkdir(exist_ok=True)
     path = folder / "robot.urdf"
     path.write_text(ET.tostring(robot, encoding="unicode"), encoding="utf-8")
-    source = load_source(path, {}, PackageFinder(folder, {}, []), explicit=True)
+    source = load_source(path, {}, PackageFinder(folder, {}, []))
     assert source.root is not None
     return Model(source=source, robot=source.root)
 

@@ -133,10 +133,11 @@ class TestXML002:
         text = f'<robot name="r" {ns}><xacro:include filename="part.xacro"/></robot>'
         assert not findings(tmp_path, text, "XML002", "robot.urdf.xacro")
 
-    def test_nameless_xacro_is_only_wrong_where_it_was_asked_for(self, tmp_path: Path) -> None:
+    def test_nameless_xacro_is_a_warning_however_it_is_found(self, tmp_path: Path) -> None:
         text = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/></robot>'
-        assert findings(tmp_path, text, "XML002", "robot.urdf.xacro")
-        assert not check(tmp_path, codes={"XML002"}).findings
+        (named,) = findings(tmp_path, text, "XML002", "robot.urdf.xacro")
+        (found,) = check(tmp_path, codes={"XML002"}).findings
+        assert named.severity is found.severity is Severity.WARNING
 
     def test_empty_robot_in_a_folder_is_a_placeholder(self, tmp_path: Path) -> None:
         (tmp_path / "empty.urdf").write_text("<robot></robot>")

@@ -36,10 +36,10 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         return
     name = root.attributes.get("name")
     if name is None:
-        # A file without a name that others include is a part of theirs, and so is a xacro file that was found in a folder.
-        # Of one that cannot be expanded nobody knows whether it is a model.
-        if not source.is_part and (source.root is not None) and (source.explicit or not source.is_xacro):
-            yield rule.finding("unnamed", at=root)
+        # A file without a name that others include is a part of theirs; a xacro that none includes here may be one for other
+        # packages. Of one that cannot be expanded nobody knows whether it is a model.
+        if not source.is_part and source.root is not None:
+            yield rule.finding("unnamed", at=root, severity=Severity.WARNING if source.is_xacro else None)
     elif not name.value.strip():
         yield rule.finding("empty", at=name, severity=Severity.WARNING)
 

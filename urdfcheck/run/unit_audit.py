@@ -186,7 +186,6 @@ class _UnitAudit:
             path,
             self.unit.arguments,
             self.make_finder(path),
-            explicit=self.unit.is_explicit,
             is_part=self.unit.is_part,
             xacro=self.unit.is_xacro,
             environment=frozenset(self.options.environment),

@@ -119,7 +119,6 @@ def _read_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
             path,
             unit.arguments,
             finder,
-            explicit=unit.is_explicit,
             xacro=unit.is_xacro,
             environment=frozenset(settings.options.environment),
         )

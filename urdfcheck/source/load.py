@@ -41,8 +41,6 @@ class Source:
     finder: PackageFinder
     package: Package | None
     """The package that the file belongs to."""
-    explicit: bool = True
-    """Whether the user named this file on the command line."""
     is_part: bool = False
     """Whether another file includes it, or may."""
     arguments_read: frozenset[str] = field(default_factory=frozenset)
@@ -74,7 +72,6 @@ def load_source(
     arguments: Mapping[str, str],
     finder: PackageFinder,
     *,
-    explicit: bool = True,
     is_part: bool = False,
     xacro: bool | None = None,
     environment: frozenset[str] = frozenset(),
@@ -129,7 +126,6 @@ def load_source(
         problems=tuple(problems),
         finder=finder,
         package=package,
-        explicit=explicit,
         is_part=is_part,
         arguments_read=arguments_read,
         environment=environment,
