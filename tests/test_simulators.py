@@ -51,12 +51,7 @@ KNOWN = {
     ("XML001-good-1", "drake"): "it has a <group> of its own",
     ("XML003-good-1", "drake"): "it has a <group> of its own",
     ("MSH009-bad-1", "bullet"): "it does not follow the <instance_node> of COLLADA",
-    ("Daniella1/urdf_files_dataset:pioneer3dx", "mujoco"): "a fixed joint has an <axis> without xyz",
     ("Gepetto/example-robot-data:talos_full_v2", "gazebo"): "the pose of the merged inertial is not finite",
-    (
-        "unitreerobotics/unitree_ros:b2_description",
-        "mujoco",
-    ): "it refuses a missing mesh that PKG002 does not hold against it",
     (
         "Gepetto/example-robot-data:tiago_dual",
         "bullet",

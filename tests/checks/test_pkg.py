@@ -888,3 +888,12 @@ def test_a_package_around_a_folder_that_is_no_repository_is_no_duplicate(
     assert not find_duplicates(Path("car"))
     assert not find_duplicates(Path("car/urdf/car.urdf"))
     assert len(find_duplicates(tmp_path)) == 1
+
+
+@pytest.mark.parametrize(("kept", "expected"), [("false", "refuses"), ("true", "loads")])
+def test_mujoco_opens_a_drawn_mesh_only_where_the_file_keeps_it(tmp_path: Path, kept: str, expected: str) -> None:
+    section = f'<mujoco><compiler discardvisual="{kept}"/></mujoco>'
+    robot = f'<robot name="r">{section}{make_mesh_link("a", "package://p/meshes/never.stl")}</robot>'
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": robot})
+    (finding,) = findings(tmp_path, "PKG002")
+    assert finding.consequences["mujoco"].startswith(expected)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_loss
 from urdfcheck.source.text.grammar import REQUIRED_ATTRIBUTES, is_attribute_missing, iter_urdf_elements
@@ -43,8 +43,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             )
     for joint in model.joints:
         axis = joint.axis_element
-        if joint.has_axis and axis is not None and is_attribute_missing(axis, "xyz"):
+        if axis is not None and joint.has_axis and is_attribute_missing(axis, "xyz"):
             yield rule.finding("axis", at=axis, owner=_describe_owner(axis))
+        elif axis is not None and not joint.has_axis and "xyz" not in axis.attributes:
+            yield rule.finding("idle-axis", at=axis, severity=Severity.INFO, owner=_describe_owner(axis))
 
 
 def _check_children(element: Element, rule: Rule) -> Iterator[Finding]:

@@ -55,9 +55,22 @@ def is_collision_part(element: Element) -> bool:
 
 
 def describe_missing_mesh(parts: Iterable[Element]) -> dict[str, str]:
-    """Describe what MuJoCo does with meshes that it cannot open: it never opens those of visuals (checked with MuJoCo 4.0)."""
-    collides = any(map(is_collision_part, parts))
-    return {"mujoco": "refuses to compile" if collides else "loads it: it leaves out what is only drawn"}
+    """Describe what MuJoCo does with meshes that it cannot open (checked with MuJoCo 4.0).
+
+    It opens those of visuals only where the file's ``<mujoco><compiler discardvisual="false"/></mujoco>`` asks for them.
+    """
+    opened = any(is_collision_part(part) or _keeps_visuals(part) for part in parts)
+    return {"mujoco": "refuses to compile" if opened else "loads it: it leaves out what is only drawn"}
+
+
+def _keeps_visuals(element: Element) -> bool:
+    """Whether the file of an element tells MuJoCo to keep what is only drawn."""
+    root = element
+    while root.parent is not None:
+        root = root.parent
+    sections = (child for child in root.children if child.tag == "mujoco")
+    compilers = (child for section in sections for child in section.children if child.tag == "compiler")
+    return any(compiler.get("discardvisual") == "false" for compiler in compilers)
 
 
 def describe_unreadable_mesh(parts: Iterable[Element]) -> dict[str, str]:
