@@ -45,7 +45,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         axis = joint.axis_element
         if axis is not None and joint.has_axis and is_attribute_missing(axis, "xyz"):
             yield rule.finding("axis", at=axis, owner=_describe_owner(axis))
-        elif axis is not None and not joint.has_axis and "xyz" not in axis.attributes:
+        elif axis is not None and joint.type in {"fixed", "floating"} and "xyz" not in axis.attributes:
             yield rule.finding("idle-axis", at=axis, severity=Severity.INFO, owner=_describe_owner(axis))
 
 
