@@ -319,7 +319,8 @@ class TestXML005:
         run = check_text(tmp_path, text)
         assert not run.failures
         assert [f.message_id for f in run.findings if f.severity is Severity.ERROR] == ["axis"]
-        assert not findings(tmp_path, text.replace("revolute", "fixed"), "XML005")
+        (idle,) = findings(tmp_path, text.replace("revolute", "fixed"), "XML005")
+        assert (idle.message_id, idle.severity) == ("idle-axis", Severity.INFO)
 
 
 class TestXML007:

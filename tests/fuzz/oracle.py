@@ -284,7 +284,8 @@ def _install() -> None:
 
 def _is_odd(event: str, what: str, folder: Path) -> bool:
     if event != "open":
-        return (event, what) != ("subprocess.Popen", "git")  # which files are ignored
+        is_git = os.path.isabs(what) and os.path.basename(what) == "git"
+        return event != "subprocess.Popen" or not is_git  # which files are ignored
     try:
         real = os.path.realpath(what)
     except ValueError:

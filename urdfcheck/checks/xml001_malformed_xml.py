@@ -53,6 +53,8 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         else:
             cause = _classify_cause(file)
             message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
+            if message == "malformed" and problem.data.get("forgiven") and not source.is_xacro:
+                message = "forgiven"
             repair = problem.data.get("repair", "")
             yield rule.finding(message, at=location, cause=cause, error=problem.message, repair=repair)
     for problem in source.find_problems(*_MISREAD):

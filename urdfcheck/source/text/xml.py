@@ -40,8 +40,8 @@ class XmlError(Exception):
     """The text is not XML that may be read.
 
     ``reason``: malformed | encoding | declared-encoding | xacro-encoding | doctype | too-large. For malformed, ``data`` holds
-    the ``repair``; for too-large, ``what`` exceeds the limit (bytes | depth | attributes | value | parts), the ``limit`` and
-    the number ``found``.
+    the ``repair`` and whether it is ``forgiven`` by lenient parsers; for too-large, ``what`` exceeds the limit (bytes | depth |
+    attributes | value | parts), the ``limit`` and the number ``found``.
     """
 
     def __init__(self, reason: str, message: str, span: Span, data: Mapping[str, object] | None = None) -> None:
@@ -337,7 +337,9 @@ class _Parser:
         opened = [(element.tag, element.span.line if element.span is not None else 0) for element in elements]
         mistake = describe_mistake(self.text, at, code, opened)
         span = self.source.make_span(mistake.start, mistake.end)
-        return XmlError("malformed", mistake.message, span, data={"repair": mistake.repair})
+        return XmlError(
+            "malformed", mistake.message, span, data={"repair": mistake.repair, "forgiven": mistake.forgiven}
+        )
 
     def _start_element(self, tag: str, values: dict[str, str]) -> None:
         begin = self._find_offset(self.expat.CurrentByteIndex)

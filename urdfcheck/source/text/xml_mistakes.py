@@ -29,6 +29,8 @@ class XmlMistake:
     start: int
     end: int
     repair: str = _GENERAL_REPAIR
+    forgiven: bool = False
+    """Whether tinyxml2, by which urdfdom and the engines read, loads the file all the same."""
 
 
 def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]]) -> XmlMistake:
@@ -62,7 +64,7 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
     if before.endswith("--") and before.rfind("<!--", 0, at - 2) > before.rfind("-->"):
         message = "a comment may not contain `--`"
         repair = "write one hyphen, or another character (`==`), and close the comment with `-->`"
-        return XmlMistake(message, at - 2, at, repair)
+        return XmlMistake(message, at - 2, at, repair, forgiven=True)
     if here and NO_CHARACTER.match(here):
         return XmlMistake(f"the character U+{ord(here):04X} is not allowed in XML", at, at + 1, "delete it")
     if here == "\ufeff":

@@ -235,7 +235,8 @@ class Guards:
     def _note_decision(self, value: Any) -> None:
         """Note that an expression looks into a text that holds the place of a file, instead of only writing it."""
         if self._places:
-            items = value if isinstance(value, (list, tuple)) else (value,)
+            # Not through the wrapper of a yaml list, which records each read.
+            items = list.__iter__(value) if isinstance(value, list) else value if isinstance(value, tuple) else (value,)
             texts = (item for item in items if isinstance(item, str))
             if any(place in text for text in texts for place in self._places):
                 self._notify("place-decides")
