@@ -117,6 +117,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     audited_units = [(u, reports[i]) for i, u in enumerate(units) if i in reports]
     plan = replace(plan, unused=(*plan.unused, *explain_unchecked_parts(audited_units)))
     audited_units = [(u, report) for u, report in audited_units if report.role == MODEL]
+    audited_units = leave_out_blamed_parts(audited_units)
     outcome = build_run(request, plan, audited_units=audited_units, seconds=time.perf_counter() - start)
     if len(reports) + len(spared) < len(units):
         if execution.on_progress is not None:
@@ -397,6 +398,31 @@ def find_read_spares(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -
         for index, unit in enumerate(units)
         if unit.is_spare and index not in reports and format_path(Path(unit.path)) in used
     )
+
+
+def leave_out_blamed_parts(audited_units: Sequence[tuple[Unit, UnitReport]]) -> list[tuple[Unit, UnitReport]]:
+    """Leave out the parts that cannot be expanded where a model that includes them already says so: one defect, one model."""
+    blamed = [_list_blamed_files(report) for _, report in audited_units]
+    return [
+        (unit, report)
+        for place, (unit, report) in enumerate(audited_units)
+        if not (
+            unit.is_part
+            and not unit.is_explicit
+            and blamed[place]
+            and any(
+                blamed[place] <= files
+                for other, files in enumerate(blamed)
+                if audited_units[other][0].path != unit.path
+            )
+        )
+    ]
+
+
+def _list_blamed_files(report: UnitReport) -> frozenset[str]:
+    """Return the files at which the report says why its model could not be checked."""
+    spans = (finding.location.span for finding in report.findings if finding.blocks_check)
+    return frozenset(span.file for span in spans if span is not None)
 
 
 def _collect_robot_files(audited_units: Iterable[tuple[Unit, UnitReport]]) -> set[str]:
