@@ -11,6 +11,8 @@ from conftest import check
 
 from urdfcheck.core import Run
 
+NAMESPACE = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 INERTIA = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
 BAD_LINK = f'<link name="a"><inertial><mass value="-1"/>{INERTIA}</inertial></link>'
@@ -225,3 +227,18 @@ def test_another_model_format_is_named_as_what_it_is(package: Path) -> None:
         strict=True,
     ):
         assert f"{name}: this is {what}; urdfcheck reads URDF and xacro" in run.failures
+
+
+def test_a_part_that_breaks_its_model_is_told_once(tmp_path: Path) -> None:
+    """Two parts that include each other, and nothing else, are both told."""
+    for name, included in (("a", "b"), ("b", "a")):
+        text = f'<robot {NAMESPACE}><xacro:include filename="{included}.xacro"/><link name="{name}"></robot>'
+        (tmp_path / f"{name}.xacro").write_text(text, encoding="utf-8")
+    assert check(tmp_path, tier="source").unchecked_models
+    (tmp_path / "robot.urdf.xacro").write_text(
+        f'<robot name="r" {NAMESPACE}><xacro:include filename="a.xacro"/></robot>', encoding="utf-8"
+    )
+    (unchecked,) = {info.path.rpartition("/")[2] for info in check(tmp_path, tier="source").unchecked_models} - {
+        "b.xacro"
+    }
+    assert unchecked == "robot.urdf.xacro"

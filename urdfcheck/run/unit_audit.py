@@ -39,7 +39,7 @@ from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.run.shown_paths import PathShortener
 from urdfcheck.run.source_texts import RULE as TEXTS_RULE
 from urdfcheck.run.source_texts import limit_texts
-from urdfcheck.run.unchecked import explain_unchecked, locate_unit, mark_cause, report_stopped_unit
+from urdfcheck.run.units.unchecked import explain_unchecked, locate_unit, mark_cause, report_stopped_unit
 from urdfcheck.source.launch.launch_file import Launch, load_launch
 from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.model_role import MODEL, collect_robot_files, find_model_role

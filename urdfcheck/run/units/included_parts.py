@@ -1,0 +1,82 @@
+"""Files that other files include: when they are audited as models of their own, and what is said of those that are not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from urdfcheck.run.jobs import Unit, UnitReport
+from urdfcheck.source.model_role import MODEL
+from urdfcheck.source.package.file_kinds import is_srdf
+from urdfcheck.source.package.finder import format_path
+
+
+def list_next_units(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> list[int]:
+    """Return the units to audit now: all but the spare ones, and after those the spare ones of which no model is made."""
+    missing = [index for index in range(len(units)) if index not in reports]
+    first = [index for index in missing if not units[index].is_spare]
+    if first or not missing:
+        return first
+    spared = find_read_spares(units, reports)
+    return [index for index in missing if index not in spared]
+
+
+def find_read_spares(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> frozenset[int]:
+    """Return the spare units that need no audit: the links and joints of their files are in a model that was audited."""
+    used = _collect_robot_files((units[index], report) for index, report in reports.items())
+    return frozenset(
+        index
+        for index, unit in enumerate(units)
+        if unit.is_spare and index not in reports and format_path(Path(unit.path)) in used
+    )
+
+
+def leave_out_blamed_parts(audited_units: Sequence[tuple[Unit, UnitReport]]) -> list[tuple[Unit, UnitReport]]:
+    """Leave out the parts that cannot be expanded where a model that includes them already says so: one defect, one model."""
+    blamed = [_list_blamed_files(report) for _, report in audited_units]
+    return [
+        (unit, report)
+        for place, (unit, report) in enumerate(audited_units)
+        if not (
+            unit.is_part
+            and not unit.is_explicit
+            and blamed[place]
+            and any(
+                blamed[place] <= files
+                for other, files in enumerate(blamed)
+                if audited_units[other][0].path != unit.path
+            )
+        )
+    ]
+
+
+def _list_blamed_files(report: UnitReport) -> frozenset[str]:
+    """Return the files at which the report says why its model could not be checked."""
+    spans = (finding.location.span for finding in report.findings if finding.blocks_check)
+    return frozenset(span.file for span in spans if span is not None)
+
+
+def _collect_robot_files(audited_units: Iterable[tuple[Unit, UnitReport]]) -> set[str]:
+    """Return the names of all files of which links or joints of models were made."""
+    return {name for _, report in audited_units if report.role == MODEL for name in report.robot_files}
+
+
+def explain_unchecked_parts(audited_units: Sequence[tuple[Unit, UnitReport]]) -> list[tuple[str, str]]:
+    """Return the files that were expanded, are no models and belong to no model that was audited, each with the reason.
+
+    A library that is part of something is left out: there is nothing in it to check.
+    """
+    used = _collect_robot_files(audited_units)
+    models = [report for _, report in audited_units if report.role == MODEL]
+    read = {name for report in models for name in report.expanded_files}
+    # What a model that could not be expanded is made of is unknown, and so is told with that model.
+    failed = (report for report in models if report.info is not None and report.info.status != "checked")
+    used.update(name for report in failed for name in report.expanded_files)
+    reasons: dict[str, str] = {}
+    for unit, report in audited_units:
+        role, name = report.role, format_path(Path(unit.path))
+        if role.kind == "library" and unit.is_explicit and not unit.is_part:
+            reasons[name] = "only defines macros, and no model of its package or repository includes it"
+        elif role.kind == "part" and name not in (used if role.is_doubtful else read) and not is_srdf(Path(unit.path)):
+            reasons[name] = f"is not checked: no model that was checked is made of this part, and {role.reason}"
+    return sorted(reasons.items())
