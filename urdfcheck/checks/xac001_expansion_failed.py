@@ -28,8 +28,14 @@ from urdfcheck.source.path_arguments import (
 )
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.conditions import find_conditions, list_condition_arguments
-from urdfcheck.source.xacro.usage import collect_macros, collect_properties, find_unprefixed_tags, iter_elements_by_tag
+from urdfcheck.source.xacro.usage import (
+    collect_macros,
+    collect_properties,
+    find_conditions,
+    find_unprefixed_tags,
+    iter_elements_by_tag,
+    list_condition_arguments,
+)
 
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
 # The error of an empty file name: xacro then opens its folder as a file.
