@@ -139,8 +139,38 @@ def test_missing_file_is_told_at_the_arguments_that_lead_there(
     assert finding.message.startswith(says)
     assert finding.location.subject == f"argument[{says.split()[1]}]"
     assert "xacro:include@filename" in [place.subject.split("/")[-1] for place in finding.related]
+    assert finding.data["remedy"].startswith(f"--arg {says.split()[1]}:=")
     complete = xacro(tmp_path, LOAD, {"XAC001"}, arguments={"left_arm": "gen3", "left_dof": "7"})
     assert not complete.findings
+
+
+CONDITIONAL = """<xacro:arg name="prefix" default=""/><xacro:property name="side" value="$(arg prefix)"/>
+<xacro:if value="${side == 'left'}"><xacro:property name="corner" value="1"/></xacro:if>
+<xacro:if value="${side == 'right'}"><xacro:property name="corner" value="2"/></xacro:if>
+<link name="l${corner}"/>"""
+
+
+def test_property_that_is_only_defined_under_conditions_names_them_and_their_arguments(tmp_path: Path) -> None:
+    finding = only(xacro(tmp_path, CONDITIONAL, {"XAC001"}))
+    assert "only defined if `${side == 'left'}` or if `${side == 'right'}`" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("give a value for which it is defined: `--arg prefix:=…`")
+    assert finding.data["remedy"] == "--arg prefix:=…"
+    assert not xacro(tmp_path, CONDITIONAL, {"XAC001"}, arguments={"prefix": "left"}).findings
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        '<xacro:property name="corner" value="3"/>',
+        '<xacro:if value="${side == \'\'}"><xacro:property name="corner" value="3"/></xacro:if>',
+    ],
+    ids=["without a condition", "under one that holds"],
+)
+def test_property_that_comes_later_is_told_as_that(tmp_path: Path, more: str) -> None:
+    finding = only(xacro(tmp_path, f"{CONDITIONAL}\n{more}", {"XAC001"}))
+    assert "comes later, or belongs to another macro or branch" in finding.message
+    assert finding.data["remedy"] == ""
 
 
 def test_slip_in_a_path_with_an_empty_argument_is_told_at_the_path(tmp_path: Path) -> None:

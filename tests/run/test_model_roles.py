@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from conftest import check
 
+from urdfcheck.cli import NOTHING, OK, compute_exit_code
 from urdfcheck.core import Run
 
 NAMESPACE = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -77,6 +78,34 @@ def test_a_library_is_told_only_where_no_model_uses_it(package: Path) -> None:
     run = check(Path("wheels.xacro"))
     assert [m.path for m in run.models] == ["car.urdf.xacro"]
     assert (list_errors(run), list_unchecked(run)) == ([], [])
+
+
+def test_a_named_library_that_no_checked_model_reads_is_told(package: Path) -> None:
+    """Other libraries include it, and a model under a condition that does not hold: nothing of it is checked."""
+    write(
+        package,
+        {
+            "wheels.xacro": xacro(MACRO, ""),
+            "platform.urdf.xacro": xacro(include("wheels.xacro") + MACRO.replace("wheel", "platform")),
+        },
+    )
+    run = check(Path("wheels.xacro"))
+    assert (run.models, list_unchecked(run)) == ((), ["wheels.xacro"])
+    assert compute_exit_code(run, "error") == NOTHING
+    assert compute_exit_code(run, "error", allow_empty=True) == OK
+    write(package, {"car.urdf.xacro": xacro(unless_asked(include("wheels.xacro")) + '<link name="l"/>')})
+    run = check(Path("wheels.xacro"))
+    assert ([m.path for m in run.models], list_unchecked(run)) == (["car.urdf.xacro"], ["wheels.xacro"])
+    assert compute_exit_code(run, "error") == OK
+
+
+def test_a_named_library_of_which_only_the_package_was_checked_is_nothing(package: Path) -> None:
+    """Only the expansion of a file that includes others shows that it is a library: its package was checked by then."""
+    write(package, {"wheels.urdf.xacro": xacro(include("more.xacro") + MACRO), "more.xacro": xacro(MACRO, "")})
+    run = check(Path("wheels.urdf.xacro"))
+    assert (run.models, list_unchecked(run)) == ((), ["wheels.urdf.xacro"])
+    assert run.units, "its package is checked"
+    assert compute_exit_code(run, "error") == NOTHING
 
 
 def test_a_library_whose_includes_are_not_installed_is_still_one(package: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -126,6 +127,19 @@ def test_the_remedy_is_a_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     helped = check(Path("arm/robot.urdf.xacro"), packages={"hand_description": tmp_path / "hand"})
     assert not helped.unchecked_models
     assert not check(Path("robot.urdf.xacro"), arguments={"side": "left"}).unchecked_models
+
+
+@pytest.mark.slow
+def test_the_command_repeats_the_options_without_which_another_cause_comes_first(tmp_path: Path) -> None:
+    body = '<xacro:include filename="$(find hand)/hand.xacro"/><xacro:include filename="$(find tool)/tool.xacro"/>'
+    write(tmp_path / "arm", {"arm.urdf.xacro": XACRO.format(body)})
+    write(tmp_path / "my hand", {"hand.xacro": XACRO.format('<link name="$(arg side)"/>')})
+    shown = command("arm.urdf.xacro", "--package", "hand=../my hand", "--arg", "side:=l", cwd=tmp_path / "arm").stdout
+    helps = "urdfcheck arm.urdf.xacro --arg side:=l --package 'hand=../my hand' --package tool=FOLDER"
+    assert f"\n  {helps}\n" in shown
+    write(tmp_path / "tool", {"tool.xacro": XACRO.format("")})
+    words = shlex.split(helps.replace("FOLDER", "../tool"))[1:]
+    assert "not checked" not in command(*words, cwd=tmp_path / "arm").stdout
 
 
 @pytest.mark.parametrize(
@@ -332,6 +346,17 @@ def test_macro_files_that_no_checked_model_reads_are_counted(tmp_path: Path, mon
     found = json.loads(command(".", "--format", "json", "--select", "INR003", cwd=tmp_path).stdout)
     assert found["unused_macro_files"] == ["a.xacro"]
     assert check(Path("m.urdf.xacro")).unused_macro_files == (), "only folders are searched for them"
+
+
+def test_a_macro_file_that_the_semantic_description_of_a_checked_model_reads_is_checked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    srdf = '<robot name="{}" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="a.xacro"/></robot>'
+    write(tmp_path, {"robot.urdf": SOUND, "robot.srdf.xacro": srdf.format("r"), "a.xacro": MACRO.format("a", "a")})
+    assert check(Path("."), codes={"SRD001"}).unused_macro_files == ()
+    write(tmp_path, {"robot.srdf.xacro": srdf.format("another")})
+    assert check(Path("."), codes={"SRD001"}).unused_macro_files == ("a.xacro",)
 
 
 # -- every command -----------------------------------------------------------------------------------------------------

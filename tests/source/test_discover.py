@@ -212,6 +212,29 @@ def test_an_include_with_an_argument_in_its_path_may_mean_every_file_of_that_nam
     assert models(".") == ["top.xacro"]
 
 
+def test_an_include_with_an_argument_in_the_name_of_the_file_may_mean_every_part_that_is_called_so(
+    workspace: Path,
+) -> None:
+    part = xacro(MACRO, name="")
+    write(
+        workspace,
+        {
+            "package.xml": manifest("pkg"),
+            "one.xacro": xacro(LINK + include("control/$(arg type).control.xacro")),
+            "two.xacro": xacro(LINK + include("control/$(arg type).control.xacro")),
+            "control/a.control.xacro": part,
+            "control/b.control.xacro": part,
+            "control/c.sensors.xacro": part,
+            "control/robot.control.xacro": xacro(LINK),
+        },
+    )
+    for name in ("a", "b"):
+        assert models(f"control/{name}.control.xacro") == ["one.xacro", "two.xacro"]
+    assert models("control/c.sensors.xacro") == []
+    # What is a robot by itself is no part, whatever an argument may name.
+    assert models(".") == ["control/robot.control.xacro", "one.xacro", "two.xacro"]
+
+
 def test_the_file_that_a_misspelt_include_means_is_no_model(workspace: Path) -> None:
     """The slip is told where it is typed; the part, which cannot be expanded by itself, must not be a second error."""
     part = xacro(LINK + "<xacro:wheel/>", name="")

@@ -28,7 +28,14 @@ from urdfcheck.source.path_arguments import (
 )
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import collect_macros, collect_properties, find_unprefixed_tags, iter_elements_by_tag
+from urdfcheck.source.xacro.usage import (
+    collect_macros,
+    collect_properties,
+    find_conditions,
+    find_unprefixed_tags,
+    iter_elements_by_tag,
+    list_condition_arguments,
+)
 
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
 # The error of an empty file name: xacro then opens its folder as a file.
@@ -114,6 +121,7 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
     parameters = {p for m in collect_macros(trees).values() for p in m.parameters}
     known = {*defined, *arguments, *parameters}
     extra: tuple[Location, ...] = ()
+    options = ""
     if failure.expression.startswith("$(eval "):
         return _explain_undefined_argument(failure, name, arguments)
     if name in arguments:
@@ -123,13 +131,21 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         where = "" if place.span is None else f" (line {place.span.line} of {place.span.file})"
         why = f"; the property of this name{where} comes later, or belongs to another macro or branch"
         repair = "define the property before its first use and outside of macros, or hand the value over as a parameter"
+        conditions = find_conditions(trees, name, failure.problem.location.span)
+        if conditions:
+            why = f"; it is only defined {' or '.join(map(str, conditions))}"
+            options = " ".join(f"--arg {a}:=…" for a in list_condition_arguments(trees, conditions))
+            repair = "define it in all other cases too"
+            repair = f"give a value for which it is defined: `{options}`; or {repair}" if options else repair
         extra = tuple(a.location for a in defined[name])
     else:
         near = _find_built_in_name(name) or find_nearest_name(name, known)
         why = f" (did you mean {near!r}?)" if near else ""
         define = f'define it before this line: `<xacro:property name="{name}" value="…"/>`'
         repair = f"write `{near}`, or {define}" if near else define
-    return _build_report_at_expression(failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair)
+    return _build_report_at_expression(
+        failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options
+    )
 
 
 def _explain_undefined_argument(failure: _ExpansionFailure, name: str, declared: Iterable[str]) -> _FailureReport:
@@ -248,6 +264,7 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         return None
     told = guilty or empty
     choices = list_other_values(source, told[0], missing) if guilty and len(told) == 1 else []
+    options = " ".join(f"--arg {argument.name}:={choices[0] if choices else '…'}" for argument in told)
     return _build_report(
         failure,
         "argument-leads-nowhere" if guilty else "argument-empty",
@@ -259,7 +276,8 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         lead="leads" if len(told) == 1 else "lead",
         noun="argument" if len(told) == 1 else "arguments",
         choices=format_choices(choices),
-        options=" ".join(f"--arg {argument.name}:={choices[0] if choices else '…'}" for argument in told),
+        options=options,
+        remedy=options,
     )
 
 

@@ -137,6 +137,11 @@ def _format_seconds(seconds: float) -> str:
     return f"{whole} s" if whole < 100 else f"{whole // 60:,} min {whole % 60} s"
 
 
+def is_empty(run: Run) -> bool:
+    """Whether nothing that was named was checked: of a set of macros that no model reads at most its package was."""
+    return not run.units or (not run.models and any(skip.code == "ALL" for skip in run.skipped))
+
+
 def compute_exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
     """Return the exit code: failures of urdfcheck outweigh findings, and these outweigh an empty run.
 
@@ -151,7 +156,7 @@ def compute_exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> i
         combine_exit_code(False, info.unchecked_severity, run.fail_on.get(info.id, fail_on)) for info in run.models
     }
     code = max(codes)
-    return NOTHING if code == OK and not run.units and not allow_empty else code
+    return NOTHING if code == OK and is_empty(run) and not allow_empty else code
 
 
 def combine_exit_code(failed: bool, worst: Severity | None, fail_on: str) -> int:

@@ -87,7 +87,7 @@ def _list_unused_macro_files(plan: Plan, audited_units: AuditedUnits) -> tuple[s
     read = {os.path.realpath(unit.path) for unit, _ in audited_units}
     for _, report in audited_units:
         if report.info is not None and report.info.status == "checked":
-            read.update(map(os.path.realpath, report.files))
+            read.update(map(os.path.realpath, (*report.files, *report.srdf_files)))
     return tuple(sorted(format_path(path) for path in plan.macro_files if os.path.realpath(path) not in read))
 
 

@@ -57,6 +57,8 @@ class AuditOptions:
     """Whether models are dropped on a plane."""
     environment: tuple[str, ...] = ()
     """Environment variables that a xacro may read beside those of ROS."""
+    reading: tuple[str, ...] = ()
+    """The options of the command that say what may be read, and where packages are: a command that helps repeats them."""
     limits: ResourceLimits = field(default_factory=ResourceLimits)
     """Time and memory for one unit."""
     heed_comments: bool = True
@@ -187,8 +189,10 @@ class UnitReport:
     """Comments that suppress findings, or would."""
     files: tuple[str, ...] = ()
     """Files that make up the model, as findings call them."""
+    srdf_files: frozenset[str] = frozenset()
+    """Files that make up its semantic descriptions, if a check has read them."""
     expanded_files: frozenset[str] = frozenset()
-    """Those of them that are XML."""
+    """Those of the model's files that are XML."""
     robot_files: frozenset[str] = frozenset()
     """Those of them of which a link or joint was made."""
     role: ModelRole = MODEL

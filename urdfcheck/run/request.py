@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -75,6 +76,16 @@ class RunOptions:
         """Return what the user calls a field."""
         return self.spelling.get(name, name)
 
+    def list_reading_options(self) -> tuple[str, ...]:
+        """Return the options of the command that say what may be read and where packages are, as they are typed in a shell."""
+        given = (
+            *(("--package", f"{name}={os.fspath(folder)}") for name, folder in self.packages.items()),
+            *(("--package-path", os.fspath(folder)) for folder in self.package_paths),
+            *(("--allow-read", os.fspath(folder)) for folder in self.allow_read),
+            *(("--env", name) for name in self.environment),
+        )
+        return tuple(f"{option} {shlex.quote(value)}" for option, value in given)
+
 
 def split_words(values: Iterable[str]) -> tuple[str, ...]:
     """Split comma-separated words."""
@@ -127,7 +138,13 @@ def make_request(options: RunOptions, *, scene: bool = False) -> tuple[Request, 
     request = replace(
         request,
         policy=effective.policy,
-        options=replace(request.options, samples=options.samples, scene=scene, heed_comments=not options.isolated),
+        options=replace(
+            request.options,
+            samples=options.samples,
+            scene=scene,
+            heed_comments=not options.isolated,
+            reading=options.list_reading_options(),
+        ),
         packages=PackageFolders(
             _resolve_packages(options), _resolve_folders(options.package_paths, options.spell("package_paths"))
         ),

@@ -99,6 +99,7 @@ class _UnitAudit:
         self.failures: list[str] = []
         self.texts: dict[str, str] = {}
         self.loaded_launches: list[Launch] = []
+        self.srdf_files: frozenset[str] = frozenset()
         self.info: ModelInfo | None = None
         self.scene: Scene | None = None
         self.pairs: LinkPairs | None = None
@@ -226,6 +227,11 @@ class _UnitAudit:
         if self.findings_cache is not None:
             self.findings_cache.save()
         self.outline = build_outline(model)
+        if "SRD001" in self.rules:  # it has read them
+            from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions  # loads numpy
+
+            srdfs = self.run_guarded("srdf", lambda: semantic_descriptions(model)) or ()
+            self.srdf_files = frozenset(name for srdf in srdfs for name in srdf.files)
 
     def build_extras(self, model: Model) -> None:
         """Build what the options ask for beside findings."""
@@ -368,7 +374,8 @@ class _UnitAudit:
         )
         info = self.info
         if self.unread_status:
-            info = self.unit.describe_unread(explain_unchecked(settled.findings), self.unread_status)
+            cause = explain_unchecked(settled.findings, self.options.reading)
+            info = self.unit.describe_unread(cause, self.unread_status)
             if info is not None and self.source is not None:
                 found = _locate_found_arguments(self.source)
                 info = replace(info, args=dict(self.source.arguments), found_args=found)
@@ -390,6 +397,7 @@ class _UnitAudit:
             failures=tuple(self.failures),
             comments=usages,
             files=() if self.source is None else tuple(self.source.files),
+            srdf_files=self.srdf_files,
             expanded_files=frozenset() if self.source is None else frozenset(self.source.trees),
             robot_files=frozenset() if self.source is None else collect_robot_files(self.source),
             role=self.role,

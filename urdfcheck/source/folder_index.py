@@ -95,7 +95,10 @@ class FolderIndex:
             around = self.finder.find_package_of(path.absolute())
             self.open_folders.add(resolve_path(path.parent if around is None else around.path))
             return frozenset()
-        key = (str(path.parent if folder is None else folder), tail)
+        base = path.parent if folder is None else folder
+        typed_name = name.rpartition("/")[2]
+        is_open = EXPRESSION.search(typed_name) is not None
+        key = (str(base), f"{tail}/{typed_name}" if is_open else tail)
         if key not in self.resolved:
             targets = [] if folder is None else self._match_pattern(folder, tail)
             if package and folder is not None and not targets:
@@ -103,8 +106,9 @@ class FolderIndex:
             if any(map(os.path.isfile, targets)):
                 found = {resolve_path(Path(target)) for target in targets}
             else:
-                base = path.parent if folder is None else folder
-                found = self.by_name.get(last, set()) | self._find_misspelt(base, tail)
+                found = self.by_name.get(last, set()) | (set() if is_open else self._find_misspelt(base, tail))
+            if is_open:
+                found |= self._match_parts((base / tail).parent, EXPRESSION.sub("*", typed_name))
             self.resolved[key] = frozenset(found)
         return self.resolved[key]
 
@@ -115,6 +119,16 @@ class FolderIndex:
             return set()
         near = find_nearest_name(name, self._parts_by_folder.get(beside, ()))
         return set() if near is None else {beside / near}
+
+    def _match_parts(self, folder: Path, pattern: str) -> set[Path]:
+        """Return the files of a folder that an include with an argument in their name may mean.
+
+        What is a robot by itself is left out: it is checked whoever includes it.
+        """
+        real = resolve_path(folder)
+        names = self._parts_by_folder.get(real, ())
+        self.compared += len(names)
+        return set() if self.compared > MAX_COMPARED else {real / name for name in fnmatch.filter(names, pattern)}
 
     @cached_property
     def _parts_by_folder(self) -> dict[Path, list[str]]:

@@ -75,8 +75,9 @@ def explain_unchecked_parts(audited_units: Sequence[tuple[Unit, UnitReport]]) ->
     reasons: dict[str, str] = {}
     for unit, report in audited_units:
         role, name = report.role, format_path(Path(unit.path))
-        if role.kind == "library" and unit.is_explicit and not unit.is_part:
-            reasons[name] = "only defines macros, and no model of its package or repository includes it"
+        if role.kind == "library" and unit.is_explicit and name not in read:
+            includes = "that was checked reads it" if unit.is_part else "of its package or repository includes it"
+            reasons[name] = f"only defines macros, and no model {includes}"
         elif role.kind == "part" and name not in (used if role.is_doubtful else read) and not is_srdf(Path(unit.path)):
             reasons[name] = f"is not checked: no model that was checked is made of this part, and {role.reason}"
     return sorted(reasons.items())

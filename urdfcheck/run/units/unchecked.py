@@ -19,12 +19,16 @@ def mark_cause(finding: Finding, policy: Policy) -> Finding:
     return replace(finding, severity=policy.unchecked, blocks_check=True)
 
 
-def explain_unchecked(findings: Iterable[Finding]) -> NotChecked:
-    """Return why a model could not be checked, by the worst of these findings that is a cause."""
+def explain_unchecked(findings: Iterable[Finding], reading: Iterable[str] = ()) -> NotChecked:
+    """Return why a model could not be checked, by the worst of these findings that is a cause.
+
+    :param reading: the options that the run was given for what it reads, without which the remedy leads to another cause.
+    """
     cause = max((f for f in findings if f.blocks_check), key=lambda f: f.severity, default=None)
     if cause is None:
         return NotChecked("nothing says why the model could not be read")
-    return NotChecked(cause.message, str(cause.data.get("remedy", "")), cause.severity < Severity.ERROR)
+    remedy = str(cause.data.get("remedy", ""))
+    return NotChecked(cause.message, " ".join((*reading, remedy)) if remedy else "", cause.severity < Severity.ERROR)
 
 
 def report_stopped_unit(
@@ -52,7 +56,9 @@ def report_stopped_unit(
 def build_stopped_report(unit: Unit, settings: AuditSettings, message: str) -> UnitReport:
     """Return the report on a unit of which nothing is known, because its check was stopped."""
     finding = report_stopped_unit(unit, settings, message)
-    return UnitReport(info=unit.describe_unread(explain_unchecked([finding])), findings=(finding,))
+    return UnitReport(
+        info=unit.describe_unread(explain_unchecked([finding], settings.options.reading)), findings=(finding,)
+    )
 
 
 def locate_unit(unit: Unit) -> Location:

@@ -164,6 +164,11 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
     around = next((line for tag, line in reversed(opened) if tag == name[0]), None)
     start, end = text.rfind("</", 0, at), name.end()
     inner = _shorten(inner)
+    empty = _find_empty_element(text, name[0], start) if around is None else None
+    if empty is not None:
+        message = f"</{typed}> closes nothing that is open: <{typed}> of line {empty} is closed by its own `/>`"
+        repair = f"delete the `/` at the end of the tag in line {empty}, or delete `</{typed}>`"
+        return XmlMistake(message, start, end, repair)
     if around is None:
         message = f"</{typed}> closes nothing that is open: <{inner}>, opened in line {line}, has not been closed"
         return XmlMistake(message, start, end, f"write `</{inner}>`, or delete `</{typed}>`")
@@ -171,6 +176,15 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
         f"</{typed}> closes <{typed}> of line {around}, while <{inner}>, opened in line {line}, has not been closed"
     )
     return XmlMistake(message, start, end, f"write `</{inner}>` where the element ends, or `/>` at the end of its tag")
+
+
+def _find_empty_element(text: str, name: str, end: int) -> int | None:
+    """Return the line of the last element of a name before an offset if it has no content, else None."""
+    at = text.rfind(f"<{name}", 0, end)
+    if at < 0 or text.rfind("<!--", 0, at) > text.rfind("-->", 0, at):
+        return None
+    tag = re.compile(rf"<{re.escape(name)}(?:\s[^<>]*)?/>").match(text, at, end)
+    return None if tag is None else text.count("\n", 0, at) + 1
 
 
 def _describe_entity(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
