@@ -14,7 +14,7 @@ import numpy as np
 from urdfcheck.facts.mesh.decode import RawMesh, decode_mesh
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
 
-# The formats of robots. Not glTF, whose buffers are other files; not OFF and PLY, of which hand-made files crash Assimp 5.4.
+# The formats of robots. Not glTF, whose buffers are other files; not OFF and PLY, of which hand-made files crash Assimp 6.0.
 FORMATS = frozenset({"stl", "obj", "dae"})
 # Reasons that do not depend on the reader: what is no mesh, what is given to no library, and formats that we do not read.
 SETTLED = frozenset({"empty", "html", "lfs-pointer", "too-large", "archive", "unsupported"})
