@@ -78,8 +78,10 @@ def build_input(source: Source, model: Model | None) -> EngineInput | None:
 
 
 def find_root_tag(document: bytes) -> bytes:
-    """Return the name of the first element, as parsers find it that decode nothing (tinyxml2); empty if anything but a declaration
-    or a comment comes first."""
+    """Return the name of the first element, as parsers find it that decode nothing (tinyxml2).
+
+    Empty if anything but declarations and comments comes first.
+    """
     at, end = len(codecs.BOM_UTF8) if document.startswith(codecs.BOM_UTF8) else 0, 0
     while end >= 0:
         at = _BLANKS.match(document, at).end()  # type: ignore[union-attr]  # it matches nothing too
