@@ -32,7 +32,10 @@ def test_a_shared_folder_is_no_workspace(tmp_path: Path, monkeypatch: pytest.Mon
     (shared / "robot").mkdir()
     start = shared / "robot" / "r.urdf"
     assert PackageFinder(start).find("other") == shared / "other"
-    monkeypatch.setattr(tempfile, "gettempdir", lambda: str(shared))
+    monkeypatch.setenv("TMPDIR", str(shared))
+    # A worker cannot try where it may write.
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setattr(tempfile, "_get_default_tempdir", lambda: pytest.fail("it writes"))
     finder = PackageFinder(start)
     assert finder.list_parent_folders()[-1] == shared / "robot"
     assert finder.find("other") is None

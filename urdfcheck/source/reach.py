@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import stat
-import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from pathlib import Path
 _PARTS = frozenset({
     *("config", "launch", "materials", "media", "meshes", "mesh", "rviz", "sdf", "srdf", "textures", "urdf", "urdfs", "xacro"),
 })  # fmt: skip
+_TEMPORARY = ("/tmp", "/var/tmp", "/dev/shm")
 # The one hidden file that belongs to a robot: what the MoveIt Setup Assistant was told.
 _VISIBLE = f"{os.sep}.setup_assistant"
 # The message about a file that is not opened.
@@ -98,8 +98,9 @@ def _find_own_folder(path: Path) -> Path:
 def is_shared_by_all(folder: Path) -> bool:
     """Whether a folder is the root of the disk, the user's home or one for temporary files: it is no robot's."""
     home = os.path.realpath(os.path.expanduser("~"))
-    temporary = ("/tmp", "/var/tmp", "/dev/shm", tempfile.gettempdir())
-    return folder.parent == folder or str(folder) in {home, *map(os.path.realpath, temporary)}
+    # Not tempfile.gettempdir(), which tries to write: a worker may not.
+    named = filter(None, map(os.environ.get, ("TMPDIR", "TEMP", "TMP")))
+    return folder.parent == folder or str(folder) in {home, *map(os.path.realpath, (*_TEMPORARY, *named))}
 
 
 def _list_sibling_parts(folder: Path) -> list[Path]:
