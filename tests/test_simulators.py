@@ -32,7 +32,7 @@ from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import PackageFolders, Request
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, plan_units, run_audit
 from urdfcheck.simulators.comparison import predict_verdict
-from urdfcheck.simulators.engine_input import build_input
+from urdfcheck.simulators.engine_input import build_input, find_root_tag
 from urdfcheck.simulators.judgement import judge_outcome, matches_prediction
 from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot, LoadOutcome, TypedRobot
 from urdfcheck.simulators.processes import ENGINES, get_install_hint, iter_outcomes, list_versions
@@ -276,6 +276,35 @@ def test_what_cannot_be_read_is_given_to_no_engine(tmp_path: Path, capsys: pytes
     model.write_text('<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="${nowhere}"/></robot>')
     assert cli.main(["engines", str(model), "--isolated"]) == cli.FAILED
     assert "urdfcheck check says why" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<mujoco><include file="{}"/></mujoco>',
+        '<sdf version="1.9"><include><uri>{}</uri></include></sdf>',
+        '<!-- --><mujoco><include file="{}"/></mujoco><!-- --><robot name="r"><link name="a"/></robot>',
+        '<?a > <robot?><mujoco><include file="{}"/></mujoco>',
+    ],
+)
+def test_an_engine_is_given_robots_only(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A model of an engine's own format could name any file."""
+    (tmp_path / "other.xml").write_text('<mujoco><worldbody><body name="other"/></worldbody></mujoco>')
+    model = tmp_path / "r.urdf"
+    model.write_text(text.format(tmp_path / "other.xml"))
+    assert cli.main(["engines", str(model), "--isolated"]) == cli.FAILED
+    said = capsys.readouterr()
+    assert "what is no <robot>" in said.err
+    assert not said.out
+
+
+def test_the_root_is_found_behind_comments_and_declarations() -> None:
+    text = b'\xef\xbb\xbf<?xml version="1.0"?>\n<!-- <mujoco/> --><?a <b?>\t<robot name="r"/>'
+    assert find_root_tag(text) == b"robot"
+    assert (
+        find_root_tag(b"<!-- <robot/>") == find_root_tag(b"a <robot/>") == find_root_tag(b"<!DOCTYPE a><robot/>") == b""
+    )
+    assert find_root_tag(b"<robots/>") == b"robots"
 
 
 def test_an_engine_that_crashes_says_so_and_takes_nobody_along() -> None:

@@ -803,6 +803,9 @@ def test_work_trees_of_one_repository_hold_the_same_package(tmp_path: Path, monk
     assert not find_duplicates(Path())
     write_package(tmp_path / "branch/other")
     assert len(find_duplicates(Path())) == 1
+    for place in ("x\0y", "/" + "x/" * 4_500, "\n"):  # of a stranger
+        (tmp_path / "branch/.git").write_text(f"gitdir: {place}/worktrees/branch\n")
+        assert len(find_duplicates(Path())) == 1
     (tmp_path / "branch/.git").unlink()  # a copy of the files, which a build tool refuses
     assert len(find_duplicates(Path())) == 1
 

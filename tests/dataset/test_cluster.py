@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -18,7 +19,7 @@ from dataset.test_dataset_audit import INERTIA
 from urdfcheck.cli import FAILED, OK, main
 from urdfcheck.dataset import cluster
 from urdfcheck.policy.policy import Policy
-from urdfcheck.run.jobs import AuditSettings, Unit
+from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 
 pytest.importorskip("distributed")
 pytest.importorskip("joblib")
@@ -161,3 +162,21 @@ def test_another_version_there_is_a_failure_of_each_model_and_no_verdict(models:
     ((number, report),) = cluster.run_task([(7, unit)], settings, str(models), {}, "0.0.0")
     assert number == 7
     assert "0.0.0 here" in report.failures[0]
+
+
+class Forged:
+    """What a worker that was taken over would like the process of the cluster to unpickle."""
+
+    def __init__(self, marker: Path) -> None:
+        self.marker = marker
+
+    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
+        return Path.touch, (self.marker,)
+
+
+def test_what_a_program_writes_is_read_as_plain_data(tmp_path: Path) -> None:
+    sound = UnitReport(failures=("a failure",))
+    marker = tmp_path / "marker"
+    output = pickle.dumps((3, sound)) + pickle.dumps((4, Forged(marker))) + pickle.dumps((5, sound))
+    assert list(cluster._iter_reports(output)) == [(3, sound)]
+    assert not marker.exists()

@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Generator, Iterator, Sequence
 from importlib.resources import files
@@ -420,6 +421,23 @@ def test_a_file_of_somebody_else_in_our_folder_stays(audit: Audit) -> None:
     (audit.folder / "notes.txt").write_text("mine")
     audit(restart=True)
     assert (audit.folder / "notes.txt").read_text() == "mine"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes here")
+def test_a_pipe_in_the_place_of_the_journal_is_not_waited_for(audit: Audit) -> None:
+    audit.folder.mkdir()
+    os.mkfifo(audit.folder / "journal")
+    writer = os.open(audit.folder / "journal", os.O_RDWR | os.O_NONBLOCK)
+    # Whoever waits gets something that is no journal after a while, so that the test ends.
+    timer = threading.Timer(5.0, lambda: os.write(writer, b"waited\n"))
+    timer.start()
+    try:
+        with pytest.raises(UrdfcheckError, match="no journal of an audit"):
+            audit()
+        assert timer.is_alive()
+    finally:
+        timer.cancel()
+        os.close(writer)
 
 
 def test_links_in_a_folder_of_a_stranger_lead_nowhere(audit: Audit, tmp_path: Path) -> None:

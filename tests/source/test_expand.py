@@ -659,6 +659,15 @@ def test_what_is_only_written_decides_nothing(tmp_path: Path, body: str) -> None
         "python.sum(ord_ == 'o' for ord_ in here)",
         "here in ['/opt']",
         "'x'.join([here]).count('/') == 3",
+        "'%.4s' % here == '/opt'",
+        "'%(here).4s' % dict(here=here) == '/opt'",
+        "('%c:.4%c' % (123, 125)).format(here) == '/opt'",
+        "'/-o-p-t' in '-'.join(here)",
+        "str.join('-', here) == '/-o-p-t'",
+        "[[here]] == [['/opt']]",
+        "'/opt' in dict(a=here).values()",
+        "not python.set([here]) - python.set(['/opt'])",
+        "[dict(a=[here])].count(dict(a=['/opt'])) == 1",
     ],
 )
 def test_what_decides_by_the_place_of_a_file_is_told(tmp_path: Path, expression: str) -> None:

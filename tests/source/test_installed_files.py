@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -95,6 +96,26 @@ def tree(root):
     return [(os.path.join('share', 'p', d), [os.path.join(d, f) for f in files]) for d, _, files in os.walk(root)]
 setup(data_files=[('share/p', ['package.xml']), *tree('meshes')])
 """
+
+
+@pytest.mark.parametrize(
+    "cmake",
+    [
+        pytest.param("foreach(a x)\n" * 3_000 + "endforeach()\n" * 3_000, id="loops in loops"),
+        pytest.param("foreach(a x)\n" * 20_000, id="loops without an end"),
+        pytest.param("set(v a)\n" + "set(v ${v}${v})\n" * 60 + "install(FILES ${v} DESTINATION share/p)", id="doubled"),
+        pytest.param("set(v a b)\n" + 'set(v "${v}${v}")\n' * 60, id="doubled texts"),
+        pytest.param("set(v " + "a" * 99_000 + ")\nset(w" + " ${v}" * 2_000 + ")\nset(x ${w})" * 2_000, id="copied"),
+    ],
+)
+def test_what_grows_without_bound_counts_as_unknown(cmake: str) -> None:
+    tracemalloc.start()
+    try:
+        installed = read_cmake(f"{cmake}\ninstall(DIRECTORY ${{v}} DESTINATION share/p)")
+        assert tracemalloc.get_traced_memory()[1] < 200_000_000
+    finally:
+        tracemalloc.stop()
+    assert not installed.is_complete
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,23 @@ def package(folder: Path, name: str) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "package.xml").write_text(f"<package format='2'><name>{name}</name></package>")
     return folder
+
+
+def test_a_shared_folder_is_no_workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither is a package of somebody else in a folder for temporary files found, nor may a worker read that folder."""
+    shared = tmp_path / "shared"
+    package(shared / "other", "other")
+    (shared / "robot").mkdir()
+    start = shared / "robot" / "r.urdf"
+    assert PackageFinder(start).find("other") == shared / "other"
+    monkeypatch.setenv("TMPDIR", str(shared))
+    # A worker cannot try where it may write.
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setattr(tempfile, "_get_default_tempdir", lambda: pytest.fail("it writes"))
+    finder = PackageFinder(start)
+    assert finder.list_parent_folders()[-1] == shared / "robot"
+    assert finder.find("other") is None
+    assert PackageFinder(shared / "r.urdf").list_parent_folders() == []
 
 
 class TestHome:

@@ -135,6 +135,8 @@ def test_bytes_become_the_text_that_they_are(data: bytes, text: str, encoding: s
         (codecs.BOM_UTF8 + declare("ISO-8859-1", "ä").encode("latin-1"), "byte 0xe4 is not valid utf-8"),
         (declare("UTF-8", "ä").encode("latin-1"), "byte 0xe4 is not valid utf-8"),
         ("<r/>".encode("utf-32"), "UTF-32"),
+        ("<r/>".encode("utf-32-le"), "UTF-32"),
+        ("<r/>".encode("utf-32-be"), "UTF-32"),
         (declare("x" * 1_000).encode(), "x…"),
     ],
 )

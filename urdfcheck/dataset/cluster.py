@@ -174,15 +174,18 @@ def run_task(
 
 
 def _iter_reports(output: bytes) -> Iterator[tuple[int, UnitReport]]:
-    """Yield the reports that the program wrote before it ended."""
+    """Yield the reports that the program wrote before it ended, or before anything else: this process is not confined."""
     import io
+
+    from urdfcheck.system.process_pool import load_plain
 
     stream = io.BytesIO(output)
     while True:
         try:
-            yield pickle.load(stream)
-        except (EOFError, pickle.UnpicklingError):
+            number, report = load_plain(stream)
+        except Exception:  # the end; a malformed pickle may raise anything
             return
+        yield number, report
 
 
 def serve_task() -> None:
@@ -202,7 +205,10 @@ def serve_task() -> None:
         except OSError:
             settings = replace(settings, cache=None)
     out = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # nothing else may write there
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # nothing else may write there, and no worker
+    if hasattr(os, "register_at_fork"):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.register_at_fork(after_in_child=lambda: os.dup2(nowhere, out.fileno()))
     for place, report in reports_of([unit for _, unit in units], settings, jobs=1):
         pickle.dump((units[place][0], report), out)
         out.flush()  # a broken pipe ends this program

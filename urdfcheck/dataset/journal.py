@@ -13,6 +13,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import stat
 import zlib
 from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
@@ -187,7 +188,9 @@ def _open_journal(folder: Path) -> int:
     """Open the journal of a folder; begin one in an empty folder."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / NAME
-    flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+    flags = os.O_RDWR
+    for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC", "O_BINARY"):  # a pipe of that name would be waited for
+        flags |= getattr(os, name, 0)
     try:
         descriptor = os.open(path, flags)
     except FileNotFoundError:
@@ -196,8 +199,8 @@ def _open_journal(folder: Path) -> int:
                 f"{folder} holds something else than an audit: name a folder that is empty or does not exist (-o)"
             ) from None
         return os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666)
-    begins = os.read(descriptor, len(_FIRST))
-    if not _FIRST.startswith(begins):
+    begins = os.read(descriptor, len(_FIRST)) if stat.S_ISREG(os.fstat(descriptor).st_mode) else None
+    if begins is None or not _FIRST.startswith(begins):
         os.close(descriptor)
         raise UrdfcheckError(f"{path} is no journal of an audit: name another folder (-o)")
     return descriptor

@@ -61,7 +61,9 @@ def compare_engines(request: Request) -> EngineComparison:
     with engine.audit_session(request, [unit], found) as settings:
         ((_, robot),) = map_in_processes(_read_input, [(unit, settings)], 1)
         if not isinstance(robot, EngineInput) or report.info is None:
-            raise UrdfcheckError(f"{unit.id}: no engine can be given what cannot be read (urdfcheck check says why)")
+            raise UrdfcheckError(
+                f"{unit.id}: no engine is given what is no <robot>, or cannot be read (urdfcheck check says why)"
+            )
         at_once = max(1, request.jobs)
         done = dict(
             iter_outcomes(

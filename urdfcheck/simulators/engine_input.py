@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import html
 import math
 import random
@@ -29,13 +30,20 @@ REACH = 0.5
 MOST_JOINTS = 300
 # Start position (rad or m) of joints without limits: at 0 a symmetric robot may be balanced by chance.
 _START = 0.3
+_BLANKS = re.compile(rb"[ \t\r\n]*")
+_ROOT = re.compile(rb"<([\w:.-]+)(?=[\s/>])")
+# What may precede the first element, with its end.
+_SKIPPED = ((b"<?", b"?>"), (b"<!--", b"-->"))
 _FILENAME = re.compile(rb"""(\bfilename\s*=\s*)("[^"]*"|'[^']*')""")
 
 
 def build_input(source: Source, model: Model | None) -> EngineInput | None:
-    """Build the input of the engines; None for a model that could not be read or expanded."""
+    """Build the input of the engines; None for a model that could not be read or expanded, and for what is no robot.
+
+    MuJoCo and Gazebo go by the root element, and open any file that a model of their own formats includes.
+    """
     document = _read_document(source)
-    if document is None:
+    if document is None or find_root_tag(document) != b"robot":
         return None
     if model is None:
         return EngineInput(document=document)
@@ -67,6 +75,23 @@ def build_input(source: Source, model: Model | None) -> EngineInput | None:
         motion=_compute_dynamics(model, robot) if len(joints) <= MOST_JOINTS else None,
     )
     return replace(robot, typed=typed)
+
+
+def find_root_tag(document: bytes) -> bytes:
+    """Return the name of the first element, as parsers find it that decode nothing (tinyxml2).
+
+    Empty if anything but declarations and comments comes first.
+    """
+    at, end = len(codecs.BOM_UTF8) if document.startswith(codecs.BOM_UTF8) else 0, 0
+    while end >= 0:
+        at = _BLANKS.match(document, at).end()  # type: ignore[union-attr]  # it matches nothing too
+        opened = next((marks for marks in _SKIPPED if document.startswith(marks[0], at)), None)
+        if opened is None:
+            found = _ROOT.match(document, at)
+            return b"" if found is None else found[1]
+        end = document.find(opened[1], at + len(opened[0]))
+        at = end + len(opened[1])
+    return b""
 
 
 def _read_document(source: Source) -> bytes | None:

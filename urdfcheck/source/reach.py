@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import stat
-import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from pathlib import Path
 _PARTS = frozenset({
     *("config", "launch", "materials", "media", "meshes", "mesh", "rviz", "sdf", "srdf", "textures", "urdf", "urdfs", "xacro"),
 })  # fmt: skip
+_TEMPORARY = ("/tmp", "/var/tmp", "/dev/shm")
 # The one hidden file that belongs to a robot: what the MoveIt Setup Assistant was told.
 _VISIBLE = f"{os.sep}.setup_assistant"
 # The message about a file that is not opened.
@@ -49,7 +49,7 @@ def find_project_folder(path: Path) -> Path:
     """
     folder = _find_own_folder(path)
     around = [
-        f for f in (folder, *folder.parents) if not _is_shared_by_all(f)
+        f for f in (folder, *folder.parents) if not is_shared_by_all(f)
     ]  # a whole home folder may be a repository
     for mark in (".git", "package.xml"):
         for outer in around:
@@ -66,7 +66,7 @@ def list_project_folders(path: Path) -> list[Path]:
     folder for everybody's files only the given file does; a file is its own folder then.
     """
     project = find_project_folder(path)
-    if _is_shared_by_all(project):
+    if is_shared_by_all(project):
         place = _find_place(path)
         return [] if place == project or os.path.islink(place) else [place]
     is_marked = any(os.path.exists(project / mark) for mark in (".git", "package.xml"))
@@ -76,7 +76,7 @@ def list_project_folders(path: Path) -> list[Path]:
 def explain_unreachable(path: Path) -> str:
     """Return why a path given by the user is not opened."""
     place = _find_place(path)
-    if os.path.isdir(place) and not os.path.islink(place) and _is_shared_by_all(place):
+    if os.path.isdir(place) and not os.path.islink(place) and is_shared_by_all(place):
         what = "the root of the disk" if place.parent == place else "a folder for all files of a user or of everybody"
         shown = Path(os.path.relpath(path)).as_posix()
         return f"it is {what}: name the folders of the robots in it, or allow all of it with --allow-read {shown}"
@@ -95,17 +95,18 @@ def _find_own_folder(path: Path) -> Path:
     return place if os.path.isdir(place) and not os.path.islink(place) else place.parent
 
 
-def _is_shared_by_all(folder: Path) -> bool:
+def is_shared_by_all(folder: Path) -> bool:
     """Whether a folder is the root of the disk, the user's home or one for temporary files: it is no robot's."""
     home = os.path.realpath(os.path.expanduser("~"))
-    temporary = ("/tmp", "/var/tmp", "/dev/shm", tempfile.gettempdir())
-    return folder.parent == folder or str(folder) in {home, *map(os.path.realpath, temporary)}
+    # Not tempfile.gettempdir(), which tries to write: a worker may not.
+    named = filter(None, map(os.environ.get, ("TMPDIR", "TEMP", "TMP")))
+    return folder.parent == folder or str(folder) in {home, *map(os.path.realpath, (*_TEMPORARY, *named))}
 
 
 def _list_sibling_parts(folder: Path) -> list[Path]:
     """Return the folders beside one that make up a robot with it; none if anything else is there."""
     above = folder.parent
-    if folder.name.lower() not in _PARTS or _is_shared_by_all(above) or _is_writable_by_others(above):
+    if folder.name.lower() not in _PARTS or is_shared_by_all(above) or _is_writable_by_others(above):
         return []
     try:
         with os.scandir(above) as entries:

@@ -17,8 +17,10 @@ _DECLARATION = re.compile(r"""\s*<\?xml\b[^>]*?\bencoding\s*=\s*["']([^"'<>]*)["
 _ASCII = bytes(range(128))
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
-    (codecs.BOM_UTF32_LE, "utf-32"),  # before that of UTF-16, with which it begins
+    (codecs.BOM_UTF32_LE, "utf-32"),  # before those of UTF-16, with which it begins
     (codecs.BOM_UTF32_BE, "utf-32"),
+    (b"<\0\0\0", "utf-32"),
+    (b"\0\0\0<", "utf-32"),
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
     (b"<\0", "utf-16-le"),

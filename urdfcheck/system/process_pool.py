@@ -146,6 +146,14 @@ class _PlainUnpickler(pickle.Unpickler):
         return value
 
 
+def load_plain(stream: io.BytesIO) -> Any:
+    """Return the next answer of a stream, plain data.
+
+    :raises Exception: of any kind, when it is malformed or anything else; EOFError at the end.
+    """
+    return _PlainUnpickler(stream).load()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Worker:
     """A process that waits for jobs. It exits when the parent closes its end of the pipe."""
@@ -186,7 +194,7 @@ class Worker:
             self.process.join()
             raise WorkerDiedError(self.process.exitcode) from None
         try:
-            return _PlainUnpickler(io.BytesIO(data)).load()
+            return load_plain(io.BytesIO(data))
         except Exception:  # a malformed pickle may raise anything
             self.end()
             raise WorkerDiedError(None) from None

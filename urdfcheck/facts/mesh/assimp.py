@@ -49,8 +49,11 @@ def decode_with_assimp(
 
 
 def _can_ask(data: bytes, file_type: str) -> bool:
-    """Whether Assimp opens no other file for this one: it would open the materials of OBJ, whatever the place that is named."""
-    return file_type in FORMATS and not (file_type == "obj" and b"mtllib" in data)
+    """Whether Assimp opens no other file for this one: it would open the materials of OBJ, whatever the place that is named.
+
+    A backslash may continue their keyword in the next line.
+    """
+    return file_type in FORMATS and not (file_type == "obj" and (b"mtllib" in data or b"\\" in data))
 
 
 def _load_refused(error: MeshError, path: Path, file_type: str) -> RawMesh:

@@ -7,11 +7,9 @@ cameras does not matter here, and other loaders ignore it.
 
 from __future__ import annotations
 
-import codecs
 import io
 import logging
 import re
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -22,6 +20,7 @@ from xml.parsers import expat
 import numpy as np
 
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
+from urdfcheck.system.encodings import UnreadableEncodingError, decode_xml
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices, Mat4
@@ -35,8 +34,6 @@ _SMALLEST_UNIT = 1e-12
 _NAN = re.compile(rb"(?<=[\s>])[-+]?nan(?=[\s<])", re.IGNORECASE)
 # The XML declaration, which only blanks may precede here; XML itself allows none.
 _DECLARATION = re.compile(r"(\s*)<\?xml\s[^>]{0,300}\?>")
-_DECLARED = re.compile(rb"""^\s*<\?xml\s[^>]{0,300}?encoding\s{0,9}=\s{0,9}["']([A-Za-z0-9._-]{1,40})["']""")
-_ASCII = bytes(range(128))
 # What has no effect on the geometry: libraries, and what refers to them.
 _APPEARANCE = frozenset(
     {
@@ -78,7 +75,7 @@ def read_collada(data: bytes) -> ColladaScene:
     """
     if _ZIP_END in data:  # pycollada would unpack it, regardless of its size
         raise MeshError("archive", "is a zip archive, not a COLLADA document")
-    text = decode_text(data)
+    text = _decode_document(data)
     declaration = _DECLARATION.match(text)
     misplaced = None
     if declaration is not None:
@@ -95,40 +92,16 @@ def read_collada(data: bytes) -> ColladaScene:
     return _read_scene(content, misplaced)
 
 
-def decode_text(data: bytes) -> str:
-    """Return the text of an XML file: UTF-16 by its first bytes, else UTF-8, else the single-byte codec that it declares.
+def _decode_document(data: bytes) -> str:
+    """Return the text of the document: Assimp, and engines, decode nothing, and must find the same.
 
-    :raises MeshError: when it is none of these: a codec that reads other characters out of ASCII bytes could hide a part of the
-        file.
+    :raises MeshError: when it is no text, or may be another to readers that heed what it declares.
     """
-    if data.startswith((codecs.BOM_UTF32_LE, b"\0\0", b"<\0\0")):
-        raise MeshError("encoding", "is text in UTF-32, which is not read")
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, b"<\0", b"\0<")):
-        marked = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-        encoding = "utf-16" if marked else "utf-16-le" if data[:1] == b"<" else "utf-16-be"
-    else:
-        declared = _DECLARED.match(data[:800].removeprefix(codecs.BOM_UTF8))
-        encoding = "utf-8" if declared is None else declared[1].decode("ascii")
-        if not _is_plain_codec(encoding):
-            raise MeshError("encoding", f"is text in the encoding {encoding!r}, which is not read")
-        data = data.removeprefix(codecs.BOM_UTF8)
     try:
-        return data.decode(encoding)
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        raise MeshError("malformed", f"cannot be read as dae: line {line} is not text in {encoding}") from None
-
-
-def _is_plain_codec(encoding: str) -> bool:
-    """Whether a codec is UTF-8, or reads each byte for itself and ASCII as ASCII."""
-    try:
-        name = codecs.lookup(encoding).name
-    except (LookupError, ValueError):
-        return False
-    # Python's codecs of one byte are tables; those that keep a state, or read several bytes, have none.
-    table = getattr(sys.modules.get(f"encodings.{name.replace('-', '_')}"), "decoding_table", "")
-    single = len(table) == 256 and _ASCII.decode(name, "replace") == _ASCII.decode("ascii")
-    return single or name in {"utf-8", "ascii", "iso8859-1"}
+        return decode_xml(data).text
+    except UnreadableEncodingError as error:
+        line = error.before.count("\n") + 1
+        raise MeshError("encoding", f"cannot be read as dae: line {line}: {error}") from None
 
 
 def _ensure_plain_xml(content: bytes) -> None:

@@ -20,10 +20,13 @@ from urdfcheck.source.package.installed_files import (
 _TOKEN = re.compile(r'#[^\n]*|"(?:[^"\\]|\\.)*(?:"|\Z)|[()]|[^\s()"#]+', re.DOTALL)
 _VARIABLE = re.compile(r"\$\{(\w+)\}")
 _SOURCE_DIR_VARIABLES = ("CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR")
-# The most values of one variable and of one word that contains several variables, and the most commands with those repeated
-# by loops.
+# The most values of one variable and of one word that contains several variables, the most characters of these values and of all
+# that were computed, the most commands with those repeated by loops, and the most loops inside of each other. What goes beyond
+# counts as unknown.
 _MOST_VALUES = 1_000
+_MOST_CHARACTERS, _MOST_IN_ALL = 100_000, 10_000_000
 _MOST_COMMANDS = 20_000
+_MOST_NESTED = 20
 # Commands that install nothing and read no folder of the package.
 _QUIET = frozenset({
     "message", "find_package", "cmake_minimum_required", "if", "elseif", "else", "endif", "endforeach", "ament_package",
@@ -103,31 +106,42 @@ class _CmakeReader:
         self.is_complete = True
         self.other_names: set[str] = set()
         self.count = 0
+        self.characters = 0
 
     def run_commands(self, commands: Sequence[CmakeCommand]) -> None:
         """Run commands in order, the bodies of loops once for each value."""
-        at = 0
-        while at < len(commands):
+        self.run_block(commands, _pair_loops(commands), 0, len(commands), depth=0)
+
+    def run_block(
+        self, commands: Sequence[CmakeCommand], loops: Mapping[int, int], start: int, end: int, *, depth: int
+    ) -> None:
+        """Run the commands from ``start`` to ``end``, which are in so many loops. ``loops``: see `_pair_loops`."""
+        at = start
+        while at < end:
             self.count += 1
-            if self.count > _MOST_COMMANDS or len(self.entries) > MOST_ENTRIES:
+            if self.count > _MOST_COMMANDS or self.characters > _MOST_IN_ALL or len(self.entries) > MOST_ENTRIES:
                 self.is_complete = False
                 return
             command = commands[at]
             if command.name == "foreach":
-                end = _find_loop_end(commands, at)
-                self.run_loop(command, commands[at + 1 : end])
-                at = end + 1
+                last = min(loops.get(at, end), end)
+                if depth == _MOST_NESTED:
+                    self.is_complete = False
+                    return
+                for name, value in self.list_loop_values(command):
+                    self.values[name] = [value]
+                    self.run_block(commands, loops, at + 1, last, depth=depth + 1)
+                at = last + 1
                 continue
             self.run_command(command)
             at += 1
 
-    def run_loop(self, loop: CmakeCommand, body: Sequence[CmakeCommand]) -> None:
+    def list_loop_values(self, loop: CmakeCommand) -> list[tuple[str, str]]:
+        """Return the variable of a loop with each of its values."""
         name, *words = loop.words or ("",)
         plain = [word for word in words if word not in {"IN", "ITEMS", "LISTS", "RANGE"}]
         named = [f"${{{word}}}" for word in plain] if "LISTS" in words else plain
-        for value in self.expand_words(named)[:_MOST_VALUES]:
-            self.values[name] = [value]
-            self.run_commands(body)
+        return [(name, value) for value in self.expand_words(named)]
 
     def run_command(self, command: CmakeCommand) -> None:
         name, *words = command.words or ("",)
@@ -217,24 +231,37 @@ class _CmakeReader:
 
     def expand_words(self, words: Sequence[str]) -> list[str]:
         """Return the texts that words mean; an unknown variable stays as it is."""
-        return [text for word in words for text in _expand_variables(word, self.values)][:_MOST_VALUES]
+        texts: list[str] = []
+        for word in words:
+            expanded = _expand_variables(word, self.values)
+            texts += expanded
+            self.characters += sum(map(len, expanded))
+            if len(texts) > _MOST_VALUES or self.characters > _MOST_IN_ALL:
+                self.is_complete = False
+                break
+        return texts[:_MOST_VALUES]
 
 
-def _find_loop_end(commands: Sequence[CmakeCommand], at: int) -> int:
-    """Return the index of the command that ends a loop."""
-    depth = 0
-    for index in range(at, len(commands)):
-        depth += (commands[index].name == "foreach") - (commands[index].name == "endforeach")
-        if depth == 0:
-            return index
-    return len(commands)
+def _pair_loops(commands: Sequence[CmakeCommand]) -> dict[int, int]:
+    """Return the index of the command that ends a loop by that of the one that begins it; without those that nothing ends."""
+    ends: dict[int, int] = {}
+    open_loops: list[int] = []
+    for index, command in enumerate(commands):
+        if command.name == "foreach":
+            open_loops.append(index)
+        elif command.name == "endforeach" and open_loops:
+            ends[open_loops.pop()] = index
+    return ends
 
 
 def _expand_variables(word: str, values: Mapping[str, list[str]]) -> list[str]:
     texts = [word.strip('"')]
     for variable in dict.fromkeys(_VARIABLE.findall(word)):
-        if variable in values:
-            texts = [t.replace(f"${{{variable}}}", value) for t in texts for value in values[variable]][:_MOST_VALUES]
+        typed, known = f"${{{variable}}}", values.get(variable, ())
+        times = sum(text.count(typed) for text in texts)
+        size = len(known) * sum(map(len, texts)) + times * sum(map(len, known))
+        if variable in values and size <= _MOST_CHARACTERS:
+            texts = [t.replace(typed, value) for t in texts for value in known][:_MOST_VALUES]
     return [part for text in texts for part in text.split(";")]
 
 

@@ -13,7 +13,7 @@ from urdfcheck.system.files import read_regular
 # What makes colcon and catkin pass over a folder, and folders into which they do not look.
 _IGNORE_MARKS = ("COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE")
 _SKIPPED = BUILD_FOLDERS | {"build_isolated", "devel", "devel_isolated", "install_isolated", "node_modules"}
-_GIT_FOLDER = re.compile(r"gitdir:\s*(.+?)[/\\]worktrees[/\\]")
+_GIT_FOLDER = re.compile(r"gitdir:\s*([^\0\n]+?)[/\\]worktrees[/\\]")
 
 
 def select_rivals(own: Path, folders: Sequence[Path]) -> list[Path]:

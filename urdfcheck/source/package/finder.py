@@ -18,7 +18,7 @@ from urdfcheck.source.package.package_folders import (
     read_manifest_name,
     walk_packages,
 )
-from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
+from urdfcheck.source.reach import FileReach, is_below, is_shared_by_all, resolve_real_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import note_lookup, read_regular
@@ -213,11 +213,13 @@ class PackageFinder:
         return walk_packages(root, LEVELS_DOWN_REPOSITORY, self._can_follow, most=MOST_FOLDERS_OF_REPOSITORY)
 
     def list_parent_folders(self) -> list[Path]:
-        """Return the folders from the start upwards that can belong to the same workspace."""
+        """Return the folders from the start upwards that can belong to the same workspace.
+
+        The root of the disk, the home and the folders for everybody's temporary files belong to none.
+        """
         levels: list[Path] = []
-        home = Path(os.path.expanduser("~"))
         for level in (self.start, *self.start.parents):
-            if len(levels) > LEVELS_UP or level == Path(level.anchor) or level == home:
+            if len(levels) > LEVELS_UP or is_shared_by_all(level):
                 break
             levels.append(level)
             if (level / ".git").exists():

@@ -87,6 +87,8 @@ _PATH_FUNCTIONS = _split_words(
     "str repr message warning error fatal print_location format join load_yaml abs_filename dict"
 )
 _PATH_METHODS = frozenset({"format", "join"})
+# Those that may cut the place of a file, or take it apart.
+_TEXT_MAKERS = _TEXT_FUNCTIONS | _PATH_METHODS
 _NAMESPACE_METHODS = frozenset({"get", "items", "keys", "values"})
 _FIELD = re.compile(r"%(?:\([^()]*\))?[-#0 +]*(\*|\d*)(?:\.(\*|\d*))?[hlL]?[^(]", re.DOTALL)
 
@@ -119,7 +121,11 @@ class GuardedFunction:
         if self._check is not None:
             args = tuple(list(a) if hasattr(type(a), "__next__") else a for a in args)
             self._check(*args, **kwargs)
-        return self.function(*args, **kwargs)
+        result = self.function(*args, **kwargs)
+        if self._name in _TEXT_MAKERS:
+            owner = getattr(self.function, "__self__", None)
+            self._guards.note_lost_place((owner, *args, *kwargs.values()), result)
+        return result
 
     def __repr__(self) -> str:
         """Refuse every way of making a text of it: with an address in it, and with other names than plain xacro's."""
@@ -234,12 +240,26 @@ class Guards:
 
     def _note_decision(self, value: Any) -> None:
         """Note that an expression looks into a text that holds the place of a file, instead of only writing it."""
-        if self._places:
-            # Not through the wrapper of a yaml list, which records each read.
-            items = list.__iter__(value) if isinstance(value, list) else value if isinstance(value, tuple) else (value,)
-            texts = (item for item in items if isinstance(item, str))
-            if any(place in text for text in texts for place in self._places):
-                self._notify("place-decides")
+        if self._places and self._find_places(value):
+            self._notify("place-decides")
+
+    def note_lost_place(self, parts: tuple[Any, ...], result: Any) -> None:
+        """Note that a text was made of a place of a file, and does not hold it whole: it can only serve to look into it."""
+        if self._places and isinstance(result, str) and any(place not in result for place in self._find_places(parts)):
+            self._notify("place-decides")
+
+    def _find_places(self, value: Any) -> set[str]:
+        """Return the folders that the file was told and that are in the texts of a value, at any depth."""
+        found: set[str] = set()
+        stack, seen = [value], set()
+        while stack:
+            value = stack.pop()
+            if isinstance(value, str):
+                found.update(place for place in self._places if place in value)
+            elif isinstance(value, _CONTAINERS) and not self._is_table(value) and id(value) not in seen:
+                seen.add(id(value))
+                stack.extend(_iter_items(value))
+        return found
 
     def _is_table(self, value: Any) -> bool:
         return isinstance(value, self._namespace)
@@ -373,13 +393,16 @@ class Guards:
             self._ensure_template(left, right)
         elif isinstance(left, bytes):  # a yaml value that is tagged !!binary
             raise ExpressionRefusedError("method", "it uses a % format of bytes")
-        return left % right
+        result = left % right
+        self.note_lost_place((left, right), result)
+        return result
 
     def _guard_set_operator(self, operate: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
         def apply_measured(left: Any, right: Any) -> Any:
             if type(left) not in _NUMBERS:
                 self.measure(left)
                 self.measure(right)
+                self._note_decision((left, right))
             return operate(left, right)
 
         return apply_measured
@@ -464,7 +487,8 @@ class Guards:
         if isinstance(value, (str, list, tuple, dict, range)):
             if isinstance(key, tuple):
                 self.measure(key)
-            self._note_decision(value)
+            if isinstance(value, str):
+                self._note_decision(value)
             self._note_decision(key)
             found = value[key]
             if isinstance(key, slice):
