@@ -10,6 +10,8 @@ from conftest import FIXTURES, check
 
 from urdfcheck.core import Finding, Run, Severity
 
+pytestmark = pytest.mark.slow
+
 LOAD = '<param name="robot_description" textfile="$(find car)/urdf/car.urdf"/>'
 CAR = """<robot name="car"><link name="base_link"><collision>{shape}</collision></link>
 <link name="laser"/>

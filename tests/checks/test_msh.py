@@ -19,6 +19,8 @@ from urdfcheck.checks import msh011_format_unsupported
 from urdfcheck.core import Finding, Severity, Verdict
 from urdfcheck.model import gltf_buffers
 
+pytestmark = pytest.mark.slow
+
 # A tetrahedron with corners 0, x, y, z, as OBJ faces.
 CORNERS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
 CLOSED = CORNERS + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"

@@ -12,6 +12,8 @@ from conftest import check
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
 
+pytestmark = pytest.mark.slow
+
 CODES = {"PKG001", "PKG002", "PKG003", "PKG004"}
 
 

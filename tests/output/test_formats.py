@@ -60,6 +60,8 @@ from urdfcheck.output.markdown import COMMENT_LIMIT, MARKER, render_job_summary
 from urdfcheck.output.shared import escaping as inert
 from urdfcheck.output.shared.mermaid_chart import MOST_CHARACTERS, MOST_EDGES, build_mermaid_chart, format_label
 
+pytestmark = pytest.mark.slow
+
 # -- validators --------------------------------------------------------------------------------------------------------
 
 TEXT = {"type": "string", "minLength": 1}
@@ -397,7 +399,6 @@ PIECES = [
 ]
 
 
-@pytest.mark.slow
 @given(st.lists(st.sampled_from(PIECES) | st.text(max_size=3), max_size=10).map("".join))
 def test_text_in_a_cell_is_text_or_code(text: str) -> None:
     tokens = walk(
@@ -612,7 +613,6 @@ def test_a_comment_tells_the_worst_first_and_folds_the_rest() -> None:
     assert fences["mermaid"].startswith("flowchart ")
 
 
-@pytest.mark.slow
 def test_a_comment_keeps_its_size_and_says_what_is_left_out() -> None:
     found = [
         finding(message=f"{i}: {'a long word of 車輪 ' * 60}", severity=Severity(1 + i % 3), subjects=(f"link[{i}]",))
@@ -705,7 +705,6 @@ def test_the_summary_of_a_job_is_appended_while_there_is_room(tmp_path: Path, mo
         job_summary.append_summary(a_run(), (), tmp_path)
 
 
-@pytest.mark.slow
 def test_the_command_writes_all_formats_at_once(tmp_path: Path) -> None:
     (tmp_path / "rover.urdf").write_text(SOURCE)
     files = {name: f"out/rover.{name}" for name in FORMATS if name != "github"}

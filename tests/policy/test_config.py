@@ -22,6 +22,8 @@ from urdfcheck.run.jobs import Request
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.toml import locate_keys
 
+pytestmark = pytest.mark.slow
+
 BROKEN = (
     '<robot name="r"><link name="{}"><inertial><mass value="1"/>'
     '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial></link></robot>'

@@ -12,6 +12,8 @@ from conftest import check
 from urdfcheck.cli import NOTHING, OK, compute_exit_code
 from urdfcheck.core import Run
 
+pytestmark = pytest.mark.slow
+
 NAMESPACE = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'

@@ -23,6 +23,8 @@ from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 
+pytestmark = pytest.mark.slow
+
 XACRO = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}<link name="base"/></robot>'
 NEEDY = XACRO.format('<link name="$(arg side)_hand"/>')
 SOUND = '<robot name="r"><link name="base"/></robot>'
@@ -129,7 +131,6 @@ def test_the_remedy_is_a_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert not check(Path("robot.urdf.xacro"), arguments={"side": "left"}).unchecked_models
 
 
-@pytest.mark.slow
 def test_the_command_repeats_the_options_without_which_another_cause_comes_first(tmp_path: Path) -> None:
     body = '<xacro:include filename="$(find hand)/hand.xacro"/><xacro:include filename="$(find tool)/tool.xacro"/>'
     write(tmp_path / "arm", {"arm.urdf.xacro": XACRO.format(body)})
@@ -284,7 +285,6 @@ def test_a_named_file_that_cannot_be_read_is_a_failure(
     assert compute_exit_code(outcome, "never") == FAILED
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("named", [".", "secret", "shut/r.urdf", "secret.urdf"])
 def test_what_the_system_really_refuses_is_a_failure(named: str, tmp_path: Path) -> None:
     """Without a mock: root gives up the right to read everything."""
@@ -362,7 +362,6 @@ def test_a_macro_file_that_the_semantic_description_of_a_checked_model_reads_is_
 # -- every command -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [
@@ -392,14 +391,12 @@ def test_no_command_ends_with_0_unless_it_is_accepted(words: list[str], tmp_path
     assert "not checked" in accepted.stdout + accepted.stderr
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["srdf", "engines"])
 def test_a_command_about_one_model_fails_without_it(name: str, tmp_path: Path) -> None:
     write(tmp_path, CASES["XAC010"])
     assert command(name, "robot.urdf.xacro", cwd=tmp_path).returncode == FAILED
 
 
-@pytest.mark.slow
 def test_from_python(tmp_path: Path) -> None:
     write(tmp_path, CASES["XAC010"])
     run = urdfcheck.check(tmp_path, select="INR003", jobs=1, cache=False)

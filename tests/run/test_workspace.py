@@ -15,6 +15,8 @@ from urdfcheck.rules import load_rules
 from urdfcheck.source.discover import discover_targets
 from urdfcheck.source.package import finder
 
+pytestmark = pytest.mark.slow
+
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 FAMILIES = ("KIN", "LCH", "PKG", "SRD", "XAC", "XML")
 

@@ -18,6 +18,8 @@ from urdfcheck.source.plan import ModelTarget, Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import FileReach
 
+pytestmark = pytest.mark.slow
+
 URDF = '<robot name="r"><link name="base"/></robot>'
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 
@@ -315,7 +317,6 @@ def test_a_pattern_of_an_include_is_looked_for_in_reach_only(workspace: Path, mo
     assert {folder for folder in asked if os.path.isdir(folder)} == {"parts", "."}
 
 
-@pytest.mark.slow
 def test_links_in_a_circle_make_no_pattern_endless(workspace: Path) -> None:
     write(workspace, {"a.xacro": xacro(f'{LINK}<xacro:include filename="{"*/" * 40}b.xacro"/>')})
     for name in ("one", "two"):
@@ -323,7 +324,6 @@ def test_links_in_a_circle_make_no_pattern_endless(workspace: Path) -> None:
     assert models(".") == ["a.xacro"]
 
 
-@pytest.mark.slow
 def test_a_file_that_includes_others_endlessly_is_looked_through_once(workspace: Path) -> None:
     write(workspace, {f"d{i}/b.xacro": xacro(LINK) for i in range(200)})
     write(
@@ -335,7 +335,6 @@ def test_a_file_that_includes_others_endlessly_is_looked_through_once(workspace:
     assert time.monotonic() - began < 10
 
 
-@pytest.mark.slow
 def test_folders_may_be_as_deep_as_paths_go(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(workspace, {"a.urdf": URDF})
     for _ in range(1_200):
