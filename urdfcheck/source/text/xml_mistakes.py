@@ -10,8 +10,8 @@ _GENERAL_REPAIR = (
     "mend the XML at this place: look for a missing `>`, a quote, an end tag"
     " or a `&` that should be `&amp;` just before it"
 )
-# What XML has besides tab, line break and carriage return.
-NO_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+# What is not among the characters of XML (production 2): listed, because the complement of its ranges takes 8 ms to compile.
+NO_CHARACTER = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 _NAME = re.compile(r"[^\s<>/=\"'&]+")
 _ENTITY = re.compile(r"&([^\s;<>&\"'#][^\s;<>&\"']*);")
 _OPEN_ENTITY = re.compile(r"&[#\w.:-]{0,40}\Z")
