@@ -45,7 +45,6 @@ _KEYS = {
 # What the report shows of a robot for a finding whose family and page ask for nothing else.
 _PLAIN = ("visual",)
 _TITLE = re.compile(r"# ([A-Z]{3}\d{3}) ([a-z0-9]+(?:-[a-z0-9]+)*)\n")
-_HEADER = re.compile(r"^```toml\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def find_pages_folder() -> Path:
@@ -84,14 +83,14 @@ def load_page(path: Path) -> Rule:
     :raises UrdfcheckError: if the file is not a rule page; the message names the page and what is missing.
     """
     text = path.read_text(encoding="utf-8")
-    title, header = _TITLE.match(text), _HEADER.search(text)
+    title, header = _TITLE.match(text), _split_page(text)[0]
     if not title or not header:
         raise UrdfcheckError(f"{path}: a rule page begins with '# CODE name' and a toml block")
     code, name = title.groups()
     if path.stem != f"{code}-{name}":
         raise UrdfcheckError(f"{path}: the file of rule {code} {name} must be called {code}-{name}.md")
     try:
-        meta = tomli.loads(header.group(1))
+        meta = tomli.loads(header)
         unknown = sorted(set(meta) - _KEYS)
         if unknown:
             raise ValueError(f"unknown key {unknown[0]!r}")
@@ -134,6 +133,13 @@ def load_page(path: Path) -> Rule:
         raise UrdfcheckError(f"{path}: {type(error).__name__}: {error}") from error
 
 
+def _split_page(page: str) -> tuple[str, str]:
+    """Return the header of a page, which is empty where it has none, and the rest of the page without it."""
+    before, _, rest = page.partition("\n```toml\n")
+    header, end, body = rest.partition("\n```\n")
+    return (header, before + body) if end else ("", page)
+
+
 def explain_rule(rule: Rule) -> str:
     """Return a rule's page for a reader: its header in words instead of TOML, then its sections unchanged."""
     facts = [
@@ -146,7 +152,7 @@ def explain_rule(rule: Rule) -> str:
     if rule.concerns:
         facts.append(f"concerns {', '.join(rule.concerns)} only")
     parts = [f"# {rule.code} {rule.name}", " · ".join(facts)]
-    body = _HEADER.sub("", _TITLE.sub("", rule.page)).strip()
+    body = _split_page(_TITLE.sub("", rule.page))[1].strip()
     parts.append(body)
     if rule.options:
         options = [

@@ -12,7 +12,8 @@ from urdfcheck.source.ros.controllers import read_controller_config
 from urdfcheck.source.ros.joint_limits import read_joint_limits
 from urdfcheck.source.ros.yaml_files import find_yaml_error
 from urdfcheck.source.text.xml import SourceFile
-from urdfcheck.source.text.yaml import MAX_CHARACTERS, YamlReadError, YamlValue, parse_located_yaml
+from urdfcheck.source.text.yaml.reader import MAX_CHARACTERS, parse_located_yaml
+from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 
 TEXT = """\
 # é🤖: what stands before a value does not move it

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from urdfcheck.source.text.xml import Definition, SourceFile
-from urdfcheck.source.text.yaml import MAX_CHARACTERS
+from urdfcheck.source.text.yaml.reader import MAX_CHARACTERS
 from urdfcheck.source.xacro.yaml_values import read_yaml
 
 pytestmark = pytest.mark.slow

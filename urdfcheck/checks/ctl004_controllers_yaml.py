@@ -21,7 +21,7 @@ from urdfcheck.model.motion.controllers import (
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.controllers import Controller
 from urdfcheck.source.ros.yaml_files import find_yaml_error
-from urdfcheck.source.text.yaml import YamlValue
+from urdfcheck.source.text.yaml.values import YamlValue
 
 # Each suggestion compares all names.
 MOST_HINTS = 100

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
-from urdfcheck.core.drop_test import LATE_SECONDS, STEP, DropTest, ReleaseResult
 from urdfcheck.model import Model
+
+if TYPE_CHECKING:
+    from urdfcheck.core.drop_test import DropTest, ReleaseResult
 
 # Contacts as deep as the deepest but for rounding; the first of them is reported.
 _AS_DEEP = 0.99
@@ -16,7 +18,9 @@ _AS_DEEP = 0.99
 def check(model: Model, rule: Rule, *, gain: float, sink: float) -> Iterator[Finding]:
     if not model.may_simulate:
         raise FactUnavailableError("needs a simulator: urdfcheck drop")
-    from urdfcheck.model.motion.simulated_drop import run_drop_test  # heavy, and most runs do without
+    # Heavy, and most runs do without.
+    from urdfcheck.core.drop_test import LATE_SECONDS, STEP
+    from urdfcheck.model.motion.simulated_drop import run_drop_test
 
     for release, message, data in _iter_drop_defects(run_drop_test(model), gain=gain, sink=sink):
         link = model.link_by_name[data["link"]]

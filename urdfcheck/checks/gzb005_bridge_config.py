@@ -11,7 +11,7 @@ from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_n
 from urdfcheck.source.package.finder import Package, PackageFinder
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.ros.yaml_files import read_located_yaml
-from urdfcheck.source.text.yaml import YamlReadError, YamlValue
+from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 from urdfcheck.system.files import read_regular, walk
 
 # ROS type and type of Gazebo Transport, as ros_gz_bridge lists them in its README (rolling, 2026).

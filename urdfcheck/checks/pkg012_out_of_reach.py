@@ -5,15 +5,18 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, find_machine_path, is_misspelt, list_resource_uses
 from urdfcheck.source.text.problems import Problem
+
+if TYPE_CHECKING:
+    from urdfcheck.source.launch.launch_file import Launch
 
 # How far above the working directory a folder is proposed.
 MOST_LEVELS_UP = 3
@@ -46,7 +49,7 @@ def _is_outside(use: ResourceUse, source: Source) -> bool:
 def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:
     path = problem.data["path"]
     folder = _name_folder(Path(path))
-    if isinstance(subject, Launch):
+    if not isinstance(subject, Source):
         return rule.finding("launch", at=problem.location, path=path, folder=folder)
     at = locate_expression(subject, problem, "load_yaml")  # xacro evaluates a property where it is first read
     others = [] if at is problem.location else [problem.location]

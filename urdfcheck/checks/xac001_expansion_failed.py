@@ -12,7 +12,6 @@ from typing import Any
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, format_choices, format_name_hint, join_names
-from urdfcheck.source.found_arguments import IN_EXPRESSION, MISSING_FILE
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.similar_files import (
@@ -26,7 +25,7 @@ from urdfcheck.source.path_arguments import (
     list_path_arguments,
     select_guilty,
 )
-from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.usage import (
     collect_macros,

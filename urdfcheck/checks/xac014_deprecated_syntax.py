@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
+
+if TYPE_CHECKING:
+    from urdfcheck.source.launch.launch_file import Launch
 
 _DIRECT = re.compile(r"^Using (\w+)\(\) directly is deprecated\. Use (\w+)\.")
 _IN_ORDER = re.compile(r"(?<!\S)(--inorder|-i)(\s+|$)")

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.xacro.argument_values import VARIABLE
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -30,6 +29,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 
 
 def _get_value(source: Source, name: str) -> str:
+    from urdfcheck.source.xacro.argument_values import VARIABLE  # few models decide by one
+
     return source.arguments.get(f"{VARIABLE}{name}") or os.environ.get(name) or "not set"
 
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from urdfcheck.model.robot import Model
-from urdfcheck.source.launch.launch_file import Launch
+
+if TYPE_CHECKING:
+    from urdfcheck.source.launch.launch_file import Launch
 
 
 @dataclass(frozen=True, slots=True, eq=False)

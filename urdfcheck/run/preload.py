@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from urdfcheck.system.process_pool import Worker
 
 
+# Scopes of the checks that run on most models and in their packages.
+_CHECKED_ALWAYS = frozenset({"file", "model", "package"})
+
+
 def start_warm_worker() -> Worker | None:
     """Start a worker that loads what an audit needs; None where processes cannot be forked.
 
@@ -32,7 +36,7 @@ def start_warm_worker() -> Worker | None:
 
 
 def preload_modules() -> None:
-    """Import what an audit needs, except the checks whose findings may be in the cache."""
+    """Import what the audit of most models needs: no checks whose findings may be in the cache, and none of launch files."""
     from urdfcheck.rules import get_check_module, has_check, load_rules
     from urdfcheck.run.findings_cache import is_cacheable
     from urdfcheck.system import libraries
@@ -40,7 +44,7 @@ def preload_modules() -> None:
     libraries.prefer_own_folders()
     importlib.import_module("numpy")
     for rule in load_rules().values():
-        if has_check(rule) and not is_cacheable(rule):
+        if _CHECKED_ALWAYS.intersection(rule.scopes) and has_check(rule) and not is_cacheable(rule):
             importlib.import_module(get_check_module(rule))
     with contextlib.suppress(ImportError):  # it is optional
         importlib.import_module("py_landlock")

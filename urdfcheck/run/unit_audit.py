@@ -40,7 +40,6 @@ from urdfcheck.run.shown_paths import PathShortener
 from urdfcheck.run.source_texts import RULE as TEXTS_RULE
 from urdfcheck.run.source_texts import limit_texts
 from urdfcheck.run.units.unchecked import explain_unchecked, locate_unit, mark_cause, report_stopped_unit
-from urdfcheck.source.launch.launch_file import Launch, load_launch
 from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.model_role import MODEL, collect_robot_files, find_model_role
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
@@ -55,6 +54,7 @@ from urdfcheck.system.files import overlay_files, read_regular, record_reads
 if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest
     from urdfcheck.core.scene import Scene
+    from urdfcheck.source.launch.launch_file import Launch
 
 _TIER_OF_NEED = {
     **dict.fromkeys(("source", "package"), "source"),
@@ -258,6 +258,10 @@ class _UnitAudit:
     def audit_launches(self, model: Model | None) -> None:
         """Check the launch files of the unit with the model that they lead to."""
         paths = (self.unit.path,) if self.unit.kind == "launch" else self.unit.launches
+        if not paths:
+            return
+        from urdfcheck.source.launch.launch_file import load_launch  # most models are started by none
+
         for path in map(Path, paths):
             launch = load_launch(path, self.make_finder(path))
             self.loaded_launches.append(launch)

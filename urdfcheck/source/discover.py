@@ -13,8 +13,6 @@ from pathlib import Path
 
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unreadable, resolve_path
-from urdfcheck.source.launch.launch_file import load_launch
-from urdfcheck.source.launch.python_launch_file import read_python_launch
 from urdfcheck.source.package.file_kinds import (
     FORMATS_BY_ROOT,
     find_other_format,
@@ -340,6 +338,10 @@ class _Planner:
         if resolve_path(path) in self.launches or not self.is_usable(path):
             return
         self.launches[resolve_path(path)] = path
+        # Most runs meet none, and each start would pay for these modules.
+        from urdfcheck.source.launch.launch_file import load_launch
+        from urdfcheck.source.launch.python_launch_file import read_python_launch
+
         finder = self.get_finder(path)
         if path.suffix == ".py":
             launch = read_python_launch(path, finder)

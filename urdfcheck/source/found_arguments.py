@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.source.launch.passed_arguments import PassedArgument, find_passed_arguments
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.xacro.expand import Expansion, expand_xacro
 
 # How many arguments are found one after the other: the robot with most of them has 79, nearly all with defaults.
 MOST_FOUND = 64
-# What follows in xacro's messages on the reason, and its reason for a file that it cannot open.
-IN_EXPRESSION = " when evaluating expression '"
-MISSING_FILE = re.compile(r"No such file or directory: '?([^'\n]+?)'?(?: \[Errno.*)?$")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

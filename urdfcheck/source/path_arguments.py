@@ -8,7 +8,6 @@ from pathlib import Path
 
 from urdfcheck.core import Location
 from urdfcheck.source.load import Source
-from urdfcheck.source.xacro.argument_values import find_argument_choices
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
 _SUBJECT = "argument["
@@ -68,6 +67,8 @@ def select_guilty(arguments: Iterable[PathArgument], missing: Path) -> list[Path
 
 def list_other_values(source: Source, argument: PathArgument, missing: Path) -> list[str]:
     """Return the other values that the files of the model know and that lead to something in place of the missing part."""
+    from urdfcheck.source.xacro.argument_values import find_argument_choices  # only what is missing asks for it
+
     known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
     values = (value for value in known.get(argument.name, ()) if value != argument.value)
     return [value for value in values if (missing.parent / missing.name.replace(argument.value, value)).exists()]

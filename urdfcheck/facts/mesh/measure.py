@@ -17,8 +17,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
-from urdfcheck.facts.mesh.assimp import decode_with_assimp
-from urdfcheck.facts.mesh.decode import RawMesh
 from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.mesh.topology import (
@@ -42,6 +40,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdfcheck.facts.arrays import Array, Indices, Mat3, Vec3
+    from urdfcheck.facts.mesh.decode import RawMesh
 
     Parts = MutableMapping[str, Mapping[str, NDArray[Any]]]
 
@@ -268,6 +267,8 @@ def measure_mesh(
     :raises MeshError: when it is not a complete mesh file, or has no triangle with finite corners.
     :raises ImportError, MemoryError: see `urdfcheck.facts.mesh.decode.decode_mesh`; nothing is stored in ``parts``.
     """
+    from urdfcheck.facts.mesh.assimp import decode_with_assimp  # the readers: a cached mesh needs none
+
     parts = {} if parts is None else parts
     try:
         with np.errstate(all="ignore"):  # meaningless numbers are a finding, not a warning on stderr

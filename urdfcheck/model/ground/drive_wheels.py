@@ -14,7 +14,7 @@ from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.source.ros.controllers import Controller
-from urdfcheck.source.text.yaml import YamlValue
+from urdfcheck.source.text.yaml.values import YamlValue
 
 
 def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[YamlValue]]:

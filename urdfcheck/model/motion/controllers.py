@@ -7,11 +7,11 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import Located
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.robot import Model
-from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.ros.controllers import (
@@ -23,6 +23,9 @@ from urdfcheck.source.ros.controllers import (
 from urdfcheck.source.ros.srdf import is_about_model, list_srdf_folders
 from urdfcheck.source.text.tokens import find_content_span
 from urdfcheck.source.text.xml import Element
+
+if TYPE_CHECKING:
+    from urdfcheck.source.launch.launch_file import Launch
 
 _CONTROL_PLUGIN = re.compile(r"ros2?_control")
 _FIND = re.compile(r"\$\((?:find|find-pkg-share)\s+([^\s()]+)\s*\)")

@@ -18,7 +18,7 @@ from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.ros.yaml_files import read_located_yaml
-from urdfcheck.source.text.yaml import YamlReadError, YamlValue
+from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 from urdfcheck.system.files import read_regular
 
 # The parameters of the controllers of ros_controllers and ros2_controllers that name joints.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.ros.yaml_files import read_located_yaml
-from urdfcheck.source.text.yaml import YamlReadError, YamlValue
+from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 
 # Above joint_limits are only the names of parameters' owners: /**, ros__parameters, robot_description_planning.
 _MOST_LEVELS = 4

@@ -17,7 +17,7 @@ from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfold
 from urdfcheck.source.ros.yaml_files import read_located_yaml
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
-from urdfcheck.source.text.yaml import YamlReadError, YamlValue
+from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 from urdfcheck.source.xacro.file_contents import has_only_macros
 
 # The folders of semantic descriptions in a MoveIt configuration. A description package of several robots may have one beside

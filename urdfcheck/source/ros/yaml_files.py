@@ -7,16 +7,20 @@ from pathlib import Path
 
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.xml import SourceFile, XmlError
-from urdfcheck.source.text.yaml import YamlReadError, YamlValue, parse_located_yaml
+from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 
 
 def read_located_yaml(path: Path, finder: PackageFinder) -> YamlValue | None:
     """Return the content of a file; None if it is empty, cannot be read or may not be opened.
 
-    :raises YamlReadError: as :func:`~urdfcheck.source.text.yaml.parse_located_yaml`, and if its bytes are no text.
+    :raises YamlReadError: as :func:`~urdfcheck.source.text.yaml.reader.parse_located_yaml`, and if its bytes are no text.
     """
     if not finder.can_open(path) or not os.path.isfile(path):
         return None
+    from urdfcheck.source.text.yaml.reader import (
+        parse_located_yaml,
+    )  # PyYAML takes a start 12 ms, and most robots have none
+
     try:
         return parse_located_yaml(SourceFile.read(path, format_path(path), declares=False))
     except OSError:

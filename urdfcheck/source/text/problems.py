@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from urdfcheck.core import Location, Span
 from urdfcheck.source.text.xml import XmlError
+
+# The message of "expansion-failed" is xacro's own: what follows in it on the reason, and the reason for a file that xacro
+# cannot open.
+IN_EXPRESSION = " when evaluating expression '"
+MISSING_FILE = re.compile(r"No such file or directory: '?([^'\n]+?)'?(?: \[Errno.*)?$")
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -449,7 +449,8 @@ def _mark_name(name: str, aliases: Mapping[str, set[str]]) -> str:
 
 def _read_keys(text: str, folder: Path, finder: PackageFinder) -> list[str]:
     """Return the keys of the dictionary in a yaml file."""
-    from urdfcheck.source.text.yaml import YamlReadError, parse_located_yaml
+    from urdfcheck.source.text.yaml.reader import parse_located_yaml
+    from urdfcheck.source.text.yaml.values import YamlReadError
 
     path = _resolve_path(text, folder, finder)
     if path is None or "$" in path or not finder.can_open(Path(path)):

@@ -159,7 +159,7 @@ class FileAccess:
         """Return a yaml file's content in xacro's wrappers, which record each value that is read."""
         import xacro
 
-        from urdfcheck.source.text.yaml import YamlReadError
+        from urdfcheck.source.text.yaml.values import YamlReadError
         from urdfcheck.source.xacro.yaml_values import read_yaml
 
         path = Path(xacro.abs_filename_spec(filename))

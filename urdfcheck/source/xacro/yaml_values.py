@@ -12,7 +12,8 @@ import yaml
 from yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 from urdfcheck.source.text.xml import Definition, SourceFile
-from urdfcheck.source.text.yaml import compose_nodes, convert_yaml_errors, merge_pairs
+from urdfcheck.source.text.yaml.reader import compose_nodes, convert_yaml_errors
+from urdfcheck.source.text.yaml.values import merge_pairs
 
 ReadCallback = Callable[[Definition], None]
 NumberEvaluator = Callable[[str], float]
