@@ -1,13 +1,41 @@
-"""The robots of a folder that URDFCHECK_CORPUS names."""
+"""The robots of the folders that URDFCHECK_CORPUS names, each checked once for all tests that ask about it."""
 
 from __future__ import annotations
 
+import hashlib
+import inspect
 import json
+import os
+import pickle
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+import pytest
+from conftest import make_request
+from filelock import FileLock, Timeout
+
+import urdfcheck
+from urdfcheck.core import Finding, Run
+from urdfcheck.model import Model
+from urdfcheck.policy.config import TARGETS
+from urdfcheck.rules import has_check, load_check, load_rules
+from urdfcheck.run import pipeline, unit_audit
+from urdfcheck.run.jobs import PackageFolders, Request
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, run_audit
+from urdfcheck.simulators.engine_input import build_input
+from urdfcheck.simulators.outcome import EngineInput
+from urdfcheck.simulators.processes import ENGINES
+from urdfcheck.source.load import load_source
+from urdfcheck.source.package.finder import PackageFinder
 
 # Expands only when it is started in its own folder: its includes are relative to the working directory.
 STARTED_ELSEWHERE = {"kosakanishkdev/ROS:robot"}
+# The engines that a configuration can name.
+TARGETED = tuple(engine for engine in ENGINES if engine in TARGETS)
+
+T = TypeVar("T")
 
 
 def list_robots(folder: Path) -> list[dict[str, Any]]:
@@ -26,3 +54,113 @@ def list_robots(folder: Path) -> list[dict[str, Any]]:
 def list_repositories(folder: Path) -> list[Path]:
     """The repositories in a folder without a ``corpus.json``."""
     return sorted(path for path in folder.iterdir() if path.is_dir())
+
+
+def list_requests(folder: Path) -> dict[str, Request]:
+    """What a folder holds, by name: robots with all rules, or repositories as ``urdfcheck .`` checks them."""
+    if not (folder / "corpus.json").is_file():
+        return {path.name: make_request(path, root=path) for path in list_repositories(folder)}
+    return {
+        entry["id"]: make_request(
+            folder / entry["entry"],
+            root=folder,
+            arguments=entry["xacro_args"],
+            package_paths=tuple(folder / root for root in entry["package_roots"]),
+        )
+        for entry in list_robots(folder)
+    }
+
+
+@dataclass(frozen=True)
+class CheckedRobot:
+    """A run of a request of `list_requests`, what it finds for all engines as targets, and its models as engines get them, by
+    id; None for what is no robot."""
+
+    run: Run
+    for_engines: tuple[Finding, ...]
+    inputs: Mapping[str, EngineInput | None]
+
+
+def check_robots(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, CheckedRobot]:
+    """Check what a folder holds, by name; what another test or process has checked is read, and what another is about to
+    check comes last."""
+    base = tmp_path_factory.getbasetemp()
+    kept = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "robots"
+    kept.mkdir(exist_ok=True)
+    requests = list_requests(folder)
+    done: dict[str, CheckedRobot] = {}
+    for seconds in (0, -1):
+        for name, request in requests.items():
+            if name in done:
+                continue
+            file = kept / hashlib.sha256(f"{folder} {name}".encode()).hexdigest()
+            try:
+                with FileLock(f"{file}.lock", timeout=seconds):
+                    if not file.exists():
+                        data = pickle.dumps(check_robot(replace(request, cache=kept / "cache")))
+                        file.with_suffix(".new").write_bytes(data)
+                        file.with_suffix(".new").replace(file)
+            except Timeout:
+                continue
+            done[name] = pickle.loads(file.read_bytes())
+    return {name: done[name] for name in requests}
+
+
+def check_robot(request: Request) -> CheckedRobot:
+    """Check what a request leads to. Between the two runs nothing changes: models are looked for and expanded once."""
+    reading, deciding = list_rules_for_targets()
+    policy = replace(request.policy, targets=TARGETED, codes=deciding)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pipeline, "discover_targets", once(pipeline.discover_targets))
+        patch.setattr(unit_audit, "load_source", once(unit_audit.load_source))
+        audited = run_audit(request, IN_THIS_PROCESS)
+        again = run_audit(replace(request, policy=policy), IN_THIS_PROCESS).outcome
+    found = [f for f in audited.outcome.findings if f.code not in reading]
+    found += [f for f in again.findings if f.code in reading]
+    models = {model.id for model in audited.outcome.models}
+    inputs = {
+        unit.id: read_input(Path(unit.path), unit.arguments, unit.packages or request.packages, xacro=unit.is_xacro)
+        for unit in audited.units
+        if unit.kind == "model" and unit.id in models
+    }
+    return CheckedRobot(audited.outcome, tuple(found), inputs)
+
+
+def once(function: Callable[..., T]) -> Callable[..., T]:
+    """The function, called once for the same words; finders of packages are the same for the same path."""
+    known: dict[str, T] = {}
+
+    def call(*words: object, **more: object) -> T:
+        key = repr([[word for word in words if not isinstance(word, PackageFinder)], sorted(more.items())])
+        if key not in known:
+            known[key] = function(*words, **more)
+        return known[key]
+
+    return call
+
+
+def list_rules_for_targets() -> tuple[frozenset[str], frozenset[str]]:
+    """Codes of the rules that find other things for other targets, and of all that decide about them: whose checks read the
+    targets, with those that give way to them, and those that all of these give way to."""
+    rules = {rule.code: rule for rule in load_rules().values() if has_check(rule)}
+    modules = {code: Path(inspect.getfile(load_check(rule))) for code, rule in rules.items()}
+    rooms = (room for room in Path(urdfcheck.__file__).parent.iterdir() if room.name != "run")  # which hands them on
+    files = (file for room in rooms for file in room.rglob("*.py"))
+    readers = {file for file in files if "model.targets" in file.read_text(encoding="utf-8")}
+    assert readers <= set(modules.values()), "a module that is no check reads the targets of the model"
+    reading = {code for code, path in modules.items() if path in readers}
+    reading |= {code for code, rule in rules.items() if reading & set(rule.hidden_by)}
+    deciding = set(reading)
+    while more := {other for code in deciding for other in rules[code].hidden_by} - deciding:
+        deciding |= more
+    return frozenset(reading), frozenset(deciding)
+
+
+def read_input(
+    path: Path, arguments: Mapping[str, str], packages: PackageFolders, **reading: bool
+) -> EngineInput | None:
+    """A model as engines get it."""
+    finder = PackageFinder(path.absolute(), packages.by_name, packages.search_path)
+    source = load_source(path, arguments, finder, **reading)
+    is_robot = source.root is not None and source.root.tag == "robot"
+    return build_input(source, Model(source=source, robot=source.root, tier="source") if is_robot else None)

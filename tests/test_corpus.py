@@ -11,11 +11,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from conftest import CORPORA, REPOSITORY, make_request
-from real_robots import list_repositories, list_robots
+from conftest import CORPORA, REPOSITORY
+from real_robots import check_robots, list_robots
 
 from urdfcheck.core import Run, Severity
-from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 
 ACCEPTED = REPOSITORY / "tests" / "corpus_errors.json"
 
@@ -30,20 +29,8 @@ ODD = {
 
 
 @pytest.fixture(scope="module")
-def runs(corpus: Path) -> dict[str, Run]:
-    entries = list_robots(corpus)
-    return {
-        entry["id"]: run(
-            make_request(
-                corpus / entry["entry"],
-                root=corpus,
-                arguments=entry["xacro_args"],
-                package_paths=tuple(corpus / r for r in entry["package_roots"]),
-            ),
-            IN_THIS_PROCESS,
-        )
-        for entry in entries
-    }
+def runs(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
+    return {name: robot.run for name, robot in check_robots(corpus, tmp_path_factory).items()}
 
 
 def test_nothing_crashes(runs: dict[str, Run]) -> None:
@@ -90,9 +77,11 @@ def test_every_error_was_read_and_is_true(runs: dict[str, Run], corpus: Path, re
 @pytest.mark.parametrize(
     "folder", [f for f in CORPORA if not (f / "corpus.json").is_file()], ids=lambda folder: folder.name
 )
-def test_repositories_are_checked_as_they_come(folder: Path, request: pytest.FixtureRequest) -> None:
+def test_repositories_are_checked_as_they_come(
+    folder: Path, request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     """As ``urdfcheck .`` does it in each; a model that is not checked is an error at its cause."""
-    runs = {path.name: run(make_request(path, root=path), IN_THIS_PROCESS) for path in list_repositories(folder)}
+    runs = {name: robot.run for name, robot in check_robots(folder, tmp_path_factory).items()}
     assert {name: r.failures for name, r in runs.items() if r.failures} == {}
     for name, outcome in runs.items():
         causes = {model for f in outcome.findings if f.blocks_check for model in f.subjects_by_model}

@@ -19,25 +19,21 @@ from pathlib import Path
 import pytest
 from builders import Number, arm_on_base, inertial, joint, link
 from conftest import CORPORA, FIXTURES, make_request
-from real_robots import list_repositories, list_robots
+from real_robots import TARGETED, check_robots, list_robots, read_input
 from test_rules import BAD, GOOD, Case
 
 from urdfcheck import cli
 from urdfcheck.core import Finding, Rule, Verdict
-from urdfcheck.model import Model
 from urdfcheck.policy import consumers
-from urdfcheck.policy.config import TARGETS
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.rules import load_rules
-from urdfcheck.run.jobs import PackageFolders, Request
+from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, plan_units, run_audit
 from urdfcheck.simulators.comparison import predict_verdict
-from urdfcheck.simulators.engine_input import build_input, find_root_tag
+from urdfcheck.simulators.engine_input import find_root_tag
 from urdfcheck.simulators.judgement import judge_outcome, matches_prediction
 from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot, LoadOutcome, TypedRobot
 from urdfcheck.simulators.processes import ENGINES, get_install_hint, iter_outcomes, list_versions
-from urdfcheck.source.load import load_source
-from urdfcheck.source.package.finder import PackageFinder
 
 pytestmark = pytest.mark.slow
 
@@ -93,40 +89,41 @@ class Example:
     findings: tuple[Finding, ...]
 
 
-def read(path: Path, arguments: Mapping[str, str], packages: PackageFolders, **reading: bool) -> EngineInput | None:
-    source = load_source(
-        path, arguments, PackageFinder(path.absolute(), packages.by_name, packages.search_path), **reading
-    )
-    is_robot = source.root is not None and source.root.tag == "robot"
-    return build_input(source, Model(source=source, robot=source.root, tier="source") if is_robot else None)
-
-
 def checked(name: str, request: Request) -> Iterator[Example]:
     """The models that a request leads to, with their findings; those that were not read whole are left out."""
     plan, units = plan_units(request, in_process=True)
-    read_units = {}
-    for unit in units if not plan.missing else ():
-        if unit.kind == "model":
-            packages = unit.packages or request.packages
-            reading = {"xacro": unit.is_xacro}
-            read_units[unit.id] = read(Path(unit.path), unit.arguments, packages, **reading)
-    if not any(robot is not None and meshes(robot) <= LARGEST for robot in read_units.values()):
-        return
-    run = run_audit(request, IN_THIS_PROCESS).outcome
+    models = [unit for unit in units if unit.kind == "model"] if not plan.missing else []
+    inputs = {
+        unit.id: read_input(Path(unit.path), unit.arguments, unit.packages or request.packages, xacro=unit.is_xacro)
+        for unit in models
+    }
+    if any(is_asked_about(robot) for robot in inputs.values()):
+        run = run_audit(request, IN_THIS_PROCESS).outcome
+        yield from list_examples(name, run, run.findings, inputs)
+
+
+def list_examples(
+    name: str, run: Run, found: Sequence[Finding], inputs: Mapping[str, EngineInput | None]
+) -> Iterator[Example]:
+    """The models of a run that engines are asked about, with what was found of each."""
     assert not run.failures, run.failures
     for model in run.models:
-        findings = tuple(f for f in run.findings if model.id in f.subjects_by_model)
-        robot = read_units.get(model.id)
+        findings = tuple(f for f in found if model.id in f.subjects_by_model)
+        robot = inputs.get(model.id)
         if model.status == "needs-arguments" or UNREAD & {(f.code, f.message_id) for f in findings}:
             continue
-        if robot is not None and meshes(robot) <= LARGEST:
+        if robot is not None and is_asked_about(robot):
             yield Example(name if len(run.models) == 1 else f"{name}:{model.id}", robot, findings)
+
+
+def is_asked_about(robot: EngineInput | None) -> bool:
+    """Whether engines are asked about a robot: its meshes are small."""
+    return robot is not None and meshes(robot) <= LARGEST
 
 
 def ask(path: Path, **settings: object) -> Request:
     """A request with all rules, which must have been asked, for the worst of all findings counts."""
-    targets = tuple(engine for engine in ENGINES if engine in TARGETS)
-    return make_request(path, targets=targets, **settings)
+    return make_request(path, targets=TARGETED, **settings)
 
 
 @pytest.fixture(scope="module")
@@ -195,24 +192,19 @@ def meshes(robot: EngineInput) -> int:
 
 
 @pytest.fixture(scope="module", params=CORPORA or [None], ids=lambda folder: folder.name if folder else "no-corpus")
-def robots(request: pytest.FixtureRequest) -> tuple[Path, list[Example]]:
+def robots(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Example]]:
     """The real robots of a folder, with or without a ``corpus.json``."""
     folder: Path | None = request.param
     if folder is None:
         pytest.skip("URDFCHECK_CORPUS names no folder")
-    return folder, [example for name, asked in list_requests(folder) for example in checked(name, asked)]
-
-
-def list_requests(folder: Path) -> Iterator[tuple[str, Request]]:
-    if not (folder / "corpus.json").is_file():
-        for repository in list_repositories(folder):
-            yield repository.name, ask(repository, tier="mesh")
-        return
-    for entry in list_robots(folder):
-        if entry["expands"] and entry.get("urdf_links"):
-            roots = tuple(folder / root for root in entry["package_roots"])
-            path = folder / entry["entry"]
-            yield entry["id"], ask(path, arguments=entry["xacro_args"], package_paths=roots, tier="mesh")
+    known = list_robots(folder) if (folder / "corpus.json").is_file() else []
+    unread = {entry["id"] for entry in known if not (entry["expands"] and entry.get("urdf_links"))}
+    return folder, [
+        example
+        for name, robot in check_robots(folder, tmp_path_factory).items()
+        if name not in unread
+        for example in list_examples(name, robot.run, robot.for_engines, robot.inputs)
+    ]
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -6,6 +6,7 @@ import os
 import stat
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 # The folders that make up one robot without a package.xml or a repository around them (robot/urdf/robot.urdf, robot/meshes/).
@@ -97,10 +98,14 @@ def _find_own_folder(path: Path) -> Path:
 
 def is_shared_by_all(folder: Path) -> bool:
     """Whether a folder is the root of the disk, the user's home or one for temporary files: it is no robot's."""
-    home = os.path.realpath(os.path.expanduser("~"))
     # Not tempfile.gettempdir(), which tries to write: a worker may not.
     named = filter(None, map(os.environ.get, ("TMPDIR", "TEMP", "TMP")))
-    return folder.parent == folder or str(folder) in {home, *map(os.path.realpath, (*_TEMPORARY, *named))}
+    return folder.parent == folder or str(folder) in _resolve_all((os.path.expanduser("~"), *_TEMPORARY, *named))
+
+
+@lru_cache(maxsize=8)  # a check asks about each folder above each file
+def _resolve_all(folders: tuple[str, ...]) -> frozenset[str]:
+    return frozenset(map(os.path.realpath, folders))
 
 
 def _list_sibling_parts(folder: Path) -> list[Path]:
