@@ -127,6 +127,38 @@ class TestPassedArguments:
         bringup.write_text(COMMAND)
         assert list_found(model)["name"][0] == "ur"
 
+    @pytest.mark.parametrize(
+        "file",
+        [
+            'PathJoinSubstitution([FindPackageShare("arm"), "urdf", LaunchConfiguration("file")])',
+            'LaunchConfiguration("path")',
+        ],
+    )
+    def test_a_model_beside_the_default_of_an_argument(self, file: str, tmp_path: Path) -> None:
+        """Such a launch file starts each of them with the same arguments."""
+        command = f"""{IMPORTS}
+DeclareLaunchArgument("file", default_value="arm.urdf.xacro")
+DeclareLaunchArgument("path", default_value=PathJoinSubstitution([FindPackageShare("arm"), "urdf", "arm.urdf.xacro"]))
+Command(["xacro ", {file}, " ", "name:=", "ur"])
+"""
+        model = make_package(tmp_path, {"view.launch.py": command})
+        beside = [model.with_name(name) for name in ("arm_mocked.urdf.xacro", "arm.srdf.xacro")]
+        elsewhere = model.parents[1] / "config/large/arm_mocked.urdf.xacro"
+        assert [list_found(path) for path in (model, *beside, elsewhere)] == [{"name": ("ur", 6)}] * 2 + [{}] * 2
+
+    def test_what_is_passed_to_the_model_itself_comes_first(self, tmp_path: Path) -> None:
+        own = f'{IMPORTS}x = Command(["xacro ", FindPackageShare("arm"), "/urdf/mocked.urdf.xacro name:=", "mine"])'
+        model = make_package(tmp_path, {"a.launch.py": COMMAND, "b.launch.py": own})
+        assert list_found(model.with_name("mocked.urdf.xacro"))["name"][0] == "mine"
+
+    def test_what_another_model_is_started_with_and_makes_none_of_this_one_is_not_taken(self, tmp_path: Path) -> None:
+        model = make_package(tmp_path, {"view.launch.py": COMMAND})
+        wrong = """<robot name="$(arg name)" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<link name="${nowhere}"/></robot>"""
+        model.with_name("hand.urdf.xacro").write_text(wrong)
+        run = check(model.with_name("hand.urdf.xacro"))
+        assert [f.code for f in run.findings if f.code in {"XAC001", "XAC010"}] == ["XAC010"]
+
     def test_nothing_runs(self, tmp_path: Path) -> None:
         mark = tmp_path / "ran"
         make_package(tmp_path, {"a.launch.py": f"open({str(mark)!r}, 'w')\n{COMMAND}"})

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from urdfcheck.source.launch.passed_arguments import PassedArgument, find_passed_arguments
+from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, find_passed_arguments
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.xacro.expand import Expansion, expand_xacro
@@ -38,20 +38,35 @@ def expand_with_found_arguments(
     This is one that is read and has no value, or one whose default leads to a file that does not exist. ``launches``: the
     launch files that are checked with the model, which count first.
     """
-    expansion = expand_xacro(path, arguments, finder, extra_environment=environment)
+
+    def expand(values: Mapping[str, str]) -> Expansion:
+        return expand_xacro(path, values, finder, extra_environment=environment)
+
+    plain = FoundExpansion(expand(arguments), arguments, {})
+    if not _list_wanted_arguments(plain.expansion.problems):
+        return plain
+    passed = find_passed_arguments(path, finder, launches)
+    result = _add_passed_arguments(plain, passed, expand)
+    if result.expansion.root is None and any(argument.rank >= BESIDE for argument in result.found.values()):
+        # What another model is started with makes no model of this one: nothing is to be said of it.
+        own = {name: argument for name, argument in passed.items() if argument.rank < BESIDE}
+        return _add_passed_arguments(plain, own, expand)
+    return result
+
+
+def _add_passed_arguments(
+    plain: FoundExpansion, passed: Mapping[str, PassedArgument], expand: Callable[[Mapping[str, str]], Expansion]
+) -> FoundExpansion:
+    """Expand again with what launch files pass, as long as an argument is wanted and this helps."""
+    expansion, arguments = plain.expansion, plain.arguments
     found: dict[str, PassedArgument] = {}
-    passed: Mapping[str, PassedArgument] | None = None
     for _ in range(MOST_FOUND):
         names = _list_wanted_arguments(expansion.problems)
-        if not names:
-            break
-        if passed is None:
-            passed = find_passed_arguments(path, finder, launches)
         new = {name: passed[name] for name in names if name in passed and name not in {**arguments, **found}}
         if not new:
             break
         values = {name: argument.value for name, argument in {**found, **new}.items()}
-        further = expand_xacro(path, {**arguments, **values}, finder, extra_environment=environment)
+        further = expand({**arguments, **values})
         if further.root is None and _has_same_failure(expansion, further):
             break
         expansion, found = further, {**found, **new}

@@ -9,7 +9,7 @@ import itertools
 import os
 import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from urdfcheck.core import Location
@@ -34,6 +34,8 @@ MOST_LAUNCHES = 200
 # Limit on folders that are searched for them.
 MOST_FOLDERS = 10_000
 SKIPPED_FOLDERS = BUILD_FOLDERS | {"node_modules", "__pycache__"}
+# Added to the rank of what is passed to the model that an argument of the launch file names, and this is not the default.
+BESIDE = 3
 # Stands for a piece of text that is only known at launch.
 _UNKNOWN = "\x01"
 
@@ -47,7 +49,8 @@ class PassedArgument:
     location: Location
     """Where the launch file passes it on, or declares its value."""
     rank: int
-    """0: typed as it is; 1: the default of an argument of the launch file; 2: the first of its choices."""
+    """0: typed as it is; 1: the default of an argument of the launch file; 2: the first of its choices. `BESIDE` more where
+    the launch file starts the model only if it is told to."""
 
 
 def find_passed_arguments(
@@ -56,7 +59,8 @@ def find_passed_arguments(
     """Return by name what launch files pass to the arguments of a model.
 
     These are ``launches``, which are checked with it, then those of its package, then those of the repository around that.
-    Among each, a typed value comes before a default, and this before a choice; then the first file counts.
+    Among each, a typed value comes before a default, and this before a choice; then the first file counts. Where an argument
+    of a launch file names the model that it starts, the models beside the default may be started as well.
     """
     real = os.path.realpath(model)
     package = finder.find_package_of(model.absolute())
@@ -150,14 +154,20 @@ class XacroCallReader:
         words = split_command(line)
         if not words or "xacro" not in words[0]:
             return
-        if not any(self.may_mean(word, model) for word in words[1:] if ":=" not in word and not word.startswith("-")):
+        paths = [word for word in words[1:] if ":=" not in word and not word.startswith("-")]
+        if any(self.may_mean(path, model) for path in paths):
+            beside = 0
+        elif any(self.may_start(path, piece, model) for path in paths for piece in pieces):
+            beside = BESIDE
+        else:
             return
         for word in words[1:]:
             name, assigned, value = word.partition(":=")
             if assigned and name.isprintable() and _UNKNOWN not in word:
                 place = _find_piece(texts, f"{name}:=")
                 typed = texts[place].rstrip().endswith(":=") and place + 1 < len(pieces)
-                yield self.make_passed(name, value, pieces[place + 1] if typed else pieces[place])
+                passed = self.make_passed(name, value, pieces[place + 1] if typed else pieces[place])
+                yield replace(passed, rank=passed.rank + beside)
 
     def read_mappings(self, mappings: ast.Dict) -> Iterator[PassedArgument]:
         """Yield the arguments of ``xacro.process_file(…, mappings={…})``."""
@@ -209,6 +219,28 @@ class XacroCallReader:
             return os.path.realpath(path) == model
         pattern = "*".join(map(glob.escape, path.split(_UNKNOWN)))
         return fnmatch.fnmatchcase(model, pattern if pattern.startswith(("*", "/")) else f"*/{pattern}")
+
+    def may_start(self, path: str, piece: ast.expr, model: str) -> bool:
+        """Whether a piece of a command is this path, an argument of the launch file names the file in it, and the model lies
+        beside that of the default."""
+        folder, _, name = path.rpartition("/")
+        if self.evaluate(piece) != path or _UNKNOWN in name or not self.is_named_by_argument(piece):
+            return False
+        same_kind = _get_endings(name) == _get_endings(os.path.basename(model))
+        return same_kind and self.may_mean(f"{folder}/{os.path.basename(model)}" if folder else "", model)
+
+    def is_named_by_argument(self, node: ast.expr) -> bool:
+        """Whether the name of the file in a path is that of an argument of the launch file."""
+        followed = self.texts.follow_name(node)
+        if isinstance(followed, ast.Call) and get_function_name(followed) == "PathJoinSubstitution" and followed.args:
+            elements = self.texts.list_elements(followed.args[0])
+            followed = self.texts.follow_name(elements[-1]) if elements else None
+        return followed is not None and self.texts.get_argument_name(followed) in self.declared
+
+
+def _get_endings(name: str) -> str:
+    """Return all that follows the first dot of a file's name."""
+    return name.partition(".")[2].lower()
 
 
 def _find_piece(texts: Sequence[str], begin: str) -> int:
