@@ -99,9 +99,9 @@ def test_what_is_wrong_with_a_model_is_a_finding_and_what_is_missing_a_failure(t
         ({"samples": 0}, "^samples 0: at least 1"),
         ({"timeout": -1.0}, "^timeout -1: a number of seconds"),
         ({"memory": 10}, "^memory 10: at least 512 MiB"),
-        ({"packages": {"p": "nowhere"}}, "^packages p=nowhere: nowhere is no folder"),
-        ({"package_paths": "nowhere"}, "^package_paths nowhere: is no folder"),
-        ({"allow_read": ["nowhere"]}, "^allow_read nowhere: is no folder"),
+        ({"packages": {"p": "nowhere"}}, "^packages p=nowhere: nowhere is not a folder"),
+        ({"package_paths": "nowhere"}, "^package_paths nowhere: is not a folder"),
+        ({"allow_read": ["nowhere"]}, "^allow_read nowhere: is not a folder"),
         ({"baseline": "nowhere.json"}, "nowhere.json"),
     ],
 )

@@ -9,6 +9,7 @@ from builders import link, robot
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
+from urdfcheck.core.text import format_argument_option
 from urdfcheck.facts.likeness.typed_numbers import find_near_miss
 
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n'
@@ -154,9 +155,31 @@ def test_property_that_is_only_defined_under_conditions_names_them_and_their_arg
     finding = only(xacro(tmp_path, CONDITIONAL, {"XAC001"}))
     assert "only defined if `${side == 'left'}` or if `${side == 'right'}`" in finding.message
     assert finding.fix is not None
-    assert finding.fix.title.startswith("give a value for which it is defined: `--arg prefix:=…`")
-    assert finding.data["remedy"] == "--arg prefix:=…"
+    assert finding.fix.title.startswith("give a value for which it is defined: `--arg prefix:=left`")
+    assert finding.data["remedy"] == "--arg prefix:=left", "a value that a condition names"
     assert not xacro(tmp_path, CONDITIONAL, {"XAC001"}, arguments={"prefix": "left"}).findings
+
+
+@pytest.mark.parametrize(
+    ("conditional", "remedy"),
+    [
+        (CONDITIONAL.replace('default=""', 'default="up"').replace("left", "up' and 0 or side == 'right"), "right"),
+        (CONDITIONAL.replace("== 'left'", "!= ''").replace("== 'right'", "!= ''"), None),
+        (CONDITIONAL.replace("left", "; rm x"), "; rm x"),
+    ],
+    ids=["another than now", "none is named", "quoted for the shell"],
+)
+def test_the_proposed_value_is_another_one_that_a_condition_names(
+    conditional: str, remedy: str | None, tmp_path: Path
+) -> None:
+    assert only(xacro(tmp_path, conditional, {"XAC001"})).data["remedy"] == format_argument_option("prefix", remedy)
+
+
+def test_names_in_a_proposed_command_are_quoted_for_the_shell(tmp_path: Path) -> None:
+    finding = only(xacro(tmp_path, '<link name="$(arg a;id)"/>', {"XAC010"}))
+    assert finding.data["remedy"] == "--arg 'a;id':=…"
+    finding = only(xacro(tmp_path, '<xacro:include filename="$(find p;id)/a.xacro"/>', {"PKG001"}))
+    assert finding.data["remedy"] == "--package 'p;id'=FOLDER"
 
 
 @pytest.mark.parametrize(

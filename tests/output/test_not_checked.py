@@ -9,11 +9,11 @@ import pytest
 from output.runs import ACCEPTED, MODEL, NOT_CHECKED, UNUSED_MACROS, a_run, info
 
 from urdfcheck.cli import FINDINGS, OK, compute_exit_code
-from urdfcheck.core import NotChecked, Run, SkippedCheck
+from urdfcheck.core import ModelInfo, NotChecked, Run, SkippedCheck
 from urdfcheck.output import FORMATS, render, text
 from urdfcheck.output.html.report_folder import iter_report_pages
 from urdfcheck.output.markdown import render_job_summary
-from urdfcheck.output.shared.verdict.not_checked import build_command
+from urdfcheck.output.shared.verdict.not_checked import build_command, group_unchecked
 from urdfcheck.output.shared.verdict.verdict import summarize_verdict
 
 COMMAND = "urdfcheck arm.urdf.xacro --arg side:=…"
@@ -47,7 +47,7 @@ def test_no_findings_is_never_said_where_something_was_not_checked() -> None:
     passed_over = replace(clean, skipped=(SkippedCheck("ALL", "wheel.stl", "no model names this mesh"),))
     unread = replace(clean, models=(info(status="failed"),))
     for run, begin in (
-        (UNUSED_MACROS, "⊘ 1 macro file is used by no model and was not checked"),
+        (UNUSED_MACROS, "⊘ 1 macro file is used by no checked model and was not checked"),
         (passed_over, "⊘ 1 other path was not checked"),
         (unread, "⊘ 1 of 1 model was not checked"),
     ):
@@ -67,6 +67,25 @@ def test_the_command_repeats_the_arguments_and_is_quoted_for_the_shell() -> None
     model = replace(NOT_CHECKED.models[0], path="my arm.xacro", args={"b": "2 3", "a": "1"})
     assert build_command(model) == "urdfcheck 'my arm.xacro' --arg a:=1 --arg 'b:=2 3' --arg side:=…"
     assert build_command(replace(model, not_checked=NotChecked("broken"))) == "", "no option helps a broken file"
+    given = replace(model, args={"side": "up", "tool": ""})
+    assert build_command(given) == "urdfcheck 'my arm.xacro' --arg tool:= --arg side:=…", "one value for each argument"
+
+
+def test_the_command_checks_all_models_with_the_reason() -> None:
+    first = NOT_CHECKED.models[0]
+    others = [replace(first, path=path, id=path) for path in ("b/c.xacro", "b/my d.xacro", "b/e.xacro")]
+
+    def build(*models: ModelInfo) -> str:
+        (group,) = group_unchecked(models)
+        return group.command
+
+    assert build(first, others[0]) == "urdfcheck arm.urdf.xacro b/c.xacro --arg side:=…"
+    assert build(*others) == "urdfcheck b/c.xacro 'b/my d.xacro' b/e.xacro --arg side:=…"
+    assert build(*others, replace(first, path="b/f.xacro")) == "urdfcheck b --arg side:=…", (
+        "many are named by their folder"
+    )
+    assert build(first, *others) == "urdfcheck . --arg side:=…"
+    assert build(first, replace(first, args={"side": "left"})) == "urdfcheck arm.urdf.xacro --arg side:=…"
 
 
 # -- exit code ---------------------------------------------------------------------------------------------------------

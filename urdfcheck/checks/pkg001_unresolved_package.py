@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -60,7 +61,7 @@ def _build_finding(
         severity=Severity.INFO if declared and uses else None,
         consequences=describe_missing_mesh(use.attribute.owner for use in uses) if lost else None,
         package=package,
-        remedy=f"--package {package}=FOLDER" if package and kind == "expansion" else "",
+        remedy=f"--package {shlex.quote(package)}=FOLDER" if package and kind == "expansion" else "",
         files=files,
         amount=format_count(len(files), "file"),
         listed=join_names([_get_path_in_package(f, package) for f in files], 3),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -54,7 +55,7 @@ def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule
     at = locate_expression(subject, problem, "load_yaml")  # xacro evaluates a property where it is first read
     others = [] if at is problem.location else [problem.location]
     related = [*others, *(r for r in problem.related if r.span != at.span)]
-    remedy = f"--allow-read {folder}"
+    remedy = f"--allow-read {shlex.quote(folder)}"
     return rule.finding("read", at=at, related=related, path=path, folder=folder, remedy=remedy)
 
 

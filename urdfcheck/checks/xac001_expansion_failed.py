@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import os
 import re
+import shlex
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import find_nearest_name, format_choices, format_name_hint, join_names
+from urdfcheck.core.text import find_nearest_name, format_argument_option, format_choices, format_name_hint, join_names
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.similar_files import (
@@ -28,6 +29,7 @@ from urdfcheck.source.path_arguments import (
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.usage import (
+    Condition,
     collect_macros,
     collect_properties,
     find_conditions,
@@ -38,6 +40,7 @@ from urdfcheck.source.xacro.usage import (
 
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
 # The error of an empty file name: xacro then opens its folder as a file.
+_LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
 
 
@@ -133,7 +136,7 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         conditions = find_conditions(trees, name, failure.problem.location.span)
         if conditions:
             why = f"; it is only defined {' or '.join(map(str, conditions))}"
-            options = " ".join(f"--arg {a}:=…" for a in list_condition_arguments(trees, conditions))
+            options = _choose_values(failure.source, conditions)
             repair = "define it in all other cases too"
             repair = f"give a value for which it is defined: `{options}`; or {repair}" if options else repair
         extra = tuple(a.location for a in defined[name])
@@ -145,6 +148,23 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
     return _build_report_at_expression(
         failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options
     )
+
+
+def _choose_values(source: Source, conditions: Iterable[Condition]) -> str:
+    """Return the options of the command that give the arguments of conditions other values: those that the conditions name."""
+    conditions = tuple(conditions)
+    literals = {value for c in conditions for _, value in _LITERAL.findall(c.element.get("value"))}
+    from urdfcheck.source.xacro.argument_values import find_argument_choices  # only what is missing asks for it
+
+    known = {choice.name: choice for choice in find_argument_choices(source.path, source.finder)}
+    options = []
+    for name in list_condition_arguments(source.trees, conditions):
+        choice = known.get(name)
+        values = () if choice is None else choice.values
+        now = source.arguments.get(name, None if choice is None else choice.default)
+        value = next((v for v in values if v in literals and v != now), None)
+        options.append(format_argument_option(name, value))
+    return " ".join(options)
 
 
 def _explain_undefined_argument(failure: _ExpansionFailure, name: str, declared: Iterable[str]) -> _FailureReport:
@@ -263,7 +283,7 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         return None
     told = guilty or empty
     choices = list_other_values(source, told[0], missing) if guilty and len(told) == 1 else []
-    options = " ".join(f"--arg {argument.name}:={choices[0] if choices else '…'}" for argument in told)
+    options = " ".join(format_argument_option(argument.name, choices[0] if choices else None) for argument in told)
     return _build_report(
         failure,
         "argument-leads-nowhere" if guilty else "argument-empty",
@@ -311,7 +331,7 @@ def _explain_bad_condition(failure: _ExpansionFailure, match: re.Match[str]) -> 
 def _explain_environment(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
     message = "environment" if match.group(2) == "set" else "environment-unread"
     name = match.group(1)
-    remedy = f"--env {name}" if message == "environment-unread" else ""
+    remedy = f"--env {shlex.quote(name)}" if message == "environment-unread" else ""
     return _build_report_at_expression(failure, message, name=name, remedy=remedy)
 
 

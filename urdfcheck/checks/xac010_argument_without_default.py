@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import format_choices
+from urdfcheck.core.text import format_argument_option, format_choices
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.xacro.usage import find_unprefixed_tags, iter_elements_by_tag
 
@@ -22,7 +22,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         from urdfcheck.source.xacro.argument_values import find_argument_choices  # only what is missing asks for it
 
         known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
-        options = " ".join(f"--arg {n}:={known[n][0] if n in known else '…'}" for n in missing)
+        options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)
         yield rule.finding(
             "too-late" if declared else "missing",
             at=at,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -49,5 +50,5 @@ def _check_ignored(source: Source, rule: Rule) -> Iterator[Finding]:
         amount=format_count(len(names), "variable"),
         was="was" if len(names) == 1 else "were",
         listed=join_names(names, 5),
-        options=" ".join(f"--env {name}" for name in names[:5]) + (" …" if len(names) > 5 else ""),
+        options=" ".join(f"--env {shlex.quote(name)}" for name in names[:5]) + (" …" if len(names) > 5 else ""),
     )

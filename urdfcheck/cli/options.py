@@ -214,7 +214,11 @@ def _drop_unusable_cache(request: Request) -> Request:
 
 
 def _split_pair(text: str, separator: str, option: str, *, value: str = "VALUE") -> tuple[str, str]:
+    from urdfcheck.core.text import TO_FILL_IN
+
     name, assigned, rest = text.partition(separator)
     if not assigned or not name:
         raise UrdfcheckError(f"{option} {text}: write NAME{separator}{value}")
+    if rest == TO_FILL_IN:  # a command that a report proposes
+        raise UrdfcheckError(f"{option} {text}: write the value of {name} in place of {TO_FILL_IN}")
     return name, rest

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import difflib
 import re
+import shlex
 from collections.abc import Collection, Iterable
 
 # A name this much like another is a slip of it. `leftThumbMotorRoll` may mean `leftThumbRoll`, which is worth a question, but
 # their likeness is 0.84, as between many parts of one robot.
 SLIP_LIKENESS = 0.85
+# What stands in a proposed command in place of a value that nobody but the user knows.
+TO_FILL_IN = "…"
 _DIGITS = re.compile(r"\d")
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
@@ -100,3 +103,8 @@ def truncate_text(text: str, most: int) -> str:
 def format_choices(values: Collection[str], most: int = 6) -> str:
     """Return ``; there are a, b and 2 more``; empty without values."""
     return f"; there {'is' if len(values) == 1 else 'are'} {join_names(values, most)}" if values else ""
+
+
+def format_argument_option(name: str, value: str | None = None) -> str:
+    """Return ``--arg name:=value`` quoted for a shell, as names and values are a stranger's; ``…`` is to be filled in."""
+    return f"--arg {shlex.quote(name)}:={TO_FILL_IN}" if value is None else f"--arg {shlex.quote(f'{name}:={value}')}"

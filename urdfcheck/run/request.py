@@ -210,14 +210,15 @@ def _resolve_packages(options: RunOptions) -> dict[str, Path]:
     for name, folder in options.packages.items():
         if not Path(folder).is_dir():
             text = os.fspath(folder)
-            raise UrdfcheckError(f"{options.spell('packages')} {name}={text}: {text} is no folder")
+            hint = f"; write the folder of package {name} in its place" if text == "FOLDER" else ""
+            raise UrdfcheckError(f"{options.spell('packages')} {name}={text}: {text} is not a folder{hint}")
     return {name: Path(folder).absolute() for name, folder in options.packages.items()}
 
 
 def _resolve_folders(folders: Sequence[AnyPath], option: str) -> tuple[Path, ...]:
     for folder in folders:
         if not Path(folder).is_dir():
-            raise UrdfcheckError(f"{option} {os.fspath(folder)}: is no folder")
+            raise UrdfcheckError(f"{option} {os.fspath(folder)}: is not a folder")
     return tuple(map(Path, folders))
 
 

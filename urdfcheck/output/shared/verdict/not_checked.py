@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from urdfcheck.core import Finding, ModelInfo, Run
+from urdfcheck.core.text import format_argument_option
 from urdfcheck.output.shared.wording import format_count, join_first
 
 GLYPH = "⊘"
 STATUS_WORDS = {"needs-arguments": "needs arguments"}
+# A command names more models than this by their folder.
+_MOST_PATHS = 3
 # How models that were not checked are accepted.
 ACCEPTANCE = "--unchecked warning, or unchecked = [PATTERNS] in urdfcheck.toml"
 
@@ -22,7 +27,7 @@ class UncheckedGroup:
     models: tuple[ModelInfo, ...]
     reason: str
     command: str
-    """The command that may check the first of them; empty where a file must be repaired first."""
+    """The command that may check them; empty where a file must be repaired first."""
 
 
 def is_accepted(info: ModelInfo) -> bool:
@@ -47,9 +52,7 @@ def build_command(info: ModelInfo) -> str:
     """Return the command that may check a model; empty where no option of it does."""
     if info.not_checked is None or not info.not_checked.remedy:
         return ""
-    given = (f"--arg {shlex.quote(f'{name}:={value}')}" for name, value in sorted(info.args.items()))
-    # The remedy holds places to fill in, which the shell must not get.
-    return " ".join(("urdfcheck", shlex.quote(info.path), *given, info.not_checked.remedy))
+    return _join_command([info], info.not_checked.remedy)
 
 
 def group_unchecked(models: Iterable[ModelInfo]) -> list[UncheckedGroup]:
@@ -57,18 +60,49 @@ def group_unchecked(models: Iterable[ModelInfo]) -> list[UncheckedGroup]:
     groups: dict[str, list[ModelInfo]] = {}
     for info in models:
         groups.setdefault(explain_unchecked(info), []).append(info)
-    return [UncheckedGroup(tuple(alike), reason, build_command(alike[0])) for reason, alike in groups.items()]
+    return [UncheckedGroup(tuple(alike), reason, _build_shared_command(alike)) for reason, alike in groups.items()]
+
+
+def _build_shared_command(models: Sequence[ModelInfo]) -> str:
+    """Return the command that may check models with one cause: the first alone where the others need another command."""
+    first, remedy = models[0], "" if models[0].not_checked is None else models[0].not_checked.remedy
+    alike = [m for m in models if m.args == first.args and m.not_checked is not None and m.not_checked.remedy == remedy]
+    return _join_command(alike, remedy) if remedy else ""
+
+
+def _join_command(models: Iterable[ModelInfo], remedy: str) -> str:
+    """Return the command that checks models that have the same arguments, with further options."""
+    models = tuple(models)
+    paths = [shlex.quote(path) for path in _list_paths(models)]
+    # The remedy may give an argument another value.
+    others = {name: value for name, value in models[0].args.items() if name not in _list_arguments(remedy)}
+    options = (format_argument_option(name, value) for name, value in sorted(others.items()))
+    # The remedy holds places to fill in, which the shell must not get.
+    return " ".join(("urdfcheck", *paths, *options, remedy))
+
+
+def _list_paths(models: Sequence[ModelInfo]) -> list[str]:
+    """Return what to name so that models are checked: their files, or the folder that holds many of them."""
+    paths = list(dict.fromkeys(m.path for m in models))
+    if len(paths) <= _MOST_PATHS or models[0].args or len({os.path.isabs(path) for path in paths}) > 1:
+        return paths
+    return [os.path.commonpath(paths) or "."]
+
+
+def _list_arguments(remedy: str) -> set[str]:
+    """Return the names of the arguments that the options of a remedy give."""
+    words = shlex.split(remedy)
+    return {value.partition(":=")[0] for option, value in pairwise(words) if option == "--arg"}
 
 
 def describe_unused_macros(run: Run) -> str:
-    """Return ``70 macro files are used by no model and were not checked``; empty if all are used."""
+    """Return ``70 macro files are used by no checked model and were not checked``; empty if all are used."""
     count = len(run.unused_macro_files)
     if not count:
         return ""
     are, were = ("is", "was") if count == 1 else ("are", "were")
-    # A model that was not checked may use them.
-    model = "checked model" if run.unchecked_models else "model"
-    return f"{format_count(count, 'macro file')} {are} used by no {model} and {were} not checked"
+    # A model that was not checked may use them, and one that was checked with other arguments.
+    return f"{format_count(count, 'macro file')} {are} used by no checked model and {were} not checked"
 
 
 def describe_not_checked(run: Run) -> str:
