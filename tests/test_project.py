@@ -69,19 +69,45 @@ def _family_order(page: str) -> tuple[int, str]:
     return families.index(page[:3]), page
 
 
-def test_readme_names_every_option_and_exit_code() -> None:
-    readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+def test_the_page_about_the_command_line_is_current() -> None:
+    sys.path.insert(0, str(REPOSITORY / "tools"))
+    try:
+        import make_command_page
+    finally:
+        sys.path.pop(0)
+    current = make_command_page.PAGE.read_text(encoding="utf-8") == make_command_page.render_page()
+    assert current, f"{make_command_page.PAGE.name} is stale: make reports"
+
+
+def test_the_documentation_names_every_option_and_exit_code() -> None:
+    """Does not ask the generator of the page about the command line."""
+    page = (REPOSITORY / "docs" / "command-line.md").read_text(encoding="utf-8")
     options = {s for action in build_parser()._actions for s in action.option_strings if s.startswith("--")}
-    missing = {o for o in options - {"--help", "--version"} if o not in readme}
-    assert not missing
+    assert not {o for o in options - {"--help"} if o not in page}
+    gate = (REPOSITORY / "docs" / "continuous-integration.md").read_text(encoding="utf-8")
     for code in (cli.OK, cli.FINDINGS, cli.FAILED, cli.NOTHING):
-        assert re.search(rf"^\| {code} \|", readme, re.MULTILINE), f"exit code {code}"
+        assert re.search(rf"^\| {code} \|", gate, re.MULTILINE), f"exit code {code}"
+
+
+def test_the_index_of_the_documentation_lists_every_page() -> None:
+    index = (REPOSITORY / "docs" / "README.md").read_text(encoding="utf-8")
+    pages = {path.name for path in (REPOSITORY / "docs").glob("*.md")} - {"README.md"}
+    assert {page for page in pages if f"]({page})" not in index} == set()
+
+
+def test_the_readme_shows_an_example_of_every_family_of_rules() -> None:
+    """Of all but the rules about urdfcheck itself; short enough to be read."""
+    readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+    families = {path.name[:3] for path in (REPOSITORY / "rules").glob("[A-Z]*-*.md")} - {"URC"}
+    assert {family for family in families if not re.search(rf"^\| {family} \|", readme, re.MULTILINE)} == set()
+    assert len(readme.splitlines()) <= 125
 
 
 def test_documents_name_only_rules_that_exist() -> None:
     known = {path.name[:6] for path in (REPOSITORY / "rules").glob("[A-Z]*-*.md")}
     code = re.compile(rf"\b(?:{'|'.join(sorted({c[:3] for c in known}))})\d{{3}}\b")
-    for path in [REPOSITORY / "README.md", REPOSITORY / "CHANGELOG.md", REPOSITORY / "SECURITY.md"]:
+    pages = (REPOSITORY / "docs").glob("*.md")
+    for path in [*(REPOSITORY / f"{name}.md" for name in ("README", "CHANGELOG", "SECURITY")), *pages]:
         named = set(code.findall(path.read_text(encoding="utf-8")))
         assert named <= known, f"{path.name} names {sorted(named - known)}"
 
@@ -101,7 +127,7 @@ def test_no_family_of_rules_is_overlooked_in_the_documents(family: str, monkeypa
 
 
 def test_links_between_documents_lead_somewhere() -> None:
-    for path in [*REPOSITORY.glob("*.md"), *(REPOSITORY / "rules").glob("*.md")]:
+    for path in [*REPOSITORY.glob("*.md"), *(REPOSITORY / "docs").glob("*.md"), *(REPOSITORY / "rules").glob("*.md")]:
         for target in re.findall(r"\]\((?!https?:|#|mailto:)([^)#\s]+)", path.read_text(encoding="utf-8")):
             assert (path.parent / target).exists(), f"{path.name}: {target}"
 

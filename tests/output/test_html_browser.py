@@ -333,6 +333,39 @@ def test_the_theme_is_chosen_and_kept(browser: Any, plain: str) -> None:
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(16, 19, 22)"
 
 
+def test_links_to_sections_lead_there(browser: Any, tmp_path: Path) -> None:
+    """On a long page whose cards get their height as they are drawn, for readers who like motion too."""
+    path = tmp_path / "long.html"
+    long = "it does not fit, " * 60
+    many = [about(f"l{i}", message=f"number {i} " + long * (i % 4), message_id=str(i)) for i in range(120)]
+    path.write_text(render(a_run(*many, scenes=())), encoding="utf-8")
+    page = opened(browser, path.as_uri(), viewport={"width": 1440, "height": 900}, reduced_motion="no-preference")
+    sections = page.eval_on_selector_all(".bar nav a", "all => all.map((a) => a.hash).filter((hash) => hash)")
+    assert len(sections) >= 3
+
+    def measure_distance(section: str) -> float:
+        """Pixels from the place below the bar to the section, or to where the end of the page lets it be."""
+        page.wait_for_timeout(300)
+        distance: float = page.evaluate(
+            """section => {
+              const wanted = parseFloat(getComputedStyle(document.documentElement).scrollPaddingTop);
+              const end = document.documentElement.scrollHeight - innerHeight - scrollY;
+              return Math.min(document.querySelector(section).getBoundingClientRect().top - wanted, Math.max(end, 0) || 0);
+            }""",
+            section,
+        )
+        return distance
+
+    for section in [*sections, *reversed(sections)]:
+        page.click(f".bar nav a[href='{section}']")
+        assert abs(measure_distance(section)) <= 20, section
+    for section in sections:
+        page.goto(f"{path.as_uri()}{section}")
+        page.reload()
+        assert abs(measure_distance(section)) <= 20, section
+    assert page.said[:1] == []
+
+
 def test_thousands_of_findings_stay_usable(browser: Any, tmp_path: Path) -> None:
     """What takes the square of their number would take minutes here."""
     path = tmp_path / "many.html"

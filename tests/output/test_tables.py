@@ -6,9 +6,10 @@ import re
 
 import pytest
 from output.documents import Document, read
-from output.runs import IDENTITY, make_inertia, make_joint, make_link, scene
+from output.runs import IDENTITY, finding, make_inertia, make_joint, make_link, rule, scene
 
 from urdfcheck.core.scene import Scene, SceneInertia, SceneMesh, SceneShape
+from urdfcheck.output.html.tables.consumers_table import render_consumers_table
 from urdfcheck.output.html.tables.joints_table import render_joints_table
 from urdfcheck.output.html.tables.meshes_table import render_meshes_table
 from urdfcheck.output.html.tables.physics_table import render_physics_table
@@ -172,3 +173,21 @@ def test_names_can_be_found_by_the_pages_script() -> None:
     found = read(tables)
     assert [a["data-link"] for _, a in found.tags if "data-link" in a] == [name, "l0", "base", name]
     assert [a["data-joint"] for _, a in found.tags if "data-joint" in a] == [name, "m"]
+
+
+# -- programs ----------------------------------------------------------------------------------------------------------
+
+
+def test_what_becomes_of_a_launch_stands_beside_what_becomes_of_the_model() -> None:
+    """The model itself loads in Gazebo, and the launch file starts no robot there."""
+    launch = rule("LCH002", "spawn-arguments", scopes=("launch",))
+    broken = finding(code="LCH002", consequences={"gazebo": "starts the world without the robot"})
+    rules = {"INR003": rule(), "LCH002": launch}
+    told = {row[0]: row[1:] for row in rows(render_consumers_table([finding(), broken], rules))}
+    assert told["Gazebo"][0].endswith("loads it as typed")
+    assert re.search(r"starts the world without the robot \(\s*LCH002\s*\)", told["Gazebo"][2])
+    assert told["RViz"][2] == "—"
+
+
+def test_without_findings_of_launch_files_there_is_no_word_of_them() -> None:
+    assert {len(row) for row in rows(render_consumers_table([finding()], {"INR003": rule()}))} == {3}

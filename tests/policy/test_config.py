@@ -463,9 +463,9 @@ class TestPlaces:
         assert at["after",] == text.count("\n") - 2
 
 
-def test_the_example_of_the_readme_is_right(tmp_path: Path) -> None:
-    readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
-    (text,) = (block.partition("```")[0] for block in readme.split("```toml\n")[1:])
+def test_the_example_of_the_documentation_is_right(tmp_path: Path) -> None:
+    page = (REPOSITORY / "docs" / "configure.md").read_text(encoding="utf-8")
+    (text,) = (block.partition("```")[0] for block in page.split("```toml\n")[1:])
     for folder in ("vendor", "assets/meshes_package", "urdf"):
         (tmp_path / folder).mkdir(parents=True)
     write(tmp_path / "urdf/arm.urdf.xacro", XACRO)

@@ -74,52 +74,58 @@ _OPTIONS = (
     _make_option(
         "--select", _CHECKING, action="append", metavar="CODES", help="only these rules: codes, prefixes, names, tags"
     ),
-    _make_option("--ignore", _CHECKING, action="append", metavar="CODES", help="not these rules"),
+    _make_option("--ignore", _CHECKING, action="append", metavar="CODES", help="all but these rules"),
     _make_option(
         "--fail-on",
         _DROPPING,
         choices=("error", "warning", "info", "never"),
-        help="exit 1 from here on (default: error)",
+        help="exit 1 for findings of this severity or above (default: error)",
     ),
     _make_option(
         "--unchecked",
         _DROPPING,
         choices=("error", "warning"),
-        help="how bad it is that a model cannot be checked (default: error; warning accepts it)",
+        help="severity of a model that cannot be checked (default: error; warning accepts it)",
     ),
-    _make_option("--arg", _ALL, **_REPEATED, metavar="NAME:=VALUE", help="xacro argument for all models"),
-    _make_option("--package", _ALL, **_REPEATED, metavar="NAME=DIR", help="where a ROS package is"),
-    _make_option("--package-path", _ALL, **_REPEATED, metavar="DIR", help="folder that holds packages"),
-    _make_option("--allow-read", _ALL, **_REPEATED, metavar="DIR", help="folder whose files may be opened too"),
-    _make_option("--env", _ALL, **_REPEATED, metavar="NAME", help="environment variable that xacro may read"),
+    _make_option("--arg", _ALL, **_REPEATED, metavar="NAME:=VALUE", help="xacro argument, for all models (repeatable)"),
+    _make_option("--package", _ALL, **_REPEATED, metavar="NAME=DIR", help="where a ROS package is (repeatable)"),
+    _make_option("--package-path", _ALL, **_REPEATED, metavar="DIR", help="folder that holds packages (repeatable)"),
+    _make_option(
+        "--allow-read", _ALL, **_REPEATED, metavar="DIR", help="another folder whose files may be opened (repeatable)"
+    ),
+    _make_option(
+        "--env", _ALL, **_REPEATED, metavar="NAME", help="another environment variable that xacro may read (repeatable)"
+    ),
     _make_option(
         "--isolated",
         _ALL,
         action="store_true",
-        help="heed no configuration, comment or baseline of the repository (for gates: they may be a stranger's)",
+        help="ignore configurations, comments and baselines of the repository (for gates: a stranger may have written them)",
     ),
-    _make_option("--no-cache", _ALL, action="store_true", help="keep no measurements and use none that were kept"),
-    _make_option("--timeout", _ALL, type=float, metavar="SECONDS", help="for one model (default: 300; 0: none)"),
-    _make_option("--memory", _ALL, type=int, metavar="MIB", help="for one model (default: 4096)"),
+    _make_option("--no-cache", _ALL, action="store_true", help="neither read nor write the cache"),
+    _make_option("--timeout", _ALL, type=float, metavar="SECONDS", help="limit for one model (default: 300; 0: none)"),
+    _make_option("--memory", _ALL, type=int, metavar="MIB", help="limit for one model (default: 4096)"),
     _make_option(
         "--all-args",
         _DROPPING,
         action="store_true",
-        help="each xacro with all values that its text has for its arguments",
+        help="check each xacro with all values that its files offer for its arguments",
     ),
     _make_option(
         "--target",
         (*_DROPPING, "engines"),
         metavar="NAMES",
-        help="who will read the model: gazebo, mujoco, drake, …; what one of them refuses is an error",
+        help="programs that will read the model (gazebo, mujoco, drake, …): what one of them rejects or drops is an error",
     ),
     _make_option(
-        "--baseline", _DROPPING, type=Path, metavar="FILE", help="findings that are known (see urdfcheck baseline)"
+        "--baseline", _DROPPING, type=Path, metavar="FILE", help="file of accepted findings (see urdfcheck baseline)"
     ),
     _make_option(
-        "--thorough", _DROPPING, action="store_true", help="look at 5,000 configurations of the joints instead of 200"
+        "--thorough", _DROPPING, action="store_true", help="sample 5,000 configurations of the joints instead of 200"
     ),
-    _make_option("--jobs", _ALL, type=int, metavar="N", help="models checked at the same time (default: the cores)"),
+    _make_option(
+        "--jobs", _ALL, type=int, metavar="N", help="models checked at the same time (default: number of cores)"
+    ),
     _make_option("--allow-empty", _CHECKING, action="store_true", help="exit 0 when there is nothing to check"),
 )
 

@@ -60,7 +60,7 @@ def build_parser() -> argparse.ArgumentParser:
     p.add_argument(
         "--stdin-filename",
         metavar="FILE",
-        help="what standard input (-) is called, and where: packages and configurations are looked for from there",
+        help="name of what comes through standard input (-): packages and configurations are looked for from its folder",
     )
     p.add_argument(
         "--format",
@@ -81,18 +81,18 @@ def build_parser() -> argparse.ArgumentParser:
     p.add_argument(
         "--fix",
         action="store_true",
-        help="apply the safe fixes, check again, and report what remains; a fix that makes anything worse is not made",
+        help="apply the safe fixes, check again, and report what remains; a fix that makes anything worse is left out",
     )
     p.add_argument(
-        "--unsafe-fixes", action="store_true", help="with --fix or --diff: those that may change what is meant too"
+        "--unsafe-fixes", action="store_true", help="with --fix or --diff: also the fixes that may change the meaning"
     )
     p.add_argument(
         "--diff",
         action="store_true",
-        help="print what --fix would change, even in files that cannot be written, not a report; exit 1 when there is something",
+        help="print the patch that --fix would apply, and no report; exit 1 when there is one",
     )
     p.add_argument(
-        "--watch", action="store_true", help="check again whenever a file is saved that matters, until Ctrl-C"
+        "--watch", action="store_true", help="check again whenever a file of the model is saved, until Ctrl-C"
     )
     _add_detail_options(p)
     p.add_argument(
@@ -105,14 +105,10 @@ def build_parser() -> argparse.ArgumentParser:
 def _add_detail_options(parser: argparse.ArgumentParser) -> None:
     """Add the options for how much of the findings is printed."""
     detail = parser.add_mutually_exclusive_group()
+    detail.add_argument("-v", "--verbose", action="store_true", help="print infos in full too")
+    detail.add_argument("-q", "--quiet", action="store_true", help="errors, warnings, failures and the last line only")
     detail.add_argument(
-        "-v", "--verbose", action="store_true", help="tell everything about infos too, as about the others"
-    )
-    detail.add_argument(
-        "-q", "--quiet", action="store_true", help="errors, warnings, what failed, and one line at the end"
-    )
-    detail.add_argument(
-        "--statistics", action="store_true", help="a table of how often each rule fired, not the findings"
+        "--statistics", action="store_true", help="print how often each rule fired instead of the findings"
     )
 
 

@@ -498,4 +498,23 @@ const watch = new IntersectionObserver(
 for (const section of ways.keys()) watch.observe(section);
 
 follow();
+
+// What is above a section gets its height as it is drawn, after the browser's own jump: go on until the section stays.
+function arrive(section, tries = 20) {
+  const before = section.getBoundingClientRect().top;
+  section.scrollIntoView({ block: "start" });
+  if (tries && (tries > 17 || Math.abs(section.getBoundingClientRect().top - before) > 1))
+    requestAnimationFrame(() => arrive(section, tries - 1));
+}
+
+function arriveAtAddress() {
+  const section = by(location.hash.slice(1));
+  if (section && !section.closest(".card")) arrive(section);
+}
+addEventListener("load", arriveAtAddress);
+addEventListener("hashchange", arriveAtAddress);
+document.addEventListener("click", ({ target }) => {
+  const link = target.closest('a[href^="#"]');
+  if (link && link.hash === location.hash) arriveAtAddress(); // no change of the address
+});
 }
