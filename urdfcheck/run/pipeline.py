@@ -28,7 +28,7 @@ from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, Uni
 from urdfcheck.run.source_texts import SourceTexts
 from urdfcheck.run.unit_audit import audit_unit
 from urdfcheck.run.units.included_parts import (
-    explain_unchecked_parts,
+    assign_parts,
     find_read_spares,
     leave_out_blamed_parts,
     list_next_units,
@@ -36,7 +36,6 @@ from urdfcheck.run.units.included_parts import (
 from urdfcheck.run.units.unchecked import build_stopped_report
 from urdfcheck.run.units.variants import format_arguments, propose_smaller_variants
 from urdfcheck.source.discover import discover_targets
-from urdfcheck.source.model_role import MODEL
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.plan import Plan
 from urdfcheck.source.planning_budget import PlanningBudget
@@ -120,8 +119,8 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
                 units += propose_smaller_variants(units, reports)
     spared = find_read_spares(units, reports)
     audited_units = [(u, reports[i]) for i, u in enumerate(units) if i in reports]
-    plan = replace(plan, unused=(*plan.unused, *explain_unchecked_parts(audited_units)))
-    audited_units = [(u, report) for u, report in audited_units if report.role == MODEL]
+    audited_units, unused = assign_parts(audited_units)
+    plan = replace(plan, unused=(*plan.unused, *unused))
     audited_units = leave_out_blamed_parts(audited_units)
     outcome = build_run(request, plan, audited_units=audited_units, seconds=time.perf_counter() - start)
     if len(reports) + len(spared) < len(units):

@@ -143,6 +143,8 @@ class _UnitAudit:
         """Expand a model, check its text, then the robot, then the launch files that lead to it."""
         source = self.source = self.load_source()
         self.role = find_model_role(source, is_part=self.unit.is_part, is_tentative=self.unit.is_tentative)
+        if self.role.must_be_checked:
+            self.report_part(source)
         if self.role != MODEL:
             return
         is_unbound = source.is_part and bool(source.find_problems("prefix"))
@@ -159,6 +161,14 @@ class _UnitAudit:
         self.audit_launches(model)
         self.info = _describe_model(self.unit, source, model)
         self.build_extras(model)
+
+    def report_part(self, source: Source) -> None:
+        """Say that a part was not checked by itself: it is told if no model turns out to be made of it."""
+        root = source.root if source.root is not None else source.main_tree
+        at = locate_unit(self.unit) if root is None else root
+        finding = load_rules()["XML002"].finding("part", at=at, reason=self.role.reason)
+        self.findings.append(mark_cause(replace(finding, model=self.unit.id), self.policy))
+        self.unread_status = "failed"
 
     def report_causes(self, source: Source) -> None:
         """Report why there is no model, whatever the configuration says of these rules, and what they find beside that."""
