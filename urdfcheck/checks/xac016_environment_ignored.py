@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.xacro.argument_values import VARIABLE
+from urdfcheck.source.other_environments import depends_on_set_order, get_variable
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -17,20 +16,19 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     if decisions:
         names = sorted({str(p.data["variable"]) for p in decisions})
         first, *others = dict.fromkeys(p.location for p in decisions)
-        told = [f"{name} is {_get_value(source, name)}" for name in names]
+        told = [f"{name} is {get_variable(source, name) or 'not set'}" for name in names]
         yield rule.finding("decides", at=first, related=others[:9], variables=names, listed=join_names(told))
     places = source.find_problems("place-decides")
     if places:
         first, *others = dict.fromkeys(p.location for p in places)
-        yield rule.finding("place", at=first, related=others[:9], severity=Severity.WARNING)
+        yield rule.finding("place", at=first, related=others[:9], severity=Severity.ERROR)
     orders = source.find_problems("order-decides")
     if orders:
         first, *others = dict.fromkeys(p.location for p in orders)
-        yield rule.finding("order", at=first, related=others[:9])
-
-
-def _get_value(source: Source, name: str) -> str:
-    return source.arguments.get(f"{VARIABLE}{name}") or os.environ.get(name) or "not set"
+        if depends_on_set_order(source):
+            yield rule.finding("random", at=first, related=others[:9], severity=Severity.ERROR)
+        else:
+            yield rule.finding("order", at=first, related=others[:9])
 
 
 def _check_ignored(source: Source, rule: Rule) -> Iterator[Finding]:

@@ -34,7 +34,7 @@ from urdfcheck.run.units.included_parts import (
     list_next_units,
 )
 from urdfcheck.run.units.unchecked import build_stopped_report
-from urdfcheck.run.units.variants import format_arguments, propose_smaller_variants
+from urdfcheck.run.units.variants import format_arguments, propose_other_environments, propose_smaller_variants
 from urdfcheck.source.discover import discover_targets
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.plan import Plan
@@ -117,6 +117,8 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
             execution = execution.without_start()
             if request.all_arguments and not list_next_units(units, reports):
                 units += propose_smaller_variants(units, reports)
+            elif not request.all_arguments:
+                units += propose_other_environments(units, reports)
     spared = find_read_spares(units, reports)
     audited_units = [(u, reports[i]) for i, u in enumerate(units) if i in reports]
     audited_units, unused = assign_parts(audited_units)

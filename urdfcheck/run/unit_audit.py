@@ -43,6 +43,7 @@ from urdfcheck.run.units.unchecked import explain_unchecked, locate_unit, mark_c
 from urdfcheck.source.launch.launch_file import Launch, load_launch
 from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.model_role import MODEL, collect_robot_files, find_model_role
+from urdfcheck.source.other_environments import find_other_environments
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.resources import find_uninstalled_files
@@ -109,6 +110,7 @@ class _UnitAudit:
         self.source: Source | None = None
         self.role = MODEL
         self.unread_status = ""
+        self.other_environments: list[dict[str, str]] = []
         self.shortener = PathShortener(self.list_machine_folders(), self.is_typed)
         self.rules = {c: r for c, r in load_rules().items() if c in self.policy.codes and has_check(r)}
 
@@ -148,6 +150,7 @@ class _UnitAudit:
         if self.role != MODEL:
             return
         is_unbound = source.is_part and bool(source.find_problems("prefix"))
+        self.other_environments = find_other_environments(source)
         if source.root is None or source.root.tag != "robot" or is_unbound:
             self.unread_status = "needs-arguments" if source.find_problems("argument-missing") else "failed"
             self.report_causes(source)
@@ -411,6 +414,7 @@ class _UnitAudit:
             expanded_files=frozenset() if self.source is None else frozenset(self.source.trees),
             robot_files=frozenset() if self.source is None else collect_robot_files(self.source),
             role=self.role,
+            other_environments=tuple(self.other_environments),
             undeclared=None if self.source is None else _find_undeclared_arguments(self.source),
         )
 
