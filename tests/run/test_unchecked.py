@@ -16,7 +16,7 @@ import pytest
 from conftest import check, command, make_request
 
 import urdfcheck
-from urdfcheck.cli import FAILED, FINDINGS, OK, compute_exit_code
+from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, compute_exit_code, main
 from urdfcheck.core import Finding, Run, Severity
 from urdfcheck.output import text
 from urdfcheck.policy.limits import ResourceLimits
@@ -406,3 +406,29 @@ def test_from_python(tmp_path: Path) -> None:
     assert [str(f.severity) for f in run.findings] == ["warning"]
     with pytest.raises(urdfcheck.UrdfcheckError, match="unchecked never: one of error, warning"):
         urdfcheck.check(tmp_path, unchecked="never")
+
+
+@pytest.mark.parametrize("name", ["srdf", "engines", "drop"])
+def test_a_command_for_one_model_accepts_that_it_is_not_checked(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It says why all the same; without ``unchecked`` there is nothing that it could write, and it fails."""
+    if name == "drop":
+        pytest.importorskip("mujoco")
+    path = str(write(tmp_path, CASES["XAC010"]) / "robot.urdf.xacro")
+    assert main([name, path]) == FAILED
+    capsys.readouterr()
+    assert main([name, path, "--unchecked", "warning"]) == OK
+    said = capsys.readouterr().err
+    assert "robot.urdf.xacro" in said
+    assert "(accepted)" in said
+    write(tmp_path, {"urdfcheck.toml": 'unchecked = ["robot.*"]\n'})
+    assert main([name, path]) == OK
+    assert main([name, path, "--isolated"]) == FAILED
+
+
+def test_an_empty_folder_is_accepted_by_every_command_that_takes_folders(tmp_path: Path) -> None:
+    (tmp_path / "docs").mkdir()
+    pytest.importorskip("mujoco")
+    assert main(["drop", str(tmp_path)]) == NOTHING
+    assert main(["drop", str(tmp_path), "--allow-empty"]) == OK

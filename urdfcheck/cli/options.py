@@ -15,6 +15,7 @@ from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
     from urdfcheck.policy.config import Config
+    from urdfcheck.policy.policy import Policy
     from urdfcheck.run.jobs import Request
     from urdfcheck.run.request import RunOptions
 
@@ -83,7 +84,7 @@ _OPTIONS = (
     ),
     _make_option(
         "--unchecked",
-        _DROPPING,
+        _ALL,
         choices=("error", "warning"),
         help="how bad it is that a model cannot be checked (default: error; warning accepts it)",
     ),
@@ -120,7 +121,7 @@ _OPTIONS = (
         "--thorough", _DROPPING, action="store_true", help="look at 5,000 configurations of the joints instead of 200"
     ),
     _make_option("--jobs", _ALL, type=int, metavar="N", help="models checked at the same time (default: the cores)"),
-    _make_option("--allow-empty", _CHECKING, action="store_true", help="exit 0 when there is nothing to check"),
+    _make_option("--allow-empty", _DROPPING, action="store_true", help="exit 0 when there is nothing to check"),
 )
 
 
@@ -186,12 +187,10 @@ def build_request(options: argparse.Namespace, *, scene: bool = False) -> tuple[
     return _drop_unusable_cache(request), config
 
 
-def build_access_request(
-    options: argparse.Namespace, path: str, codes: frozenset[str]
-) -> tuple[Request, tuple[str, ...]]:
+def build_access_request(options: argparse.Namespace, path: str, codes: frozenset[str]) -> tuple[Request, Policy]:
     """Resolve the options and the configuration for one path, of a command that selects the rules itself.
 
-    Also return the programs that will read the model.
+    Also return the settings that hold for it.
     """
     from urdfcheck.run.request import make_access_request, make_config_resolver
 
@@ -199,7 +198,7 @@ def build_access_request(
     resolver = make_config_resolver(run_options)
     config = resolver.for_path(Path(path))
     request = _drop_unusable_cache(make_access_request(run_options, config, codes))
-    return request, resolver.resolve(config, Path(path)).policy.targets
+    return request, resolver.resolve(config, Path(path)).policy
 
 
 def _drop_unusable_cache(request: Request) -> Request:
