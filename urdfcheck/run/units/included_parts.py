@@ -72,7 +72,7 @@ def assign_parts(
     """
     used = _collect_robot_files(audited_units)
     models = [report for _, report in audited_units if report.role == MODEL]
-    read = {name for report in models for name in report.expanded_files}
+    read = {name for report in models for name in (*report.expanded_files, *report.srdf_files)}
     # What a model that could not be expanded is made of is unknown, and so is told with that model.
     failed = (report for report in models if report.info is not None and report.info.status != "checked")
     used.update(name for report in failed for name in report.expanded_files)
