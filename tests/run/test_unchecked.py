@@ -19,6 +19,7 @@ import urdfcheck
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, compute_exit_code, main
 from urdfcheck.core import Finding, Run, Severity
 from urdfcheck.output import text
+from urdfcheck.policy.config import ConfigResolver
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
@@ -432,3 +433,22 @@ def test_an_empty_folder_is_accepted_by_every_command_that_takes_folders(tmp_pat
     pytest.importorskip("mujoco")
     assert main(["drop", str(tmp_path)]) == NOTHING
     assert main(["drop", str(tmp_path), "--allow-empty"]) == OK
+
+
+def test_what_is_called_a_model_and_is_no_file_could_not_be_read(tmp_path: Path) -> None:
+    """Nobody knows what comes out of a pipe, or what a link means elsewhere."""
+    write(tmp_path, {"robot.urdf": SOUND, "notes/readme": "x"})
+    os.mkfifo(tmp_path / "pipe.urdf")
+    os.symlink("nowhere", tmp_path / "dangling.xacro")
+    os.symlink("circle.urdf", tmp_path / "circle.urdf")
+    os.symlink("nowhere", tmp_path / "notes" / "other.txt")
+    os.symlink("nowhere", tmp_path / ".#robot.urdf")  # as Emacs locks a file
+    outcome = check(tmp_path)
+    told = {failure.partition(": ")[0].rpartition("/")[2]: failure for failure in outcome.failures}
+    assert set(told) == {"pipe.urdf", "dangling.xacro", "circle.urdf"}
+    assert "neither a file nor a folder" in told["pipe.urdf"]
+    assert "leads nowhere" in told["dangling.xacro"]
+    assert [info.status for info in outcome.models] == ["checked"]
+    assert compute_exit_code(outcome, "error") == FAILED
+    write(tmp_path, {"urdfcheck.toml": 'exclude = ["pipe.*", "dangling.*", "circle.*"]\n'})
+    assert not check(tmp_path, config_resolver=ConfigResolver()).failures

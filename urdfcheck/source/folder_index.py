@@ -383,6 +383,10 @@ def _iter_files(
                 unreadable.append((path, reason))
             elif os.path.isfile(path):
                 yield path
+            elif _may_be_checked(path):  # a pipe, a socket, a link to nothing: what it could hold is not checked
+                leads_nowhere = os.path.islink(path) and not os.path.exists(path)
+                reason = "is a link that leads nowhere" if leads_nowhere else "is neither a file nor a folder"
+                unreadable.append((path, f"cannot be read: it {reason}"))
             elif reason := explain_unreadable(path, os.F_OK):  # not even whether it is a folder can be told
                 unreadable.append((path, reason))
 
