@@ -25,6 +25,7 @@ from urdfcheck.policy.config import Config
 from urdfcheck.rules import find_pages_folder
 from urdfcheck.run.assemble_run import build_run
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, UnitReport
+from urdfcheck.run.report_sizes import ReportSizes
 from urdfcheck.run.source_texts import SourceTexts
 from urdfcheck.run.unit_audit import audit_unit
 from urdfcheck.run.units.included_parts import (
@@ -99,8 +100,12 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     start = time.perf_counter()
     plan, units = plan_units(request, in_process=execution.audit is not None)
     reports = {} if previous is None else _reuse_reports(previous, units, request.options.texts)
-    texts = SourceTexts()
-    reports = {index: texts.share(report, units[index].id) for index, report in reports.items()}
+    texts, sizes = SourceTexts(), ReportSizes()
+
+    def bound(report: UnitReport, unit: Unit) -> UnitReport:
+        return sizes.limit_report(texts.share(report, unit.id), unit.id)
+
+    reports = {index: bound(report, units[index]) for index, report in reports.items()}
     with audit_session(request, units, plan) as settings:
         while missing := list_next_units(units, reports):
             total = len(reports) + len(missing)
@@ -109,7 +114,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
             )
             with contextlib.suppress(KeyboardInterrupt), contextlib.closing(stream):
                 for place, report in stream:
-                    reports[missing[place]] = texts.share(report, units[missing[place]].id)
+                    reports[missing[place]] = bound(report, units[missing[place]])
                     if execution.on_progress is not None:
                         execution.on_progress(len(reports), total)
             if any(index not in reports for index in missing):

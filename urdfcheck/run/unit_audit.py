@@ -36,6 +36,7 @@ from urdfcheck.run.comment_usage import assess_comments
 from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.report_sizes import limit_scene
 from urdfcheck.run.shown_paths import PathShortener
 from urdfcheck.run.source_texts import RULE as TEXTS_RULE
 from urdfcheck.run.source_texts import limit_texts
@@ -398,11 +399,12 @@ class _UnitAudit:
         sources, left_out = limit_texts({name: text for name, text in self.texts.items() if name in named_files})
         if left_out:
             self.add_skip(TEXTS_RULE, left_out)
+        scene, undrawn = limit_scene(self.scene, self.unit.id)
         return UnitReport(
             findings=settled.findings,
-            skipped=(*self.skipped, *settled.unlisted),
+            skipped=(*self.skipped, *settled.unlisted, *undrawn),
             info=None if info is None else replace(info, seconds=round(seconds, 3)),
-            scene=self.scene,
+            scene=scene,
             pairs=self.pairs,
             drop=self.drop,
             outline=self.outline,

@@ -10,7 +10,7 @@ from urllib.parse import unquote
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.files import read_regular
 
-# A document whose geometry lies in another file is small: the largest of published robots has 300 kB.
+# Bytes of a document, which is small where its geometry lies in another file, and documents that are looked at.
 _LARGEST_DOCUMENT = 16_000_000
 _MOST_DOCUMENTS = 1_000
 _URI = re.compile(rb'"uri"\s*:\s*"([^"\\]{1,4000})"')
