@@ -664,3 +664,38 @@ def test_what_is_known_is_known_to_an_audit_and_one_of_its_settings(
     capsys.readouterr()
     assert main(words) == FAILED
     assert "other settings (suppress)" in capsys.readouterr().err
+
+
+def test_macro_files_and_parts_are_told_as_a_check_tells_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A part that may be a robot is a model that was not checked; what a model takes of a part is no model."""
+    from urdfcheck.output.json import render
+
+    folder = tmp_path / "cars"
+    folder.mkdir()
+    never = '<xacro:if value="false"><xacro:include filename="decoy.xacro"/></xacro:if>'
+    macro = '<xacro:macro name="m"><link name="x"/></xacro:macro>'
+    to_part = '<joint name="j" type="fixed"><parent link="base"/><child link="part"/></joint>'
+    files = {
+        "car.urdf.xacro": f'<robot name="car" {XACRO}><link name="base"/>{never}<xacro:include filename="part.xacro"/>'
+        f'{to_part}<xacro:include filename="used.xacro"/></robot>',
+        "decoy.xacro": f'<robot {XACRO}><link name="decoy"/></robot>',
+        "part.xacro": f'<robot {XACRO}><link name="part"/></robot>',
+        "used.xacro": f"<robot {XACRO}>{macro}</robot>",
+        "unused.xacro": f"<robot {XACRO}>{macro}</robot>",
+    }
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    audit = Audit(folder, tmp_path / "out")
+    for _ in range(2):  # the second time all of it is known
+        audit()
+        report = json.loads(render(pipeline.strip_volatile_values(check(folder, tier="source"))))
+        lines = [line["model"] for line in audit.lines if line["model"]]
+        assert [(m["path"], m["status"]) for m in lines] == [(m["path"], m["status"]) for m in report["models"]]
+        assert [m["status"] for m in lines] == ["checked", "failed"]
+        assert audit.lines[-1]["unused_macro_files"] == report["unused_macro_files"]
+        assert audit.outcome.summary.worst_severity is not None
+    assert "unused.xacro" in audit.bytes[1].decode()
+    assert main(["audit", str(folder), "-o", str(tmp_path / "more"), "--tier", "source"]) == FINDINGS
+    assert "⊘ 1 of 2 models and 1 macro file not checked; " in capsys.readouterr().out

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from conftest import check
 
-from urdfcheck.cli import NOTHING, OK, compute_exit_code
-from urdfcheck.core import Run
+from urdfcheck.cli import FINDINGS, NOTHING, OK, compute_exit_code
+from urdfcheck.core import Run, Severity
 
 pytestmark = pytest.mark.slow
 
@@ -273,3 +273,52 @@ def test_a_part_that_breaks_its_model_is_told_once(tmp_path: Path) -> None:
         "b.xacro"
     }
     assert unchecked == "robot.urdf.xacro"
+
+
+@pytest.mark.parametrize(
+    ("how", "second_tree"),
+    [
+        *((how, False) for how in PARTS if how != "taken"),
+        *((how, True) for how in ("commented", "not taken", "named by a variable with a default")),
+    ],
+)
+def test_a_part_that_may_be_a_robot_and_is_never_taken_is_a_model_that_was_not_checked(
+    package: Path, how: str, second_tree: bool
+) -> None:
+    """A robot without a name, or a loose link beside it, hides no model: only a joint to elsewhere shows a part."""
+    part = xacro(BAD_LINK + '<link name="b"/>', ' name="bad"') if second_tree else xacro(BAD_LINK, "")
+    files = {
+        "car.urdf.xacro": xacro('<link name="base"/>' + PARTS[how]),
+        "part.xacro": part,
+        "none.xacro": xacro("", ""),
+    }
+    write(package, files)
+    for run in (check(Path(".")), check(Path("car.urdf.xacro"), Path("part.xacro"))):
+        assert [m.path for m in run.unchecked_models] == ["part.xacro"], how
+        assert list_errors(run) == [("XML002", "part.xacro")]
+        assert compute_exit_code(run, "error") == FINDINGS
+    accepted = check(Path("."), unchecked=Severity.WARNING)
+    assert compute_exit_code(accepted, "error") == OK
+
+
+def test_a_part_with_a_name_that_cannot_be_expanded_is_a_model_that_was_not_checked(package: Path) -> None:
+    part = xacro('<link name="${prefix}camera"/>', ' name="camera"')
+    write(
+        package,
+        {"car.urdf.xacro": xacro('<link name="base"/>' + unless_asked(include("part.xacro"))), "part.xacro": part},
+    )
+    for run in (check(Path(".")), check(Path("part.xacro"))):
+        assert [m.path for m in run.unchecked_models] == ["part.xacro"]
+        assert compute_exit_code(run, "error") == FINDINGS
+    write(
+        package,
+        {
+            "car.urdf.xacro": xacro(
+                '<link name="base"/><xacro:property name="prefix" value="a_"/>'
+                + include("part.xacro")
+                + joint("base", "a_camera")
+            )
+        },
+    )
+    run = check(Path("."))
+    assert (list_errors(run), [m.path for m in run.models]) == ([], ["car.urdf.xacro"])

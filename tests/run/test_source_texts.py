@@ -7,9 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from conftest import check
 from conftest import command as urdfcheck
 
-from urdfcheck.run import source_texts
+from urdfcheck.run import findings, report_sizes, source_texts
 from urdfcheck.run.jobs import UnitReport
 from urdfcheck.run.source_texts import SourceTexts, limit_texts
 from urdfcheck.system import process_pool
@@ -98,3 +99,51 @@ def test_an_answer_without_bound_ends_its_worker(monkeypatch: pytest.MonkeyPatch
     worker.send_job(_answer, [10_000_000])
     with pytest.raises(WorkerDiedError):
         worker.receive_answer()
+
+
+# -- findings and scenes -----------------------------------------------------------------------------------------------
+
+
+def write_noisy(folder: Path, links: int) -> Path:
+    """A model with an error and with a warning of each of many links."""
+    path = folder / "noisy.urdf"
+    bodies = "".join(f'<link name="l{i}"><inertial><mass value="0"/></inertial></link>' for i in range(links))
+    path.write_text(f'<robot name="r">{bodies}</robot>')
+    return path
+
+
+def test_findings_beyond_the_bound_of_a_model_are_counted_and_the_worst_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write_noisy(tmp_path, 50)
+    whole = check(path, tier="source")
+    worst = max(finding.severity for finding in whole.findings)
+    monkeypatch.setattr(findings, "MAX_FINDINGS_SIZE", 20_000)
+    outcome = check(path, tier="source")
+    assert 0 < len(outcome.findings) < len(whole.findings)
+    assert max(finding.severity for finding in outcome.findings) == worst
+    told = [skip for skip in outcome.skipped if "more finding" in skip.reason]
+    counted = sum(int(skip.reason.partition(" ")[0]) for skip in told)
+    assert len(outcome.findings) + counted == len(whole.findings)
+    monkeypatch.setattr(findings, "MAX_FINDINGS_SIZE", 0)
+    (left,) = check(path, tier="source").findings
+    assert left.severity == worst
+
+
+def test_findings_and_scenes_beyond_the_bound_of_a_run_are_left_out_and_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in "abc":
+        (tmp_path / name).mkdir()
+        write_noisy(tmp_path / name, 20)
+    monkeypatch.setattr(report_sizes, "MAX_RUN_FINDINGS", 15_000)
+    outcome = check(tmp_path, tier="source", scene=True)
+    assert len(outcome.scenes) == 3
+    assert {finding.model.partition("/")[0] for finding in outcome.findings} == {"a", "b", "c"}, "one of each"
+    assert any("those of all models take more" in skip.reason for skip in outcome.skipped)
+    monkeypatch.setattr(report_sizes, "MAX_RUN_SCENES", 1)
+    outcome = check(tmp_path, tier="source", scene=True)
+    assert outcome.scenes == ()
+    assert sum("not drawn" in skip.reason for skip in outcome.skipped) == 3
+    monkeypatch.setattr(report_sizes, "MAX_SCENE", 1)
+    assert sum("not drawn" in skip.reason for skip in check(tmp_path, tier="source", scene=True).skipped) == 3

@@ -16,9 +16,10 @@ import pytest
 from conftest import check, command, make_request
 
 import urdfcheck
-from urdfcheck.cli import FAILED, FINDINGS, OK, compute_exit_code
+from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, compute_exit_code, main
 from urdfcheck.core import Finding, Run, Severity
 from urdfcheck.output import text
+from urdfcheck.policy.config import ConfigResolver
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
@@ -406,3 +407,48 @@ def test_from_python(tmp_path: Path) -> None:
     assert [str(f.severity) for f in run.findings] == ["warning"]
     with pytest.raises(urdfcheck.UrdfcheckError, match="unchecked never: one of error, warning"):
         urdfcheck.check(tmp_path, unchecked="never")
+
+
+@pytest.mark.parametrize("name", ["srdf", "engines", "drop"])
+def test_a_command_for_one_model_accepts_that_it_is_not_checked(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It says why all the same; without ``unchecked`` there is nothing that it could write, and it fails."""
+    if name == "drop":
+        pytest.importorskip("mujoco")
+    path = str(write(tmp_path, CASES["XAC010"]) / "robot.urdf.xacro")
+    assert main([name, path]) == FAILED
+    capsys.readouterr()
+    assert main([name, path, "--unchecked", "warning"]) == OK
+    said = capsys.readouterr().err
+    assert "robot.urdf.xacro" in said
+    assert "(accepted)" in said
+    write(tmp_path, {"urdfcheck.toml": 'unchecked = ["robot.*"]\n'})
+    assert main([name, path]) == OK
+    assert main([name, path, "--isolated"]) == FAILED
+
+
+def test_an_empty_folder_is_accepted_by_every_command_that_takes_folders(tmp_path: Path) -> None:
+    (tmp_path / "docs").mkdir()
+    pytest.importorskip("mujoco")
+    assert main(["drop", str(tmp_path)]) == NOTHING
+    assert main(["drop", str(tmp_path), "--allow-empty"]) == OK
+
+
+def test_what_is_called_a_model_and_is_no_file_could_not_be_read(tmp_path: Path) -> None:
+    """Nobody knows what comes out of a pipe, or what a link means elsewhere."""
+    write(tmp_path, {"robot.urdf": SOUND, "notes/readme": "x"})
+    os.mkfifo(tmp_path / "pipe.urdf")
+    os.symlink("nowhere", tmp_path / "dangling.xacro")
+    os.symlink("circle.urdf", tmp_path / "circle.urdf")
+    os.symlink("nowhere", tmp_path / "notes" / "other.txt")
+    os.symlink("nowhere", tmp_path / ".#robot.urdf")  # as Emacs locks a file
+    outcome = check(tmp_path)
+    told = {failure.partition(": ")[0].rpartition("/")[2]: failure for failure in outcome.failures}
+    assert set(told) == {"pipe.urdf", "dangling.xacro", "circle.urdf"}
+    assert "neither a file nor a folder" in told["pipe.urdf"]
+    assert "leads nowhere" in told["dangling.xacro"]
+    assert [info.status for info in outcome.models] == ["checked"]
+    assert compute_exit_code(outcome, "error") == FAILED
+    write(tmp_path, {"urdfcheck.toml": 'exclude = ["pipe.*", "dangling.*", "circle.*"]\n'})
+    assert not check(tmp_path, config_resolver=ConfigResolver()).failures

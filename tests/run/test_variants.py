@@ -304,3 +304,50 @@ def test_the_command_does_it_in_its_workers(tmp_path: Path, capsys: pytest.Captu
     report = json.loads(capsys.readouterr().out)
     assert [m["args"] for m in report["models"]] == [{}, {"side": "left"}]
     assert [f["arguments"] for f in report["findings"]] == [{"side": "left"}]
+
+
+HIDDEN_BEHIND = {
+    "a distribution": ("${'$(optenv ROS_DISTRO none)' == 'humble'}", ["ROS_DISTRO:=humble"]),
+    "any distribution": ("${'$(optenv ROS_DISTRO none)' != 'none'}", ["ROS_DISTRO:=noetic"]),
+    "two variables": (
+        "${'$(optenv ROS_DISTRO none)' == 'jazzy' and '$(optenv ROS_VERSION 0)' == '2'}",
+        ["ROS_DISTRO:=jazzy env:ROS_VERSION:=2"],
+    ),
+    "no known value": ("${'$(optenv ROS_DISTRO none)' == 'nowhere'}", []),
+}
+
+
+@pytest.mark.parametrize("how", HIDDEN_BEHIND)
+def test_the_robots_of_other_distributions_are_checked_too(
+    how: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("ROS_DISTRO", "ROS_VERSION", "ROS_PYTHON_VERSION"):
+        monkeypatch.delenv(name, raising=False)
+    condition, environments = HIDDEN_BEHIND[how]
+    path = write_xacro(
+        tmp_path, f'<link name="base"/><xacro:if value="{condition}">{BROKEN.format("hand")}{TO_HAND}</xacro:if>'
+    )
+    run = check(path, codes={"INR003", "XAC016"})
+    assert [info.id.partition(" env:")[2] for info in run.models] == ["", *environments]
+    assert [f.code for f in run.findings].count("INR003") == bool(environments)
+    assert [f.code for f in run.findings].count("XAC016") == 1
+
+
+TO_HAND = '<joint name="j" type="fixed"><parent link="base"/><child link="hand"/></joint>'
+
+
+def test_a_model_that_the_place_or_the_order_of_a_set_decides_is_an_error(tmp_path: Path) -> None:
+    """An order that makes the same robot is none."""
+    names = "list(python.set('a b c'.split()))"
+    body = f'<link name="base"/><xacro:property name="names" value="${{{names}}}"/>'
+    same = body + "".join(f'<link name="${{names[{place}]}}"/>' for place in range(3))
+    (finding,) = check(write_xacro(tmp_path, same), codes={"XAC016"}).findings
+    assert (finding.message_id, str(finding.severity)) == ("order", "info")
+    for place in range(3):
+        (finding,) = check(
+            write_xacro(tmp_path, f'{body}<link name="${{names[{place}]}}"/>'), codes={"XAC016"}
+        ).findings
+        assert (finding.message_id, str(finding.severity)) == ("random", "error")
+    text = """<link name="base"/><xacro:if value="${'/share/' in '$(dirname)'}"><link name="b"/></xacro:if>"""
+    (finding,) = check(write_xacro(tmp_path, text), codes={"XAC016"}).findings
+    assert (finding.message_id, str(finding.severity)) == ("place", "error")

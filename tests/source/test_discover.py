@@ -734,3 +734,45 @@ def test_hidden_files_of_a_folder_are_left_alone(workspace: Path) -> None:
     assert models(".") == ["new.urdf"]
     assert not planned(".").launches
     assert models(".old.urdf") == [".old.urdf"]
+
+
+def test_the_file_of_a_gltf_mesh_checks_the_models_of_the_mesh(workspace: Path) -> None:
+    mesh = '<visual><geometry><mesh filename="package://car/meshes/{}"/></geometry></visual>'
+    named = '{{"asset": {{"version": "2.0"}}, "buffers": [{{"uri": "{}", "byteLength": 3}}]}}'
+    urdf = '<robot name="{0}"><link name="base">{1}</link></robot>'
+    write(
+        workspace,
+        {
+            "car/package.xml": manifest("car"),
+            "car/urdf/car.urdf": urdf.format("car", mesh.format("body.gltf")),
+            "car/urdf/other.urdf": urdf.format("other", mesh.format("other.gltf")),
+            "car/meshes/body.gltf": named.format("data/the%20body.bin"),
+            "car/meshes/other.gltf": named.format("other.bin"),
+            "car/meshes/data/the body.bin": "abc",
+            "car/meshes/data/firmware.bin": "abc",
+        },
+    )
+    assert models("car/meshes/data/the body.bin") == ["car/urdf/car.urdf"]
+    found = planned("car/meshes/data/firmware.bin")
+    assert (found.models, [path for path, _ in found.unused]) == ((), ["car/meshes/data/firmware.bin"])
+
+
+@pytest.mark.parametrize("name", ["arm.srdf.xacro", "arm_macro.srdf.xacro", "groups.srdf.xacro", "macros.xacro"])
+def test_a_part_of_a_semantic_description_checks_the_models_of_the_description(workspace: Path, name: str) -> None:
+    """Whatever file of it changed: its own name, or that of the file which includes it, says whose it is."""
+    macro = '<xacro:macro name="m{}"><group name="g"/></xacro:macro>'
+    write(
+        workspace,
+        {
+            "arm/package.xml": manifest("arm"),
+            "arm/urdf/arm.urdf": '<robot name="arm"><link name="base"/></robot>',
+            "arm/urdf/stand.urdf": '<robot name="stand"><link name="base"/></robot>',
+            "arm/srdf/arm.srdf.xacro": xacro(
+                include("arm_macro.srdf.xacro") + include("$(find arm)/srdf/$(arg kind).srdf.xacro"), ' name="arm"'
+            ),
+            "arm/srdf/arm_macro.srdf.xacro": xacro(include("macros.xacro") + macro.format(1), ""),
+            "arm/srdf/groups.srdf.xacro": xacro(macro.format(2), ""),
+            "arm/srdf/macros.xacro": xacro(macro.format(3), ""),
+        },
+    )
+    assert models(f"arm/srdf/{name}") == ["arm/urdf/arm.urdf"]

@@ -65,6 +65,71 @@ def test_what_cmake_puts_at_a_place(cmake: str, path: str, source: str | None) -
     assert next(read_cmake(cmake).resolve_path(path), None) == source
 
 
+SUBDIRECTORY = {
+    "CMakeLists.txt": "project(p)\nset(kind meshes)\n{}\ninstall(DIRECTORY late DESTINATION share/p)\n",
+    "description/CMakeLists.txt": "set(kind urdf)\ninstall(DIRECTORY ${kind} DESTINATION share/p)\n"
+    "install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/m DESTINATION share/${PROJECT_NAME})\n"
+    "install(DIRECTORY ${CMAKE_SOURCE_DIR}/top DESTINATION share/p)\nfile(GLOB all *.yaml)\n"
+    "install(FILES ${all} DESTINATION share/p/config)\ninstall(DIRECTORY . DESTINATION share/p/copy)\nadd_subdirectory(inner)",
+    "description/inner/CMakeLists.txt": "install(DIRECTORY ../beside deep DESTINATION share/p)",
+    "cmake/all.cmake": "install(DIRECTORY ${kind} DESTINATION share/p)\ninclude(${CMAKE_CURRENT_LIST_DIR}/more.cmake)",
+    "cmake/more.cmake": "install(DIRECTORY config DESTINATION share/p)",
+    "loop/CMakeLists.txt": "add_subdirectory(.)\nadd_subdirectory(.)",
+}
+
+
+@pytest.mark.parametrize(
+    ("command", "path", "source"),
+    [
+        ("add_subdirectory(description)", "urdf/a", "description/urdf/a"),
+        ("add_subdirectory(description)", "m/a", "description/m/a"),
+        ("add_subdirectory(description)", "top/a", "top/a"),
+        ("add_subdirectory(description)", "config/a.yaml", "description/a.yaml"),
+        ("add_subdirectory(description)", "copy/x/a", "description/x/a"),
+        ("add_subdirectory(description)", "beside/a", "description/beside/a"),
+        ("add_subdirectory(description)", "deep/a", "description/inner/deep/a"),
+        ("add_subdirectory(${CMAKE_CURRENT_SOURCE_DIR}/description)", "urdf/a", "description/urdf/a"),
+        ("add_subdirectory(description EXCLUDE_FROM_ALL)", "urdf/a", None),
+        ("foreach(d description)\nadd_subdirectory(${d})\nendforeach()", "urdf/a", "description/urdf/a"),
+        ("include(cmake/all.cmake)", "meshes/a", "meshes/a"),
+        ("include(cmake/all.cmake)", "config/a", "config/a"),
+        ("add_subdirectory(description)\ninstall(DIRECTORY ${kind} DESTINATION share/p)", "meshes/a", "meshes/a"),
+        ("add_subdirectory(loop)", "late/a", None),
+        ("add_subdirectory(description)", "late/a", "late/a"),
+    ],
+)
+def test_what_files_that_cmake_includes_put_at_a_place(command: str, path: str, source: str | None) -> None:
+    files = {**SUBDIRECTORY, "CMakeLists.txt": SUBDIRECTORY["CMakeLists.txt"].format(command)}
+    installed = read_installed_files("p", "ament_cmake", files.get)
+    assert installed is not None
+    assert next(installed.resolve_path(path), None) == source
+    is_known = "EXCLUDE" not in command and "loop" not in command
+    assert installed.is_complete is is_known
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "add_subdirectory(absent)",
+        "add_subdirectory(../other)",
+        "include(CTest)",
+        "include(/etc/passwd)",
+        "include(${x})",
+    ],
+)
+def test_files_that_are_not_in_the_package_install_nobody_knows_what(command: str) -> None:
+    opened: list[str] = []
+
+    def read_text(name: str) -> str | None:
+        opened.append(name)
+        return command if name == "CMakeLists.txt" else None
+
+    installed = read_installed_files("p", "ament_cmake", read_text)
+    assert installed is not None
+    assert not installed.is_complete
+    assert not [name for name in opened if name.startswith(("/", ".."))]
+
+
 HELPER = """
 import os
 package_name = 'p'

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from collections.abc import Iterator
 
@@ -15,24 +14,27 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     yield from _check_ignored(source, rule)
     decisions = source.find_problems("environment-decides")
     if decisions:
+        from urdfcheck.source.other_environments import (
+            get_variable,
+        )  # loads the expansion, and few models decide by one
+
         names = sorted({str(p.data["variable"]) for p in decisions})
         first, *others = dict.fromkeys(p.location for p in decisions)
-        told = [f"{name} is {_get_value(source, name)}" for name in names]
+        told = [f"{name} is {get_variable(source, name) or 'not set'}" for name in names]
         yield rule.finding("decides", at=first, related=others[:9], variables=names, listed=join_names(told))
     places = source.find_problems("place-decides")
     if places:
         first, *others = dict.fromkeys(p.location for p in places)
-        yield rule.finding("place", at=first, related=others[:9], severity=Severity.WARNING)
+        yield rule.finding("place", at=first, related=others[:9], severity=Severity.ERROR)
     orders = source.find_problems("order-decides")
     if orders:
+        from urdfcheck.source.other_environments import depends_on_set_order  # the same
+
         first, *others = dict.fromkeys(p.location for p in orders)
-        yield rule.finding("order", at=first, related=others[:9])
-
-
-def _get_value(source: Source, name: str) -> str:
-    from urdfcheck.source.xacro.argument_values import VARIABLE  # few models decide by one
-
-    return source.arguments.get(f"{VARIABLE}{name}") or os.environ.get(name) or "not set"
+        if depends_on_set_order(source):
+            yield rule.finding("random", at=first, related=others[:9], severity=Severity.ERROR)
+        else:
+            yield rule.finding("order", at=first, related=others[:9])
 
 
 def _check_ignored(source: Source, rule: Rule) -> Iterator[Finding]:

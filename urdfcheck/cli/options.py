@@ -15,6 +15,7 @@ from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
     from urdfcheck.policy.config import Config
+    from urdfcheck.policy.policy import Policy
     from urdfcheck.run.jobs import Request
     from urdfcheck.run.request import RunOptions
 
@@ -83,7 +84,7 @@ _OPTIONS = (
     ),
     _make_option(
         "--unchecked",
-        _DROPPING,
+        _ALL,
         choices=("error", "warning"),
         help="severity of a model that cannot be checked (default: error; warning accepts it)",
     ),
@@ -126,7 +127,7 @@ _OPTIONS = (
     _make_option(
         "--jobs", _ALL, type=int, metavar="N", help="models checked at the same time (default: number of cores)"
     ),
-    _make_option("--allow-empty", _CHECKING, action="store_true", help="exit 0 when there is nothing to check"),
+    _make_option("--allow-empty", _DROPPING, action="store_true", help="exit 0 when there is nothing to check"),
 )
 
 
@@ -192,12 +193,10 @@ def build_request(options: argparse.Namespace, *, scene: bool = False) -> tuple[
     return _drop_unusable_cache(request), config
 
 
-def build_access_request(
-    options: argparse.Namespace, path: str, codes: frozenset[str]
-) -> tuple[Request, tuple[str, ...]]:
+def build_access_request(options: argparse.Namespace, path: str, codes: frozenset[str]) -> tuple[Request, Policy]:
     """Resolve the options and the configuration for one path, of a command that selects the rules itself.
 
-    Also return the programs that will read the model.
+    Also return the settings that hold for it.
     """
     from urdfcheck.run.request import make_access_request, make_config_resolver
 
@@ -205,7 +204,7 @@ def build_access_request(
     resolver = make_config_resolver(run_options)
     config = resolver.for_path(Path(path))
     request = _drop_unusable_cache(make_access_request(run_options, config, codes))
-    return request, resolver.resolve(config, Path(path)).policy.targets
+    return request, resolver.resolve(config, Path(path)).policy
 
 
 def _drop_unusable_cache(request: Request) -> Request:

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, TextIO
 
 if TYPE_CHECKING:
     from urdfcheck.core import Run, Severity
+    from urdfcheck.core.errors import ModelNotCheckedError
     from urdfcheck.output.text import DetailLevel
+    from urdfcheck.policy.policy import Policy
 
 OK, FINDINGS, FAILED, NOTHING = 0, 1, 2, 3
 # Seconds after which the progress bar appears, seconds between its updates, and its columns.
@@ -135,6 +137,18 @@ def _format_bar(done: int, total: int, remaining: float) -> str:
 def _format_seconds(seconds: float) -> str:
     whole = round(seconds)
     return f"{whole} s" if whole < 100 else f"{whole // 60:,} min {whole % 60} s"
+
+
+def report_accepted(error: ModelNotCheckedError, policy: Policy) -> int:
+    """Say that a model was not checked and return 0, where the configuration or the command line accepts that (``unchecked``).
+
+    :raises ModelNotCheckedError: the error, where it is not accepted.
+    """
+    if not policy.accepts_unchecked:
+        raise error
+    erase_progress()
+    say(f"urdfcheck: {error} (accepted)", sys.stderr)
+    return OK
 
 
 def is_empty(run: Run) -> bool:

@@ -5,6 +5,10 @@ class UrdfcheckError(Exception):
     """urdfcheck or its configuration failed: the command ends with exit code 2 and this text."""
 
 
+class ModelNotCheckedError(UrdfcheckError):
+    """A command needs a model of which nothing is known; the text says why."""
+
+
 class FactUnavailableError(Exception):
     """A fact is not available for this model; the text says why. The check is listed as skipped."""
 

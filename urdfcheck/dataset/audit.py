@@ -18,13 +18,13 @@ from typing import Any
 from urdfcheck.core import Severity, SkippedCheck
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.dataset.journal import TEMPORARY, Journal, open_new_file, translate_os_errors
+from urdfcheck.dataset.unit_facts import AuditedParts, add_unit_facts, get_unit_line
 from urdfcheck.output.html import index_page
 from urdfcheck.output.shared.audit import unit_lines
 from urdfcheck.rules import has_check, load_rules
 from urdfcheck.run.assemble_run import collect_versions, report_foreign_libraries
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
 from urdfcheck.run.pipeline import audit_session, plan_units
-from urdfcheck.source.model_role import MODEL
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.plan import Plan
 from urdfcheck.version import __version__
@@ -84,7 +84,7 @@ def audit_dataset(
             with contextlib.closing(stream([units[i] for i in todo], settings)) as reports:
                 for place, report in reports:
                     unit = units[todo[place]]
-                    text = b"" if report.role != MODEL else encode_unit_line(unit, report)
+                    text = add_unit_facts(encode_unit_line(unit, report), report)
                     # A failure is not kept: it is tried again next time.
                     journal.add(keys[todo[place]], text, {} if report.failures else report.reads)
                     checked += 1
@@ -98,22 +98,27 @@ def audit_dataset(
                 f"interrupted: {finished:,} of {len(units):,} models and files are finished and kept in {folder}; "
                 "the same command goes on from there"
             ) from None
-        last = _encode_run_line(request, plan)
-        summary = write_results(folder, lambda: _iter_ordered_lines(journal, keys, last))
-        worst = _find_worst_severities(units, keys, journal=journal, summary=summary)
+        parts = AuditedParts(units, map(journal.read_text, keys), plan)
+        plan = replace(plan, unused=(*plan.unused, *parts.unused))
+        last = _encode_run_line(request, plan, parts.unused_macro_files)
+        kept = [(unit, key) for unit, key in zip(units, keys, strict=True) if unit.id in parts.models]
+        summary = write_results(folder, lambda: _iter_ordered_lines(journal, [key for _, key in kept], last))
+        worst = _find_worst_severities(kept, journal=journal, summary=summary)
         journal.trim()
     return AuditOutcome(summary=summary, checked=len(todo), unchanged=len(units) - len(todo), worst=worst)
 
 
 def _find_worst_severities(
-    units: Sequence[Unit], keys: Sequence[str], *, journal: Journal, summary: unit_lines.AuditSummary
+    kept: Sequence[tuple[Unit, str]], *, journal: Journal, summary: unit_lines.AuditSummary
 ) -> dict[str | None, Severity]:
-    if len({unit.fail_on for unit in units}) == 1:  # and what belongs to none of them
+    """``kept``: the units that have a line, with their keys."""
+    levels = {unit.fail_on for unit, _ in kept}
+    if len(levels) <= 1:  # and what belongs to none of them
         worst = summary.worst_severity
-        return {} if worst is None else {units[0].fail_on: worst}
+        return {} if worst is None else {next(iter(levels), None): worst}
     found: dict[str | None, Severity] = {}
-    for unit, key in zip(units, keys, strict=True):
-        severity = unit_lines.parse_unit_line(text).worst if (text := journal.read_text(key)) else None
+    for unit, key in kept:
+        severity = unit_lines.parse_unit_line(get_unit_line(journal.read_text(key))).worst
         if severity is not None:
             found[unit.fail_on] = max(severity, found.get(unit.fail_on, severity))
     return found
@@ -142,7 +147,11 @@ def write_results(folder: Path, texts: Callable[[], Iterable[bytes]]) -> unit_li
         _replace_file(folder / LINES, (text + b"\n" for text in texts()))
         summary = unit_lines.AuditSummary.from_rows(map(unit_lines.parse_unit_line, texts()))
         page = index_page.iter_audit_page(
-            summary, map(unit_lines.parse_unit_line, texts()), rules=load_rules(), version=__version__
+            summary,
+            map(unit_lines.parse_unit_line, texts()),
+            rules=load_rules(),
+            version=__version__,
+            unused_macro_files=summary.unused_macro_files,
         )
         _replace_file(folder / INDEX, (part.encode() for part in page))
     return summary
@@ -159,14 +168,12 @@ def _replace_file(path: Path, parts: Iterable[bytes]) -> None:
         raise
 
 
-def _iter_ordered_lines(journal: Journal, keys: Sequence[str], last: bytes) -> Iterator[bytes]:
-    for key in keys:
-        if text := journal.read_text(key):
-            yield text
+def _iter_ordered_lines(journal: Journal, keys: Iterable[str], last: bytes) -> Iterator[bytes]:
+    yield from (get_unit_line(journal.read_text(key)) for key in keys)
     yield last
 
 
-def _encode_run_line(request: Request, found: Plan) -> bytes:
+def _encode_run_line(request: Request, found: Plan, unused_macro_files: Sequence[str]) -> bytes:
     """Encode the line of what belongs to no unit: wrong paths, and rules that only a whole run could check."""
     findings = report_foreign_libraries() if "URC907" in request.policy.codes else []
     skipped = [SkippedCheck("ALL", path, reason) for path, reason in found.unused]
@@ -177,7 +184,9 @@ def _encode_run_line(request: Request, found: Plan) -> bytes:
         if rule.scopes == ("run",) and code in request.policy.codes and has_check(rule)
     ]
     failures = [f"{path}: {reason}" for path, reason in found.missing]
-    return unit_lines.build_unit_line("run", "", "", findings=findings, skipped=skipped, failures=failures)
+    return unit_lines.build_unit_line(
+        "run", "", "", findings=findings, skipped=skipped, failures=failures, unused_macro_files=unused_macro_files
+    )
 
 
 def _describe_settings(request: Request, settings: AuditSettings) -> dict[str, Any]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import pickle
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Applicability, Finding, Severity
 
+# Bytes of the findings of one model.
+MAX_FINDINGS_SIZE = 32 * 1024**2
 # Of one rule in one model. The noisiest of 110 robots has 14.
 MAX_FINDINGS = 1_000
 # Characters of a name or a message, and of the edits of a repair. Of a hundred real robots none has half of it.
@@ -40,6 +43,23 @@ def _truncate(value: Any) -> Any:
     if isinstance(value, dict):
         return {_truncate(key): _truncate(inner) for key, inner in value.items()}
     return type(value)(map(_truncate, value)) if type(value) in {list, tuple} else value
+
+
+def limit_size(findings: Sequence[Finding], limit: int) -> tuple[list[Finding], int]:
+    """Keep as many findings as take at most ``limit`` bytes together, the most severe first, and one in any case.
+
+    Also return how many bytes those that are kept take. Their order stays.
+    """
+    order = sorted(range(len(findings)), key=lambda place: -findings[place].severity)
+    kept: set[int] = set()
+    size = 0
+    for place in order:
+        more = len(pickle.dumps(findings[place], pickle.HIGHEST_PROTOCOL))
+        if kept and size + more > limit:
+            break
+        kept.add(place)
+        size += more
+    return [finding for place, finding in enumerate(findings) if place in kept], size
 
 
 def limit_number(findings: Iterable[Finding]) -> tuple[list[Finding], dict[tuple[str, Severity], int]]:

@@ -40,7 +40,7 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
     complete_rules = _list_complete_rules(request, units)
     unit_names = _group_by_baseline(units)
     baselines = list(_read_baselines(request, unit_names))
-    unused_macro_files = _list_unused_macro_files(plan, audited_units)
+    unused_macro_files = list_unused_macro_files(plan, audited_units)
 
     def review(findings: Sequence[Finding], needed: AbstractSet[Span]) -> Iterator[Finding]:
         """Report on comments, libraries, configurations and baselines, given all findings about models."""
@@ -82,7 +82,7 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
     )
 
 
-def _list_unused_macro_files(plan: Plan, audited_units: AuditedUnits) -> tuple[str, ...]:
+def list_unused_macro_files(plan: Plan, audited_units: AuditedUnits) -> tuple[str, ...]:
     """Return the files with macros that no checked model has read."""
     read = {os.path.realpath(unit.path) for unit, _ in audited_units}
     for _, report in audited_units:

@@ -9,6 +9,7 @@ which keeps each of its models apart, leaves out the stage of the whole run.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
@@ -17,10 +18,11 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule, SkippedCheck, Span
 from urdfcheck.core.merging import merge_same_text
+from urdfcheck.core.text import format_count
 from urdfcheck.policy.consumers import apply_severity_policy
 from urdfcheck.policy.fix_safety import mark_unsafe_across_models, mark_unsafe_in_model
 from urdfcheck.policy.policy import Policy
-from urdfcheck.policy.report_limits import limit_number, truncate_texts
+from urdfcheck.policy.report_limits import MAX_FINDINGS_SIZE, limit_number, limit_size, truncate_texts
 from urdfcheck.policy.superseding import drop_superseded
 from urdfcheck.policy.suppression import mark_suppressed
 from urdfcheck.rules import load_rules
@@ -77,7 +79,24 @@ def finalize_unit_findings(
         SkippedCheck(code, unit.id, f"{count:,} more findings ({severity}) are not listed")
         for (code, severity), count in unlisted.items()
     ]
-    return FinalFindings(tuple(listed), frozenset(needed), tuple(skips))
+    small, _ = limit_size(listed, MAX_FINDINGS_SIZE)
+    skips += explain_left_out(
+        unit.id, listed, small, f"those of one model take more than {MAX_FINDINGS_SIZE // 1024**2} MiB"
+    )
+    return FinalFindings(tuple(small), frozenset(needed), tuple(skips))
+
+
+def explain_left_out(
+    unit_id: str, findings: Sequence[Finding], kept: Sequence[Finding], why: str
+) -> list[SkippedCheck]:
+    """Return a line for each rule of which a report leaves out findings because of their size."""
+    counts = Counter(finding.code for finding in findings)
+    counts.subtract(finding.code for finding in kept)
+    return [
+        SkippedCheck(code, unit_id, f"{format_count(count, 'more finding')} not listed: {why}")
+        for code, count in sorted(counts.items())
+        if count
+    ]
 
 
 def finalize_run_findings(

@@ -197,6 +197,8 @@ class UnitReport:
     """Those of them of which a link or joint was made."""
     role: ModelRole = MODEL
     """What the file is: where it is no model of its own, the report holds nothing else but `robot_files`."""
+    other_environments: tuple[Mapping[str, str], ...] = ()
+    """Arguments that stand for variables of the environment, with each of which the file makes another robot."""
     undeclared: Mapping[str, str] | None = None
     """Arguments that were given and that the model does not declare, each with the name of a declared one that resembles it, if
     any; None where what it declares is unknown."""

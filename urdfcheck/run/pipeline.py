@@ -25,18 +25,18 @@ from urdfcheck.policy.config import Config
 from urdfcheck.rules import find_pages_folder
 from urdfcheck.run.assemble_run import build_run
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, UnitReport
+from urdfcheck.run.report_sizes import ReportSizes
 from urdfcheck.run.source_texts import SourceTexts
 from urdfcheck.run.unit_audit import audit_unit
 from urdfcheck.run.units.included_parts import (
-    explain_unchecked_parts,
+    assign_parts,
     find_read_spares,
     leave_out_blamed_parts,
     list_next_units,
 )
 from urdfcheck.run.units.unchecked import build_stopped_report
-from urdfcheck.run.units.variants import format_arguments, propose_smaller_variants
+from urdfcheck.run.units.variants import format_arguments, propose_other_environments, propose_smaller_variants
 from urdfcheck.source.discover import discover_targets
-from urdfcheck.source.model_role import MODEL
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.plan import Plan
 from urdfcheck.source.planning_budget import PlanningBudget
@@ -100,8 +100,12 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     start = time.perf_counter()
     plan, units = plan_units(request, in_process=execution.audit is not None)
     reports = {} if previous is None else _reuse_reports(previous, units, request.options.texts)
-    texts = SourceTexts()
-    reports = {index: texts.share(report, units[index].id) for index, report in reports.items()}
+    texts, sizes = SourceTexts(), ReportSizes()
+
+    def bound(report: UnitReport, unit: Unit) -> UnitReport:
+        return sizes.limit_report(texts.share(report, unit.id), unit.id)
+
+    reports = {index: bound(report, units[index]) for index, report in reports.items()}
     with audit_session(request, units, plan) as settings:
         while missing := list_next_units(units, reports):
             total = len(reports) + len(missing)
@@ -110,7 +114,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
             )
             with contextlib.suppress(KeyboardInterrupt), contextlib.closing(stream):
                 for place, report in stream:
-                    reports[missing[place]] = texts.share(report, units[missing[place]].id)
+                    reports[missing[place]] = bound(report, units[missing[place]])
                     if execution.on_progress is not None:
                         execution.on_progress(len(reports), total)
             if any(index not in reports for index in missing):
@@ -118,10 +122,12 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
             execution = execution.without_start()
             if request.all_arguments and not list_next_units(units, reports):
                 units += propose_smaller_variants(units, reports)
+            elif not request.all_arguments:
+                units += propose_other_environments(units, reports)
     spared = find_read_spares(units, reports)
     audited_units = [(u, reports[i]) for i, u in enumerate(units) if i in reports]
-    plan = replace(plan, unused=(*plan.unused, *explain_unchecked_parts(audited_units)))
-    audited_units = [(u, report) for u, report in audited_units if report.role == MODEL]
+    audited_units, unused = assign_parts(audited_units)
+    plan = replace(plan, unused=(*plan.unused, *unused))
     audited_units = leave_out_blamed_parts(audited_units)
     outcome = build_run(request, plan, audited_units=audited_units, seconds=time.perf_counter() - start)
     if len(reports) + len(spared) < len(units):

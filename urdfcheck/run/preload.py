@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from urdfcheck.system.process_pool import Worker
 
 
+# What the process of the command and the worker both need.
+PARENT_MODULES = ("urdfcheck.run.pipeline", "urdfcheck.run.unit_audit")
 # Scopes of the checks that run on most models and in their packages.
 _CHECKED_ALWAYS = frozenset({"file", "model", "package"})
 
@@ -29,7 +31,7 @@ def start_warm_worker() -> Worker | None:
         return None
     libraries.prefer_own_folders()
     # The worker inherits what both of them need, so that it is loaded once.
-    for module in ("urdfcheck.run.pipeline", "urdfcheck.run.unit_audit"):
+    for module in PARENT_MODULES:
         importlib.import_module(module)
     load_rules()
     return process_pool.Worker.start(preload_modules)

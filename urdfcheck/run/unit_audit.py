@@ -36,6 +36,7 @@ from urdfcheck.run.comment_usage import assess_comments
 from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.report_sizes import limit_scene
 from urdfcheck.run.shown_paths import PathShortener
 from urdfcheck.run.source_texts import RULE as TEXTS_RULE
 from urdfcheck.run.source_texts import limit_texts
@@ -109,6 +110,7 @@ class _UnitAudit:
         self.source: Source | None = None
         self.role = MODEL
         self.unread_status = ""
+        self.other_environments: list[dict[str, str]] = []
         self.shortener = PathShortener(self.list_machine_folders(), self.is_typed)
         self.rules = {c: r for c, r in load_rules().items() if c in self.policy.codes and has_check(r)}
 
@@ -143,9 +145,15 @@ class _UnitAudit:
         """Expand a model, check its text, then the robot, then the launch files that lead to it."""
         source = self.source = self.load_source()
         self.role = find_model_role(source, is_part=self.unit.is_part, is_tentative=self.unit.is_tentative)
+        if self.role.must_be_checked:
+            self.report_part(source)
         if self.role != MODEL:
             return
         is_unbound = source.is_part and bool(source.find_problems("prefix"))
+        if source.find_problems("environment-decides"):
+            from urdfcheck.source.other_environments import find_other_environments  # few models decide by one
+
+            self.other_environments = find_other_environments(source)
         if source.root is None or source.root.tag != "robot" or is_unbound:
             self.unread_status = "needs-arguments" if source.find_problems("argument-missing") else "failed"
             self.report_causes(source)
@@ -159,6 +167,14 @@ class _UnitAudit:
         self.audit_launches(model)
         self.info = _describe_model(self.unit, source, model)
         self.build_extras(model)
+
+    def report_part(self, source: Source) -> None:
+        """Say that a part was not checked by itself: it is told if no model turns out to be made of it."""
+        root = source.root if source.root is not None else source.main_tree
+        at = locate_unit(self.unit) if root is None else root
+        finding = load_rules()["XML002"].finding("part", at=at, reason=self.role.reason)
+        self.findings.append(mark_cause(replace(finding, model=self.unit.id), self.policy))
+        self.unread_status = "failed"
 
     def report_causes(self, source: Source) -> None:
         """Report why there is no model, whatever the configuration says of these rules, and what they find beside that."""
@@ -389,11 +405,12 @@ class _UnitAudit:
         sources, left_out = limit_texts({name: text for name, text in self.texts.items() if name in named_files})
         if left_out:
             self.add_skip(TEXTS_RULE, left_out)
+        scene, undrawn = limit_scene(self.scene, self.unit.id)
         return UnitReport(
             findings=settled.findings,
-            skipped=(*self.skipped, *settled.unlisted),
+            skipped=(*self.skipped, *settled.unlisted, *undrawn),
             info=None if info is None else replace(info, seconds=round(seconds, 3)),
-            scene=self.scene,
+            scene=scene,
             pairs=self.pairs,
             drop=self.drop,
             outline=self.outline,
@@ -405,6 +422,7 @@ class _UnitAudit:
             expanded_files=frozenset() if self.source is None else frozenset(self.source.trees),
             robot_files=frozenset() if self.source is None else collect_robot_files(self.source),
             role=self.role,
+            other_environments=tuple(self.other_environments),
             undeclared=None if self.source is None else _find_undeclared_arguments(self.source),
         )
 

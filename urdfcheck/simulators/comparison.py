@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from urdfcheck.core import Finding, ModelInfo, UrdfcheckError, Verdict
+from urdfcheck.core import Finding, ModelInfo, Verdict
+from urdfcheck.core.errors import ModelNotCheckedError
 from urdfcheck.policy.config import TARGETS
 from urdfcheck.policy.consumers import predict_outcomes as outcomes_of
 from urdfcheck.run import pipeline as engine
@@ -49,7 +50,7 @@ class EngineComparison:
 def compare_engines(request: Request) -> EngineComparison:
     """Load the one model that the request's paths lead to in all engines.
 
-    :raises UrdfcheckError: if they lead to none, or to several, or the model cannot be read at all.
+    :raises UrdfcheckError: if they lead to none, or to several; `ModelNotCheckedError` if the model cannot be read at all.
     """
     versions = list_versions()
     names = [name for name in ENGINES if versions[name] is not None]
@@ -61,7 +62,7 @@ def compare_engines(request: Request) -> EngineComparison:
     with engine.audit_session(request, [unit], found) as settings:
         ((_, robot),) = map_in_processes(_read_input, [(unit, settings)], 1)
         if not isinstance(robot, EngineInput) or report.info is None:
-            raise UrdfcheckError(
+            raise ModelNotCheckedError(
                 f"{unit.id}: no engine is given what is no <robot>, or cannot be read (urdfcheck check says why)"
             )
         at_once = max(1, request.jobs)

@@ -16,6 +16,7 @@ from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unrea
 from urdfcheck.source.package.file_kinds import (
     FORMATS_BY_ROOT,
     find_other_format,
+    is_buffer,
     is_launch,
     is_mesh,
     is_model,
@@ -24,6 +25,7 @@ from urdfcheck.source.package.file_kinds import (
     is_yaml,
 )
 from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.package.gltf_users import find_buffer_users
 from urdfcheck.source.plan import DiscoveryConfig, ModelTarget, Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, explain_unreachable
@@ -210,8 +212,9 @@ class _Planner:
         if is_launch(path):
             self.add_launch(path)
         elif is_mesh(path):
-            users = self.find_users(path, lambda folder, package: folder.find_models_using(path, package))
-            self.add_users(path, users, "no model of its package or repository names this mesh")
+            self.add_users(path, self.find_mesh_users(path), "no model of its package or repository names this mesh")
+        elif is_buffer(path):
+            self.add_buffer(path)
         elif path.name == "package.xml":
             self.add_folder(path.parent)
         elif is_yaml(path):
@@ -224,6 +227,21 @@ class _Planner:
             self.add_named_model(path)
         else:
             self.add_unknown_file(path)
+
+    def find_mesh_users(self, path: Path) -> list[Path]:
+        """Return the models that use a mesh."""
+        return self.find_users(path, lambda folder, package: folder.find_models_using(path, package))
+
+    def add_buffer(self, path: Path) -> None:
+        """Add the models of the glTF meshes that keep their geometry in a file."""
+        finder = self.get_finder(path)
+        package = finder.find_package_of(path.absolute())
+        top = path.absolute().parent if package is None else package.path
+        found = find_buffer_users(path, top, finder)
+        meshes = found if path.is_absolute() else [Path(os.path.relpath(mesh)) for mesh in found]
+        users = [user for mesh in meshes for user in self.find_mesh_users(mesh)]
+        otherwise = "no model of its package or repository names a glTF mesh that keeps its geometry in this file"
+        self.add_users(path, users, otherwise)
 
     def add_unknown_file(self, path: Path) -> None:
         """Add a file whose name says nothing, if it is a robot."""
@@ -243,7 +261,7 @@ class _Planner:
         if file is None or file.root is None:
             self.missing.append((format_path(path), "is no XML that can be read, so that nobody knows whose it is"))
             return
-        users = self.find_users(path, lambda folder, _: folder.find_models_by_robot_name(path))
+        users = self.find_users(path, lambda folder, _: folder.find_models_of_srdf(path))
         if file.makes_robot:
             self.add_model(ModelTarget(path=path, arguments=self.arguments, explicit=True))
         elif is_xacro(path) and file.has_parts:
@@ -261,6 +279,8 @@ class _Planner:
         if not (file.has_name and file.has_parts) or (file.is_xacro and self.has_project_around(path)):
             users = self.find_users(path, lambda folder, _: folder.find_including_models(path))
             is_part = bool(users) or any(folder.may_be_part(path) for folder, _ in self.iter_folders_around(path))
+            if not users and file.only_macros:
+                users = self.find_users(path, lambda folder, _: folder.find_models_of_srdf(path))
         self.add_each_user(users)
         self.add_model(
             ModelTarget(path=path, arguments=self.arguments, explicit=True, tentative=file.only_macros, is_part=is_part)

@@ -226,6 +226,35 @@ class FolderIndex:
         named = self._models_by_robot_name
         return named.get(wanted, []) + [model for name, models in named.items() if "\0" in name for model in models]
 
+    def find_models_of_srdf(self, path: Path) -> list[Path]:
+        """Return the models of a semantic description or of a part of one: those of all that include it, too."""
+        found, queue = {path: None}, [path]
+        while queue:
+            users = self._find_includers(queue.pop().name).difference(found)
+            found.update(dict.fromkeys(sorted(users)))
+            queue += users
+        srdfs = (file for file in found if is_srdf(file))
+        return list(dict.fromkeys(model for srdf in srdfs for model in self.find_models_by_robot_name(srdf)))
+
+    def _find_includers(self, name: str) -> set[Path]:
+        """Return the semantic descriptions and their macro files that include a file of this name, or may."""
+        literal, patterns = self._srdf_includes
+        self.compared += len(patterns)
+        fitting = () if self.compared > MAX_COMPARED else (p for p in patterns if fnmatch.fnmatchcase(name, p))
+        return literal.get(name, set()).union(*(patterns[pattern] for pattern in fitting))
+
+    @cached_property
+    def _srdf_includes(self) -> tuple[dict[str, set[Path]], dict[str, set[Path]]]:
+        """The files that include others, by the name of these, and by a pattern where it holds an expression."""
+        literal: dict[str, set[Path]] = {}
+        patterns: dict[str, set[Path]] = {}
+        for path, file in {**self.files, **self.srdfs}.items() if self.srdfs else ():
+            for include in file.includes:
+                name = EXPRESSION.sub("\0", include).rpartition("/")[2]
+                named = (patterns, "*".join(map(glob.escape, name.split("\0")))) if "\0" in name else (literal, name)
+                named[0].setdefault(named[1], set()).add(path)
+        return literal, patterns
+
     @cached_property
     def _models_by_robot_name(self) -> dict[str, list[Path]]:
         """The models whose robots have a name, which may hold expressions, by that name."""
@@ -354,6 +383,10 @@ def _iter_files(
                 unreadable.append((path, reason))
             elif os.path.isfile(path):
                 yield path
+            elif _may_be_checked(path):  # a pipe, a socket, a link to nothing: what it could hold is not checked
+                leads_nowhere = os.path.islink(path) and not os.path.exists(path)
+                reason = "is a link that leads nowhere" if leads_nowhere else "is neither a file nor a folder"
+                unreadable.append((path, f"cannot be read: it {reason}"))
             elif reason := explain_unreadable(path, os.F_OK):  # not even whether it is a folder can be told
                 unreadable.append((path, reason))
 

@@ -27,6 +27,13 @@ class ModelRole:
     """Why it is a part."""
     is_doubtful: bool = False
     """Whether it may be a robot of its own all the same: it has a name, and could not be expanded."""
+    has_whole_links: bool = False
+    """Whether it makes links, and no joint that needs a link from elsewhere: a slip makes it a part, or somebody who hides it."""
+
+    @property
+    def must_be_checked(self) -> bool:
+        """Whether a part that belongs to no model is a model that was not checked."""
+        return self.is_doubtful or self.has_whole_links
 
 
 MODEL = ModelRole("model")
@@ -46,8 +53,11 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
         return MODEL
     if not any(child.tag in {"link", "joint"} for child in root.children):
         return LIBRARY if is_part or is_tentative or _is_library(source) else MODEL
-    reason = _explain_incompleteness(root) if is_part else ""
-    return ModelRole("part", reason) if reason else MODEL
+    if not is_part:
+        return MODEL
+    elsewhere = _explain_joint_to_elsewhere(root)
+    reason = _explain_incompleteness(root, elsewhere)
+    return ModelRole("part", reason, has_whole_links=not elsewhere) if reason else MODEL
 
 
 def collect_robot_files(source: Source) -> frozenset[str]:
@@ -79,19 +89,31 @@ def _is_library(source: Source) -> bool:
     return source.is_xacro and (defines_macros(tree) or not has_parts(tree))
 
 
-def _explain_incompleteness(root: Element) -> str:
+def _explain_incompleteness(root: Element, elsewhere: str) -> str:
     """Return why a robot is none by itself; empty if it has a name and its joints join its links to one tree."""
     if "name" not in root.attributes:
         return "its <robot> has no name"
-    links = {link.get("name").strip() for link in root.find_children("link")}
-    children: set[str] = set()
+    children = {_get_end(joint, "child") for joint in root.find_children("joint")}
+    return elsewhere or ("" if len(_collect_links(root) - children) == 1 else "its links are not one tree")
+
+
+def _explain_joint_to_elsewhere(root: Element) -> str:
+    """Return which joint names a link that the robot has not; empty if none does."""
+    links = _collect_links(root)
     for joint in root.find_children("joint"):
         for end in ("parent", "child"):
-            element = joint.find_child(end)
-            name = "" if element is None else element.get("link").strip()
+            name = _get_end(joint, end)
             if name not in links:
                 shown = truncate_text(joint.get("name"), _LONGEST_NAME), truncate_text(name, _LONGEST_NAME)
                 return f"joint {shown[0]!r} names the link {shown[1]!r}, which is elsewhere"
-            if end == "child":
-                children.add(name)
-    return "" if len(links - children) == 1 else "its links are not one tree"
+    return ""
+
+
+def _collect_links(root: Element) -> set[str]:
+    return {link.get("name").strip() for link in root.find_children("link")}
+
+
+def _get_end(joint: Element, end: str) -> str:
+    """Return the link that a joint names as its ``end``: parent | child."""
+    element = joint.find_child(end)
+    return "" if element is None else element.get("link").strip()

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
+import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from urdfcheck.cli.options import CommandParser, add_options, build_request
 from urdfcheck.cli.output_files import CheckedFolders, parse_outputs, write_file
-from urdfcheck.cli.terminal import compute_exit_code, make_progress_printer, print_run
+from urdfcheck.cli.terminal import OK, compute_exit_code, make_progress_printer, print_run, say
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.run.preload import start_warm_worker
 
@@ -71,7 +72,11 @@ def main(words: Sequence[str]) -> int:
     request = replace(request, options=replace(request.options, drop=True))
     outcome = run(request, Execution(warm_worker=first, on_progress=make_progress_printer()))
     if outcome.models and not outcome.drops:
-        raise UrdfcheckError(f"{options.paths[0]}: {_explain_no_drop(outcome)}")
+        reason = f"{options.paths[0]}: {_explain_no_drop(outcome)}"
+        if outcome.failures or not all(info.unchecked_severity == Severity.WARNING for info in outcome.models):
+            raise UrdfcheckError(reason)
+        say(f"urdfcheck: {reason} (accepted)", sys.stderr)
+        return OK
     # Whatever reports are written, the command prints the same: findings of the drop, and errors of the file.
     findings = (f for f in outcome.findings if f.code == RULE or (f.code in wanted and f.severity == Severity.ERROR))
     drop_outcome = replace(outcome, findings=tuple(findings), scenes=())
@@ -79,7 +84,7 @@ def main(words: Sequence[str]) -> int:
     checked = CheckedFolders.around(options.paths)
     for output_format, file in outputs:
         write_file(output.render(outcome if output_format == "html" else drop_outcome, output_format), file, checked)
-    return compute_exit_code(drop_outcome, options.fail_on or settings.fail_on)
+    return compute_exit_code(drop_outcome, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)
 
 
 def _explain_no_drop(outcome: Run) -> str:
@@ -89,7 +94,7 @@ def _explain_no_drop(outcome: Run) -> str:
     reasons = [*outcome.failures, *(skip.reason for skip in outcome.skipped if skip.code in {RULE, "ALL"})]
     for finding in outcome.findings:
         span = finding.location.span
-        if finding.severity == Severity.ERROR:
+        if finding.severity == Severity.ERROR or finding.blocks_check:
             place = "" if span is None else f" ({span.file}:{span.line}:{span.col})"
             return f"{finding.message}{place}"
     return reasons[0] if reasons else "it could not be set down"

@@ -9,7 +9,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.cli.options import CommandParser, add_options, build_access_request
-from urdfcheck.cli.terminal import FINDINGS, OK, print_document
+from urdfcheck.cli.terminal import FINDINGS, OK, print_document, report_accepted
+from urdfcheck.core.errors import ModelNotCheckedError
 
 if TYPE_CHECKING:
     from urdfcheck.simulators.comparison import EngineComparison, EngineRow
@@ -42,8 +43,11 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.system import libraries
 
     libraries.prefer_own_folders()
-    request, targets = build_access_request(options, options.model, frozenset(load_rules()))
-    done = compare_engines(request)
+    request, policy = build_access_request(options, options.model, frozenset(load_rules()))
+    try:
+        done = compare_engines(request)
+    except ModelNotCheckedError as error:
+        return report_accepted(error, policy)
     if options.format == "json":
         print_document(json.dumps(_build_document(done), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     else:
@@ -51,7 +55,7 @@ def main(words: Sequence[str]) -> int:
 
         for line in _iter_lines(done, _get_width()):
             print(escape_for_log(line))
-    failed = any(_is_unexpected_refusal(row, targets) for row in done.rows)
+    failed = any(_is_unexpected_refusal(row, policy.targets) for row in done.rows)
     return FINDINGS if failed else OK
 
 

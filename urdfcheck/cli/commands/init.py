@@ -122,7 +122,7 @@ LOCAL_HOOKS = """\
       language: system
       files: |
         (?xi)(
-          \\.(stl|dae|obj|ply|off|glb|gltf|srdf)
+          \\.(stl|dae|obj|ply|off|glb|gltf|bin|srdf)
           |\\.launch|[._]launch\\.(xml|py)
           |(^|/)package\\.xml
           |(^|/)(config|params|controllers|control|launch)/.*\\.ya?ml

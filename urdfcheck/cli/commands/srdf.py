@@ -9,8 +9,8 @@ from pathlib import Path
 
 from urdfcheck.cli.options import CommandParser, add_options, build_access_request
 from urdfcheck.cli.output_files import CheckedFolders, write_file
-from urdfcheck.cli.terminal import NOTHING, OK, print_document, say
-from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.cli.terminal import NOTHING, OK, print_document, report_accepted, say
+from urdfcheck.core.errors import ModelNotCheckedError, UrdfcheckError
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -48,11 +48,14 @@ def main(words: Sequence[str]) -> int:
     # The findings about the file explain why there is no model.
     codes = frozenset(code for code, rule in load_rules().items() if "file" in rule.scopes)
     libraries.prefer_own_folders()
-    request, _ = build_access_request(options, options.model, codes)
+    request, policy = build_access_request(options, options.model, codes)
     audit_options = replace(request.options, samples=THOROUGH if options.thorough else SAMPLES, pairs=True)
     report = audit_single_model(replace(request, options=audit_options))
     if report.pairs is None:
-        raise UrdfcheckError(f"{path}: {explain_missing_pairs(report.failures, report.skipped, report.findings)}")
+        reason = f"{path}: {explain_missing_pairs(report.failures, report.skipped, report.findings)}"
+        if report.failures or report.info is None or report.info.status == "checked":
+            raise UrdfcheckError(reason)
+        return report_accepted(ModelNotCheckedError(reason), policy)
     if not report.pairs.pairs:
         say(f"urdfcheck: {path}: no two links have collision geometry that can be read", sys.stderr)
         return NOTHING

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.run.jobs import Unit, UnitReport
@@ -61,23 +62,32 @@ def _collect_robot_files(audited_units: Iterable[tuple[Unit, UnitReport]]) -> se
     return {name for _, report in audited_units if report.role == MODEL for name in report.robot_files}
 
 
-def explain_unchecked_parts(audited_units: Sequence[tuple[Unit, UnitReport]]) -> list[tuple[str, str]]:
-    """Return the files that were expanded, are no models and belong to no model that was audited, each with the reason.
+def assign_parts(
+    audited_units: Sequence[tuple[Unit, UnitReport]],
+) -> tuple[list[tuple[Unit, UnitReport]], list[tuple[str, str]]]:
+    """Return the models, and the files that are none and belong to no model that was audited, each with the reason.
 
-    A library that is part of something is left out: there is nothing in it to check.
+    A part that could be a model but for a slip is a model that was not checked. A library that is part of something is left out:
+    there is nothing in it to check.
     """
     used = _collect_robot_files(audited_units)
     models = [report for _, report in audited_units if report.role == MODEL]
-    read = {name for report in models for name in report.expanded_files}
+    read = {name for report in models for name in (*report.expanded_files, *report.srdf_files)}
     # What a model that could not be expanded is made of is unknown, and so is told with that model.
     failed = (report for report in models if report.info is not None and report.info.status != "checked")
     used.update(name for report in failed for name in report.expanded_files)
+    kept: list[tuple[Unit, UnitReport]] = []
     reasons: dict[str, str] = {}
     for unit, report in audited_units:
         role, name = report.role, format_path(Path(unit.path))
-        if role.kind == "library" and unit.is_explicit and name not in read:
+        if role == MODEL:
+            kept.append((unit, report))
+        elif role.kind == "library" and unit.is_explicit and name not in read:
             includes = "that was checked reads it" if unit.is_part else "of its package or repository includes it"
             reasons[name] = f"only defines macros, and no model {includes}"
         elif role.kind == "part" and name not in (used if role.is_doubtful else read) and not is_srdf(Path(unit.path)):
-            reasons[name] = f"is not checked: no model that was checked is made of this part, and {role.reason}"
-    return sorted(reasons.items())
+            if role.must_be_checked:
+                kept.append((unit, replace(report, role=MODEL)))
+            else:
+                reasons[name] = f"is not checked: no model that was checked is made of this part, and {role.reason}"
+    return kept, sorted(reasons.items())

@@ -10,6 +10,7 @@ from typing import Any
 from urdfcheck.core import Finding, Severity
 from urdfcheck.run.jobs import Unit, UnitReport
 from urdfcheck.run.shared_findings import get_defect_key
+from urdfcheck.source.model_role import MODEL
 
 # Sets of arguments of one file that are tried to find smaller ones that show a finding.
 MAX_TRIED = 100
@@ -40,6 +41,23 @@ def propose_smaller_variants(units: Sequence[Unit], reports: Mapping[int, UnitRe
                 tried.add(_get_identity(less))
                 more[unit.path] += 1
                 wanted.append(less)
+    return wanted
+
+
+def propose_other_environments(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> list[Unit]:
+    """Return unchecked variants of models that make other robots under other distributions of ROS."""
+    tried = {_get_identity(unit) for unit in units if unit.kind == "model"}
+    wanted: list[Unit] = []
+    for place, unit in enumerate(units):
+        for variables in reports[place].other_environments if place in reports and reports[place].role == MODEL else ():
+            arguments = {**unit.arguments, **variables}
+            named = unit.id.removesuffix(format_arguments(unit.arguments)) + format_arguments(arguments)
+            other = replace(
+                unit, arguments=arguments, id=named, launches=(), varied_arguments=(*unit.varied_arguments, *variables)
+            )
+            if _get_identity(other) not in tried:
+                tried.add(_get_identity(other))
+                wanted.append(other)
     return wanted
 
 

@@ -29,6 +29,6 @@ def read_installed_files(name: str, build: str, read_text: Callable[[str], str |
     if text is None:
         return None
     if build != "ament_python":
-        return read_cmake_installs(list(parse_commands(text)), name)
+        return read_cmake_installs(list(parse_commands(text)), name, read_text)
     tree = parse_setup(text)
     return None if tree is None else read_setup_installs(tree, name)

@@ -1,10 +1,13 @@
-"""What a CMakeLists.txt installs into its package's share folder. It is read as text and never run."""
+"""What a CMakeLists.txt and the files that it includes install into its package's share folder.
+
+They are read as text and never run.
+"""
 
 from __future__ import annotations
 
 import posixpath
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.source.package.installed_files import (
@@ -19,14 +22,18 @@ from urdfcheck.source.package.installed_files import (
 # A text without an end reaches to the end of the file, so that each character is matched once.
 _TOKEN = re.compile(r'#[^\n]*|"(?:[^"\\]|\\.)*(?:"|\Z)|[()]|[^\s()"#]+', re.DOTALL)
 _VARIABLE = re.compile(r"\$\{(\w+)\}")
-_SOURCE_DIR_VARIABLES = ("CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR")
+# Stands in values for the folder of the package.
+_PACKAGE_DIR = "\1"
+_CURRENT_DIR_VARIABLES = ("CMAKE_CURRENT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR")
+_SOURCE_DIR_VARIABLES = (*_CURRENT_DIR_VARIABLES, "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR")
 # The most values of one variable and of one word that contains several variables, the most characters of these values and of all
-# that were computed, the most commands with those repeated by loops, and the most loops inside of each other. What goes beyond
-# counts as unknown.
+# that were computed, the most commands with those repeated by loops, the most loops or files inside of each other, and the most
+# files. What goes beyond counts as unknown.
 _MOST_VALUES = 1_000
 _MOST_CHARACTERS, _MOST_IN_ALL = 100_000, 10_000_000
 _MOST_COMMANDS = 20_000
 _MOST_NESTED = 20
+_MOST_FILES = 100
 # Commands that install nothing and read no folder of the package.
 _QUIET = frozenset({
     "message", "find_package", "cmake_minimum_required", "if", "elseif", "else", "endif", "endforeach", "ament_package",
@@ -78,9 +85,14 @@ def parse_commands(text: str) -> Iterator[CmakeCommand]:
             ends.append(match.end())
 
 
-def read_cmake_installs(commands: Sequence[CmakeCommand], package: str) -> InstalledFiles:
-    """Return what the commands install for a package of this name. Both branches of a condition count."""
-    reader = _CmakeReader(package)
+def read_cmake_installs(
+    commands: Sequence[CmakeCommand], package: str, read_text: Callable[[str], str | None]
+) -> InstalledFiles:
+    """Return what the commands install for a package of this name. Both branches of a condition count.
+
+    ``read_text``: returns the text of another file of the package, or None.
+    """
+    reader = _CmakeReader(package, read_text)
     reader.run_commands(commands)
     return InstalledFiles(
         entries=tuple(reader.entries), is_complete=reader.is_complete, other_names=frozenset(reader.other_names)
@@ -88,10 +100,15 @@ def read_cmake_installs(commands: Sequence[CmakeCommand], package: str) -> Insta
 
 
 class _CmakeReader:
-    """Follows variables, lists and loops."""
+    """Follows variables, lists, loops, and the files that are included."""
 
-    def __init__(self, package: str) -> None:
+    def __init__(self, package: str, read_text: Callable[[str], str | None]) -> None:
         self.package = package
+        self.read_text = read_text
+        # The folder whose CMakeLists.txt is read; the commands of the other files; how many are read inside of each other.
+        self.folder = ""
+        self.files: dict[str, list[CmakeCommand] | None] = {}
+        self.open_files = 0
         self.values: dict[str, list[str]] = {
             "PROJECT_NAME": [package],
             "CMAKE_PROJECT_NAME": [package],
@@ -100,7 +117,7 @@ class _CmakeReader:
             "CMAKE_INSTALL_DATADIR": ["share"],
             "CMAKE_INSTALL_DATAROOTDIR": ["share"],
             "CMAKE_INSTALL_PREFIX": [""],
-            **{name: ["."] for name in _SOURCE_DIR_VARIABLES},
+            **{name: [_PACKAGE_DIR] for name in _SOURCE_DIR_VARIABLES},
         }
         self.entries: list[InstalledEntry] = []
         self.is_complete = True
@@ -145,13 +162,14 @@ class _CmakeReader:
 
     def run_command(self, command: CmakeCommand) -> None:
         name, *words = command.words or ("",)
-        if command.name == "set":
+        if command.name == "set" and words[-1:] != ["PARENT_SCOPE"]:
             self.values[name] = self.expand_words(words)
         elif command.name == "list" and name == "APPEND" and words:
             appended = self.expand_words(words[1:])
             self.values[words[0]] = [*self.values.get(words[0], []), *appended][:_MOST_VALUES]
         elif command.name == "project":
             self.values["PROJECT_NAME"] = [name] if name else [self.package]
+            self.values["PROJECT_SOURCE_DIR"] = [posixpath.join(_PACKAGE_DIR, self.folder)]
         elif command.name == "file" and name in {"GLOB", "GLOB_RECURSE"} and words:
             self.read_glob(words, recursive=name == "GLOB_RECURSE")
         elif command.name == "install":
@@ -160,17 +178,74 @@ class _CmakeReader:
             rest = command.words[command.words.index("INSTALL_TO_SHARE") + 1 :]
             folders = self.expand_words(rest[: next((i for i, w in enumerate(rest) if w.isupper()), len(rest))])
             self.add_folders(folders, f"share/{self.package}")
-        elif command.name in {"add_subdirectory", "include"}:
-            self.is_complete &= not command.words
+        elif command.name == "add_subdirectory":
+            self.add_subdirectory(command.words)
+        elif command.name == "include":
+            self.include_file(command.words)
         elif command.name not in _QUIET and command.name != "list":
             self.other_names.update(p for word in self.expand_words(command.words) for p in word.split("/"))
+
+    def add_subdirectory(self, words: Sequence[str]) -> None:
+        """Run the CMakeLists.txt of a folder, whose variables are its own."""
+        folder = self.find_source_place(words)
+        commands = None if folder is None else self.read_commands(posixpath.join(folder, "CMakeLists.txt"))
+        if folder is None or commands is None or "EXCLUDE_FROM_ALL" in words:
+            self.is_complete = False
+            return
+        values, outer = self.values, self.folder
+        here = [posixpath.join(_PACKAGE_DIR, folder)]
+        self.values = {**values, **dict.fromkeys(_CURRENT_DIR_VARIABLES, here)}
+        self.folder = folder
+        self.run_file(commands)
+        self.values, self.folder = values, outer
+
+    def include_file(self, words: Sequence[str]) -> None:
+        """Run the commands of another file as if they stood here."""
+        place = self.find_source_place(words)
+        commands = None if place is None else self.read_commands(place)
+        if place is None or commands is None:  # a module of CMake or of another package
+            self.is_complete &= not words
+            return
+        before = self.values["CMAKE_CURRENT_LIST_DIR"]
+        self.values["CMAKE_CURRENT_LIST_DIR"] = [posixpath.join(_PACKAGE_DIR, posixpath.dirname(place))]
+        self.run_file(commands)
+        self.values["CMAKE_CURRENT_LIST_DIR"] = before
+
+    def run_file(self, commands: Sequence[CmakeCommand]) -> None:
+        """Run the commands of a file that another one names."""
+        if self.open_files == _MOST_NESTED:
+            self.is_complete = False
+            return
+        self.open_files += 1
+        self.run_commands(commands)
+        self.open_files -= 1
+
+    def read_commands(self, place: str) -> list[CmakeCommand] | None:
+        """Return the commands of a file of the package; None if it cannot be read."""
+        if place not in self.files and len(self.files) < _MOST_FILES:
+            text = self.read_text(place)
+            self.files[place] = None if text is None else list(parse_commands(text))
+        return self.files.get(place)
+
+    def find_source_place(self, words: Sequence[str]) -> str | None:
+        """Return the path in the package that the first of some words means; None for an unknown one and one outside."""
+        named = self.expand_words(words[:1])
+        return self.normalize_path(named[0]) if len(named) == 1 and "$" not in named[0] else None
+
+    def normalize_path(self, path: str) -> str | None:
+        """Return a path without needless parts, from the folder of the package on; None for one that leads out of it."""
+        if path.startswith(_PACKAGE_DIR):
+            return normalize_source(path[len(_PACKAGE_DIR) :].lstrip("/"))
+        return None if path.startswith("/") else normalize_source(posixpath.join(self.folder, path))
 
     def read_glob(self, words: Sequence[str], *, recursive: bool) -> None:
         """Note the patterns of ``file(GLOB …)`` as the values of its variable."""
         rest = [word for word in words[1:] if word != "CONFIGURE_DEPENDS"]
         if rest[:1] == ["RELATIVE"]:
-            rest = rest[2:]
-        patterns = self.expand_words(rest)
+            patterns = self.expand_words(rest[2:])
+        else:  # whole paths, which a file in another folder may use
+            whole, here = (_PACKAGE_DIR, "/", "$"), posixpath.join(_PACKAGE_DIR, self.folder)
+            patterns = [p if p.startswith(whole) else posixpath.join(here, p) for p in self.expand_words(rest)]
         self.values[words[0]] = ["${recursive}"] if recursive else patterns
 
     def read_install(self, words: list[str]) -> None:
@@ -205,11 +280,11 @@ class _CmakeReader:
             return
         wanted, excluded = _read_patterns(options)
         for folder in folders:
-            source = normalize_source(folder)
+            source = self.normalize_path(folder)
             if source is None or "${" in folder or has_magic(folder):
                 self.is_complete = False
                 continue
-            whole = folder.endswith("/") or not source
+            whole = folder.endswith(("/", "/.")) or folder == "." or not source
             place = target if whole else posixpath.join(target, posixpath.basename(source))
             entry = InstalledEntry(source=source, target=place, kind="folder", wanted=wanted, excluded=excluded)
             self.entries.append(entry)
@@ -219,7 +294,7 @@ class _CmakeReader:
         if target is None:
             return
         for file in files:
-            source = normalize_source(file)
+            source = self.normalize_path(file)
             if source is None or "${" in file:
                 self.is_complete = False
             elif has_magic(source):

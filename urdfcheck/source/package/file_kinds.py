@@ -8,6 +8,8 @@ MODEL_SUFFIXES = (".urdf", ".xacro")
 # The names of files that are made for xacro. The launch files of ros2_control_demos hand it `robot.xacro.urdf`.
 XACRO_SUFFIXES = (".xacro", ".xacro.urdf")
 MESH_SUFFIXES = (".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf")
+# The files in which a glTF mesh keeps its geometry.
+BUFFER_SUFFIXES = (".bin",)
 LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py", "_launch.xml", "_launch.py")
 SRDF_SUFFIXES = (".srdf", ".srdf.xacro")
 YAML_SUFFIXES = (".yaml", ".yml")
@@ -48,6 +50,11 @@ def is_xacro(path: Path) -> bool:
 def is_mesh(path: Path) -> bool:
     """Whether a file is named like a mesh."""
     return path.name.lower().endswith(MESH_SUFFIXES)
+
+
+def is_buffer(path: Path) -> bool:
+    """Whether a file is named like one in which a glTF mesh keeps its geometry."""
+    return path.name.lower().endswith(BUFFER_SUFFIXES)
 
 
 def is_srdf(path: Path) -> bool:

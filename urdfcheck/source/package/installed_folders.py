@@ -64,9 +64,15 @@ def _read_file(package: Package, path: Path) -> SourceFile | None:
 
 
 def _read_cmake(file: SourceFile, package: Package) -> InstallRules:
+    def read_text(name: str) -> str | None:
+        other = _read_file(package, package.path / name)
+        return None if other is None else other.text
+
     commands = list(parse_commands(file.text))
     rules = InstallRules(
-        installed=read_cmake_installs(commands, package.name), at=Location("install", None), build_form="cmake"
+        installed=read_cmake_installs(commands, package.name, read_text),
+        at=Location("install", None),
+        build_form="cmake",
     )
     return _locate_insertion(rules, file, commands=commands, package=package.name)
 

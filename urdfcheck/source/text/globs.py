@@ -11,10 +11,13 @@ from pathlib import Path
 def split_relative_path(path: Path, root: Path) -> tuple[str, ...] | None:
     """Return the names of the folders from ``root`` to a file, and the file's name; None if it is not below ``root``.
 
-    Links are resolved first.
+    Links are resolved first, apart from one that leads nowhere: it counts where it lies.
     """
     try:
-        names = Path(os.path.relpath(os.path.realpath(path), os.path.realpath(root))).parts
+        real = os.path.realpath(path)
+        if os.path.islink(path) and not os.path.exists(real):
+            real = os.path.join(os.path.realpath(path.parent), path.name)
+        names = Path(os.path.relpath(real, os.path.realpath(root))).parts
     except ValueError:  # another drive, or a NUL
         return None
     return None if names[:1] == ("..",) else names

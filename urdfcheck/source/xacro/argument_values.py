@@ -31,7 +31,7 @@ MOST_CHARACTERS = 2_000
 VARIABLE = "env:"
 # The distributions of ROS that are or were in use, and what they set.
 KNOWN_VARIABLES: Mapping[str, tuple[str, ...]] = {
-    "ROS_DISTRO": ("noetic", "humble", "jazzy", "kilted", "rolling"),
+    "ROS_DISTRO": ("noetic", "humble", "jazzy", "kilted", "lyrical", "rolling"),
     "ROS_PYTHON_VERSION": ("3", "2"),
     "ROS_VERSION": ("2", "1"),
 }

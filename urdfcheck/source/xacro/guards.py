@@ -156,16 +156,23 @@ class Guards:
     """The guards of one expansion, which share one count of steps."""
 
     def __init__(
-        self, namespace: type, *, places: set[str] | None = None, notify: Callable[[str], None] = lambda _kind: None
+        self,
+        namespace: type,
+        *,
+        places: set[str] | None = None,
+        notify: Callable[[str], None] = lambda _kind: None,
+        set_order: str = "",
     ) -> None:
         """Start the count. ``namespace``: xacro's class of name tables, the only type of value that is not Python's own.
 
         ``places``: the folders that the file was told so far; ``notify`` is called with the kind of problem
-        where an expression looks into one (place-decides), or goes through a set whose order is random (order-decides).
+        where an expression looks into one (place-decides), or goes through a set whose order is random (order-decides);
+        ``set_order``: see `sort_items`.
         """
         self.steps = MAX_STEPS
         self._places = set() if places is None else places
         self._notify = notify
+        self._set_order = set_order
         self._namespace = namespace
         self._own_tables: set[int] = set()
         self._named: dict[str, Callable[..., Any]] = {
@@ -236,7 +243,7 @@ class Guards:
             return value
         self.measure(value)
         self._notify("order-decides")
-        return sort_items(value)
+        return sort_items(value, self._set_order)
 
     def _note_decision(self, value: Any) -> None:
         """Note that an expression looks into a text that holds the place of a file, instead of only writing it."""

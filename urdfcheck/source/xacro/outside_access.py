@@ -25,6 +25,8 @@ from urdfcheck.source.xacro.expansion_state import (
 from urdfcheck.source.xacro.expressions import ExpressionRefusedError
 from urdfcheck.source.xacro.origins import OutputDefect, attach_origins
 
+# Stands for the order in which sets are gone through, which is random unless this variable is set.
+HASH_SEED = "PYTHONHASHSEED"
 # The variables that any file may read: they are the same for all who build it for one distribution of ROS.
 READABLE_ENVIRONMENT = frozenset({"ROS_DISTRO", "ROS_PYTHON_VERSION", "ROS_VERSION"})
 
@@ -46,6 +48,7 @@ class FileAccess:
         self.finder = finder
         self.environment = READABLE_ENVIRONMENT | extra_environment
         self.variables = {**os.environ, **variables}
+        self.set_order = variables.get(HASH_SEED, "")
         self.trace = trace
         self.files: dict[str, SourceFile] = {}
         self.trees: dict[str, Element] = {}

@@ -80,7 +80,12 @@ class Tracer:
 
             self._patch_functions(patch)
             self._patch_state(patch)
-            self.guards = Guards(xacro.Table, places=self.access.places, notify=self.report_decision)
+            self.guards = Guards(
+                xacro.Table,
+                places=self.access.places,
+                notify=self.report_decision,
+                set_order=self.access.set_order,
+            )
             patch(xacro, "str", make_text_type(self.guards.make_text))
             self.symbols = xacro.create_global_symbols()
             dict.__setitem__(self.symbols["xacro"], "arg", self.get_argument)

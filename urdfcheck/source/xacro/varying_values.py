@@ -13,6 +13,8 @@ from urdfcheck.source.xacro.expressions import ExpressionRefusedError
 
 NUMBERS = frozenset({bool, int, float, complex})
 _VIEWS: tuple[type, ...] = (type({}.keys()), type({}.values()), type({}.items()))
+# Orders of a set beside the sorted one: enough of them to give each item of a small set another place.
+SET_ORDERS = ("reversed", "turned")
 _SETS = (set, frozenset)
 _COLLECTIONS: tuple[Any, ...] = (tuple, *_SETS, *_VIEWS)
 _FIXED = (str, bytes, int, float, complex, range, type(None), type(...))
@@ -46,9 +48,12 @@ def ensure_order(value: Any) -> None:
         raise make_varying_error("the order of the items of a set is another in each process")
 
 
-def sort_items(value: Any) -> list[Any]:
-    """Return the items of a set in an order that is the same in each process."""
-    return sorted(value, key=lambda item: (type(item).__name__, repr(item)))
+def sort_items(value: Any, order: str = "") -> list[Any]:
+    """Return the items of a set in an order that is the same in each process: sorted, or another one (`SET_ORDERS`)."""
+    items = sorted(value, key=lambda item: (type(item).__name__, repr(item)))
+    if order == "turned":
+        return items[1:] + items[:1]
+    return items[::-1] if order == "reversed" else items
 
 
 def ensure_order_inside(value: Any) -> None:

@@ -58,9 +58,10 @@ def _format_worst_row(row: UnitRow) -> tuple[str, ...]:
 def _format_totals(summary: AuditSummary) -> str:
     counts = ", ".join(_format_count(summary.counts[severity], str(severity)) for severity in SEVERITY_ORDER)
     unchecked = summary.kinds["model"] - summary.statuses["checked"]
-    first = (
-        f"{GLYPH} {unchecked:,} of {_format_count(summary.kinds['model'], 'model')} not checked; " if unchecked else ""
-    )
+    macros = len(summary.unused_macro_files)
+    lost = [f"{unchecked:,} of {_format_count(summary.kinds['model'], 'model')}"] if unchecked else []
+    lost += [_format_count(macros, "macro file")] if macros else []
+    first = f"{GLYPH} {' and '.join(lost)} not checked; " if lost else ""
     beside = [
         _format_count(summary.kinds[kind], word) for kind, word in (("launch", "launch file"), ("package", "package"))
     ]

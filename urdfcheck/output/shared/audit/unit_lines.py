@@ -26,8 +26,12 @@ def build_unit_line(
     findings: Sequence[Finding] = (),
     skipped: Sequence[SkippedCheck] = (),
     failures: Sequence[str] = (),
+    unused_macro_files: Sequence[str] = (),
 ) -> bytes:
-    """Build the line of a unit, without a newline. ``kind``: model | launch | package, or run for what belongs to no unit."""
+    """Build the line of a unit, without a newline. ``kind``: model | launch | package, or run for what belongs to no unit.
+
+    Only the line of the run has ``unused_macro_files``.
+    """
     record = {
         "schema": SCHEMA,
         "unit": {"kind": kind, "id": name, "path": path},
@@ -35,6 +39,7 @@ def build_unit_line(
         "findings": [build_finding_object(finding) for finding in findings],
         "skipped": [build_skip_object(skip) for skip in skipped],
         "failures": list(failures),
+        **({"unused_macro_files": list(unused_macro_files)} if kind == "run" else {}),
     }
     return escape_for_json(json.dumps(record, ensure_ascii=False, allow_nan=False)).encode()
 
@@ -66,6 +71,8 @@ class UnitRow:
     """What may check it."""
     accepted: bool = False
     """Whether it is accepted that the model was not checked."""
+    unused_macro_files: tuple[str, ...] = ()
+    """Files with macros that no checked model has read: of the run."""
 
     @property
     def is_unchecked(self) -> bool:
@@ -110,6 +117,7 @@ def parse_unit_line(text: bytes) -> UnitRow:
         reason=not_checked.get("reason", ""),
         command=not_checked.get("command") or "",
         accepted=not_checked.get("accepted", False),
+        unused_macro_files=tuple(record.get("unused_macro_files", ())),
     )
 
 
@@ -143,6 +151,8 @@ class AuditSummary:
     failures: list[str] = field(default_factory=list)
     """What failed in urdfcheck itself."""
     models_with_errors: int = 0
+    unused_macro_files: tuple[str, ...] = ()
+    """Files with macros that no checked model has read."""
     failure_count: int = 0
     """Number of failures of urdfcheck itself, those not listed included."""
 
@@ -184,6 +194,7 @@ class AuditSummary:
             rule.findings += number
             rule.units += 1
             rule.severity = max(rule.severity, severity)
+        self.unused_macro_files += row.unused_macro_files
         self.failure_count += len(row.failures)
         self.failures += row.failures[: max(0, MOST_NAMED - len(self.failures))]
 
