@@ -12,7 +12,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from conftest import CORPORA, FIXTURES, make_request
 from real_robots import TARGETED, check_robots, list_robots, read_input
 from test_rules import BAD, GOOD, Case
 
-from urdfcheck import cli
+from urdfcheck import cli, core
 from urdfcheck.core import Finding, Rule, Verdict
 from urdfcheck.policy import consumers
 from urdfcheck.policy.limits import ResourceLimits
@@ -34,6 +34,7 @@ from urdfcheck.simulators.engine_input import find_root_tag
 from urdfcheck.simulators.judgement import judge_outcome, matches_prediction
 from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot, LoadOutcome, TypedRobot
 from urdfcheck.simulators.processes import ENGINES, get_install_hint, iter_outcomes, list_versions
+from urdfcheck.system.process_pool import FORKS
 
 pytestmark = pytest.mark.slow
 
@@ -103,7 +104,7 @@ def checked(name: str, request: Request) -> Iterator[Example]:
 
 
 def list_examples(
-    name: str, run: Run, found: Sequence[Finding], inputs: Mapping[str, EngineInput | None]
+    name: str, run: core.Run, found: Sequence[Finding], inputs: Mapping[str, EngineInput | None]
 ) -> Iterator[Example]:
     """The models of a run that engines are asked about, with what was found of each."""
     assert not run.failures, run.failures
@@ -308,6 +309,83 @@ def test_an_engine_that_crashes_says_so_and_takes_nobody_along() -> None:
     )
     assert "crashes" in first.refused
     assert second.loaded is not None
+
+
+def test_drake_fetches_nothing() -> None:
+    """Its map of packages has one on a server, which it would fetch, or say where it could not put it."""
+    pytest.importorskip("pydrake")
+    mesh = '<visual><geometry><mesh filename="package://drake_models/ycb/meshes/a.obj"/></geometry></visual>'
+    robot = EngineInput(document=f'<robot name="r"><link name="a">{mesh}</link></robot>'.encode())
+    outcome = dict(iter_outcomes([("drake", robot)], around=[], limits=ResourceLimits()))[0]
+    assert "drake_models" in outcome.refused
+    assert not re.search("download|cache|Permission", " ".join((outcome.refused, *outcome.messages)))
+
+
+Run = Callable[[Callable[[Path], object]], tuple[LoadOutcome, ...]]
+
+
+@pytest.fixture
+def taken_over(monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Run two engines, the first of which does what a hostile file could make it do in its folder, and dies."""
+    if not FORKS:
+        pytest.skip("the process that is started anew does not know what is replaced here")
+
+    def run(deed: Callable[[Path], object]) -> tuple[LoadOutcome, ...]:
+        import urdfcheck.simulators.pinocchio
+        import urdfcheck.simulators.urdfdom
+
+        def load_hostile(_robot: EngineInput, path: str) -> LoadedRobot:
+            deed(Path(path).parent)
+            os._exit(1)
+
+        def load_well(_robot: EngineInput, path: str) -> LoadedRobot:
+            os.write(1, b"well: " + Path(path).read_bytes())
+            os._exit(1)
+
+        monkeypatch.setattr(urdfcheck.simulators.pinocchio, "load", load_hostile)
+        monkeypatch.setattr(urdfcheck.simulators.urdfdom, "load", load_well)
+        for module in (urdfcheck.simulators.pinocchio, urdfcheck.simulators.urdfdom):
+            monkeypatch.setattr(module, "LIBRARIES", ())
+        robot = EngineInput(document=b"<robot/>")
+        jobs = [("pinocchio", robot), ("urdfdom", robot)]
+        found = dict(iter_outcomes(jobs, around=[], limits=ResourceLimits(seconds=10.0)))
+        return found[0], found[1]
+
+    return run
+
+
+def test_what_an_engine_puts_in_the_place_of_its_output_is_not_followed(taken_over: Run, tmp_path: Path) -> None:
+    """The process that reads it is not confined."""
+    (tmp_path / "secret").write_text("token")
+
+    def link(own: Path) -> None:
+        (own / "said").unlink()
+        (own / "said").symlink_to(tmp_path / "secret")
+
+    first, second = taken_over(link)
+    assert first.refused == "ends its process"
+    assert first.messages == ()
+    assert second.messages == ("well: <robot/>",)
+
+
+def test_an_engine_changes_nothing_of_the_others(taken_over: Run) -> None:
+    def forge(own: Path) -> None:
+        (own.parent / "1" / "said").write_text("forged")
+
+    first, second = taken_over(forge)
+    assert "Permission denied" in first.refused
+    assert second.messages == ("well: <robot/>",)
+
+
+def test_what_an_engine_writes_is_bounded(taken_over: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("urdfcheck.simulators.processes.LARGEST_FILE", 1)
+
+    def fill(own: Path) -> None:
+        (own / "large").write_bytes(bytes(2 * 1024**2))
+
+    first, second = taken_over(fill)
+    assert "File too large" in first.refused
+    assert second.messages == ("well: <robot/>",)
 
 
 def chain(levels: int) -> bytes:

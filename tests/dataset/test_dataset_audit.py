@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import tracemalloc
 from collections.abc import Generator, Iterator, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -294,6 +295,35 @@ def test_a_journal_that_came_with_the_dataset_is_not_believed(audit: Audit) -> N
     with pytest.raises(UrdfcheckError, match="was not written there but copied: --restart"):
         audit()
     assert len(audit(restart=True)) == 5
+
+
+@pytest.mark.parametrize(
+    "more",
+    ['"rules": ' + "[" * 100_000 + "\n", '"\x1b[31m": 1}\n', '"rules": 1}\n'],
+    ids=["nested", "unknown", "other"],
+)
+def test_a_first_line_of_a_stranger_is_data(audit: Audit, more: str) -> None:
+    audit.folder.mkdir()
+    (audit.folder / "journal").write_text('{"urdfcheck audit": 1, ' + more)
+    with pytest.raises(UrdfcheckError, match=r"found under other settings \((of another kind|.*rules.*)\)") as refused:
+        audit()
+    assert "\x1b" not in str(refused.value)
+
+
+def test_a_first_line_without_an_end_is_not_read_whole(audit: Audit) -> None:
+    """A file with a hole of a gigabyte is a few bytes of an archive."""
+    audit.folder.mkdir()
+    with (audit.folder / "journal").open("wb") as file:
+        file.write(b'{"urdfcheck audit": 1, ')
+        file.truncate(1024**3)
+    tracemalloc.start()
+    try:
+        with pytest.raises(UrdfcheckError, match="found under other settings"):
+            audit()
+        assert tracemalloc.get_traced_memory()[1] < 128 * 1024**2
+    finally:
+        tracemalloc.stop()
+    assert len(audit(restart=True)) == 6
 
 
 def test_an_entry_that_rests_on_no_file_is_not_believed(audit: Audit) -> None:

@@ -14,9 +14,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     yield from _check_ignored(source, rule)
     decisions = source.find_problems("environment-decides")
     if decisions:
-        from urdfcheck.source.other_environments import (
-            get_variable,
-        )  # loads the expansion, and few models decide by one
+        # It loads the expansion, and few models decide by one.
+        from urdfcheck.source.other_environments import get_variable
 
         names = sorted({str(p.data["variable"]) for p in decisions})
         first, *others = dict.fromkeys(p.location for p in decisions)

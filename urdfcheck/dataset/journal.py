@@ -33,6 +33,8 @@ _FIRST = b'{"urdfcheck audit": 1, '
 _PLACE = "inode"
 # Prefix of files that are written aside and then replace another file.
 TEMPORARY = ".urdfcheck-"
+# In bytes. The file may have come with a dataset; settings take some kB, and at most 100 for each folder that is named.
+_LONGEST_HEADER = 16 * 1024**2
 # The stamps of this many files are cached, because models share files.
 _REMEMBERED = 10_000
 
@@ -118,8 +120,8 @@ class Journal:
         expected = _encode_header(self._settings, self._descriptor)
         with open(self._descriptor, "rb", closefd=False) as file:
             file.seek(0)
-            header = file.readline()
-            if restart or not header.endswith(b"\n"):
+            header = file.readline(_LONGEST_HEADER)
+            if restart or (not header.endswith(b"\n") and len(header) < _LONGEST_HEADER):
                 os.ftruncate(self._descriptor, 0)
                 self._end = 0
                 self._append(expected)
@@ -239,11 +241,13 @@ def _encode_header(settings: Mapping[str, Any], descriptor: int) -> bytes:
 
 
 def _explain_other_settings(folder: Path, known: bytes, now: bytes) -> str:
+    after = json.loads(now)
     try:
-        before, after = json.loads(known), json.loads(now)
-    except ValueError:
-        before = after = {}
-    names = [name for name in sorted({*before, *after}) if before.get(name) != after.get(name)]
+        before = json.loads(known)
+    except (ValueError, RecursionError):
+        before = after
+    # Other names than ours are a stranger's.
+    names = [name for name in sorted(after) if before.get(name) != after[name]]
     if names == [_PLACE]:
         return f"what is in {folder} was not written there but copied: --restart forgets it, -o names another folder"
     what = ", ".join(name for name in names if name != _PLACE) or "of another kind"

@@ -52,7 +52,11 @@ def _parse_model(plant: Any, robot: EngineInput, path: str) -> tuple[list[Any], 
     """Parse the model into the plant; return its links, and its joints by name."""
     from pydrake.multibody.parsing import Parser
 
-    (instance,) = Parser(plant).AddModels(Path(path))
+    parser = Parser(plant)
+    packages = parser.package_map()
+    for name in packages.GetPackageNames():  # Drake's own: drake_models would be fetched from its server
+        packages.Remove(name)
+    (instance,) = parser.AddModels(Path(path))
     links = [plant.get_body(i) for i in plant.GetBodyIndices(instance)]
     joints = {joint.name(): joint for joint in map(plant.get_joint, plant.GetJointIndices(instance))}
     root = next((body for body in links if robot.typed is not None and body.name() == robot.typed.root), None)

@@ -17,12 +17,15 @@ from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.simulators.outcome import EngineInput, LoadOutcome
 from urdfcheck.system import libraries, sandbox
+from urdfcheck.system.files import read_start
 from urdfcheck.system.process_pool import Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 # The engines in the order of the report; urdfdom is seen through pinocchio.
 ENGINES = ("pinocchio", "urdfdom", "mujoco", "drake", "bullet", "gazebo")
 # Lines, and characters per line, that are kept of an engine's output.
 MOST_LINES, LONGEST = 40, 400
+# Of a file that an engine writes, its output among them, in MiB.
+LARGEST_FILE = 1024
 # Colours, and the source positions that engines print before their messages.
 _MARKS = re.compile(
     r"\x1b\[[0-9;]*m|b3(?:Warning|Error|Printf)\[[^\]\n]*\]:\s*|b3Printf: "
@@ -63,7 +66,7 @@ def iter_outcomes(
         for place, (engine, robot) in enumerate(jobs):
             own = os.path.join(folder, str(place))
             os.mkdir(own)
-            work.append((engine, robot, own, folder, tuple(around), limits))
+            work.append((engine, robot, own, tuple(around), limits))
         timeout = limits.seconds + sandbox.PATIENCE if limits.seconds else None
         worker = None if apart else Worker.start(_prepare_nothing)
         for place, result in map_in_processes(
@@ -93,7 +96,7 @@ def _describe_ending(died: WorkerDiedError, limits: ResourceLimits) -> str:
 
 
 def _load_in_engine(
-    engine: str, robot: EngineInput, own: str, folder: str, around: Sequence[str], limits: ResourceLimits
+    engine: str, robot: EngineInput, own: str, around: Sequence[str], limits: ResourceLimits
 ) -> LoadOutcome:
     """Load a robot in the process of an engine; files that it needs go to the folder ``own``."""
     libraries.prefer_own_folders()
@@ -104,7 +107,9 @@ def _load_in_engine(
     with _capture_output(own):
         for library in module.LIBRARIES:  # before confinement: some run programs when they are imported
             importlib.import_module(library)
-        sandbox.confine((*around, folder), (folder,), limits.memory)
+        # Not the folders of the other engines: whose library was taken over shall not answer for them.
+        sandbox.confine((*around, own), (own,), limits.memory)
+        sandbox.limit_file_size(LARGEST_FILE)
         path = Path(own, "robot.urdf")
         path.write_bytes(robot.document)
         try:
@@ -142,11 +147,13 @@ def _capture_output(own: str) -> Iterator[None]:
 
 
 def _read_output(own: Path) -> tuple[str, ...]:
+    """Return what an engine has printed. It could have put a link or a pipe in the place of the file, which this process, where
+    it is not confined, must neither follow nor wait for."""
     try:
-        with (own / "said").open("rb") as file:
-            return tuple(_split_lines(file.read(MOST_LINES * LONGEST).decode("utf-8", "replace")))
+        data = read_start(own / "said", MOST_LINES * LONGEST, follows_link=False)
     except OSError:
         return ()
+    return tuple(_split_lines(data.decode("utf-8", "replace")))
 
 
 def _split_lines(text: str) -> list[str]:

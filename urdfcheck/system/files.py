@@ -98,17 +98,19 @@ def read_regular(path: Path, limit: int = MAX_TEXT) -> bytes:
     return data
 
 
-def read_start(path: Path, count: int) -> bytes:
+def read_start(path: Path, count: int, *, follows_link: bool = True) -> bytes:
     """Read the first ``count`` bytes of a regular file, or all of a shorter one.
+
+    ``follows_link``: False where a worker could have put a link in its place.
 
     :raises OSError: for anything but a regular file, and when it cannot be read.
     """
-    with _open_regular(path) as (file, _):
+    with _open_regular(path, follows_link=follows_link) as (file, _):
         return file.read(count)
 
 
 @contextmanager
-def _open_regular(path: Path) -> Iterator[tuple[BinaryIO, int]]:
+def _open_regular(path: Path, *, follows_link: bool = True) -> Iterator[tuple[BinaryIO, int]]:
     """Open a regular file; yields it with its size."""
     data = _get_overlaid(path)
     if data is not None and not os.path.exists(path):  # it is only given
@@ -116,8 +118,8 @@ def _open_regular(path: Path) -> Iterator[tuple[BinaryIO, int]]:
         yield BytesIO(data), len(data)
         return
     try:
-        _ensure_regular(os.stat(path), path)
-        descriptor = os.open(path, _FLAGS)
+        _ensure_regular(os.stat(path, follow_symlinks=follows_link), path)
+        descriptor = os.open(path, _FLAGS if follows_link else _FLAGS | getattr(os, "O_NOFOLLOW", 0))
     except ValueError:  # a NUL, or a character that the file system's encoding lacks
         raise OSError(errno.EINVAL, "Is no name of a file", str(path)) from None
     except OSError:

@@ -138,6 +138,16 @@ def limit_memory(memory: int) -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
+def limit_file_size(size: int) -> None:
+    """Limit each file that this process writes to ``size`` MiB, where the platform supports it."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    with contextlib.suppress(ValueError, OSError):  # a stricter limit is set already
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size * 1024**2, size * 1024**2))
+
+
 def _restrict_by_landlock(readable: list[str], writable: list[str]) -> bool:
     """Restrict file access with Landlock; return whether the kernel supports it."""
     if sys.platform != "linux":
