@@ -17,9 +17,10 @@ import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 import pytest
+from filelock import FileLock
 from hypothesis import settings
 
 from urdfcheck import cli
@@ -43,6 +44,9 @@ settings.load_profile("urdfcheck")
 # Many tests start a Python: none of them compiles our modules anew.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+# Thousands of tests are made and none is thrown away: looking for garbage among them takes a fifth of the collection.
+gc.disable()
 
 
 def make_request(*paths: Path, codes: Iterable[str] | None = None, **settings: Any) -> Request:
@@ -123,6 +127,7 @@ def pytest_collection_finish() -> None:
             load_check(rule)
     gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 NUMBERS = itertools.count()
@@ -196,6 +201,25 @@ def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pipeline, "map_in_processes", in_turn)
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)
     monkeypatch.setattr(sandbox, "limit_memory", lambda _: None)
+
+
+T = TypeVar("T")
+
+
+def get_shared_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of all processes of the tests."""
+    base = tmp_path_factory.getbasetemp()
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+
+def make_once(name: str, make: Callable[[Path], T], tmp_path_factory: pytest.TempPathFactory) -> T:
+    """What ``make`` returns, for all tests of all processes: the first that asks makes it, in a folder that stays."""
+    kept = get_shared_folder(tmp_path_factory) / f"{name}.pickle"
+    with FileLock(f"{kept}.lock"):
+        if not kept.exists():
+            kept.write_bytes(pickle.dumps(make(tmp_path_factory.mktemp(name))))
+    found: T = pickle.loads(kept.read_bytes())
+    return found
 
 
 def unproven(what: str) -> NoReturn:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
-import os
 import pickle
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -13,7 +12,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
-from conftest import make_request
+from conftest import get_shared_folder, make_request
 from filelock import FileLock, Timeout
 
 import urdfcheck
@@ -84,8 +83,7 @@ class CheckedRobot:
 def check_robots(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, CheckedRobot]:
     """Check what a folder holds, by name; what another test or process has checked is read, and what another is about to
     check comes last."""
-    base = tmp_path_factory.getbasetemp()
-    kept = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "robots"
+    kept = get_shared_folder(tmp_path_factory) / "robots"
     kept.mkdir(exist_ok=True)
     requests = list_requests(folder)
     done: dict[str, CheckedRobot] = {}

@@ -9,7 +9,6 @@ import contextlib
 import io
 import json
 import os
-import pickle
 import re
 import secrets
 import subprocess
@@ -22,8 +21,7 @@ from typing import Any
 import hostile_files
 import jsonschema
 import pytest
-from conftest import REPOSITORY
-from filelock import FileLock
+from conftest import REPOSITORY, make_once
 from output.documents import read
 
 from urdfcheck import cli
@@ -65,18 +63,13 @@ def tree(folder: Path) -> set[str]:
 @pytest.fixture(scope="module")
 def checked(tmp_path_factory: pytest.TempPathFactory) -> Checked:
     """One run for all processes of the tests."""
-    base = tmp_path_factory.getbasetemp()
-    kept = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "hostile.pickle"
-    with FileLock(f"{kept}.lock"):
-        if not kept.exists():
-            kept.write_bytes(pickle.dumps(_run(tmp_path_factory)))
-    found: Checked = pickle.loads(kept.read_bytes())
-    return found
+    return make_once("hostile", _run, tmp_path_factory)
 
 
-def _run(tmp_path_factory: pytest.TempPathFactory) -> Checked:
-    root = tmp_path_factory.mktemp("pull_request")
-    written = tmp_path_factory.mktemp("reports")
+def _run(folder: Path) -> Checked:
+    root, written = folder / "pull_request", folder / "reports"
+    root.mkdir()
+    written.mkdir()
     secret = secrets.token_hex(16)
     hostile = hostile_files.build(root, secret)
     before = tree(root)

@@ -3,7 +3,8 @@
 Every script of ``action.yml``, of ``integrations/``, of the hooks and of what ``urdfcheck init`` writes is run by bash in a
 folder with a module of every name that Python itself has, with programs, environments and links beside them. Only what would be
 downloaded is replaced: pip finds a package that leads to the urdfcheck under test, and a program ``go`` "installs" a program
-``reviewdog`` that copies its input. The same scripts without ``-I``, all in the checkout, show that the planted files would run.
+``reviewdog`` that copies its input. Python installs pip, which takes it seconds, in one environment beside such files, and the
+others get a copy of that. The same scripts without ``-I``, all in the checkout, show that the planted files would run.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from typing import Any
 
 import pytest
 import yaml
-from conftest import REPOSITORY
+from conftest import REPOSITORY, make_once
 
 from urdfcheck.cli.commands import init
 
@@ -47,6 +48,14 @@ LINKS = (
     *("reports", "urdfcheck-reports", "urdfcheck.html", "urdfcheck.junit.xml", "urdfcheck.codequality.json"),
     *("pages", "urdfcheck-audit", "urdfcheck-baseline.json"),
 )
+
+
+# Before Python is started: an environment is made by the same words, and gets its packages from another.
+COPIED = """case "$*" in *"-m venv "*)
+    "{python}" "$@" --without-pip || exit
+    for made; do :; done
+    exec cp -R "{packages}/." "$made"/lib/*/site-packages;;
+esac"""
 
 
 @dataclass(frozen=True)
@@ -150,7 +159,8 @@ def fill_in(text: str, known: Mapping[str, str]) -> str:
 class Machine:
     """A machine of a CI service with a stranger's checkout, and what is installed from without a network."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, packages: Path | None = None) -> None:
+        """``packages``: what comes into each environment; None: what Python itself installs there."""
         self.folder = folder
         self.ran = folder / "ran"
         self.elsewhere = folder / "elsewhere"
@@ -161,8 +171,9 @@ class Machine:
         self.plant()
         self.wheel = self.make_wheel(folder)
         self.action = self.make_action()
+        copied = "" if packages is None else COPIED.format(python=sys.executable, packages=packages)
         for name in ("python", "python3"):
-            self.make_program(folder / "bin" / name, f'exec "{sys.executable}" "$@"')
+            self.make_program(folder / "bin" / name, f'exec "{sys.executable}" "$@"', before=copied)
         reviewdog = "#!/bin/sh\\nexec cat\\n"
         self.make_program(
             folder / "bin/go",
@@ -233,7 +244,10 @@ class Machine:
             "inputs.html": "urdfcheck.html",
             "github.event_name": "push",
         }
-        known |= {"steps.python.outputs.python-path": sys.executable, "steps.check.outputs.exit-code": "0"}
+        known |= {
+            "steps.python.outputs.python-path": str(self.folder / "bin/python"),
+            "steps.check.outputs.exit-code": "0",
+        }
         done = []
         for step in steps:
             output.write_text("")
@@ -272,9 +286,35 @@ class Machine:
         return done
 
 
+@dataclass(frozen=True)
+class Environment:
+    """The packages of an environment that Python made in a stranger's checkout, and what of the checkout ran meanwhile."""
+
+    packages: Path
+    ran: str
+
+
+def make_environment(folder: Path) -> Environment:
+    machine = Machine(folder / "machine")
+    (done,) = machine.run([Step("python -I -m venv ../made")])
+    assert done.returncode == 0, done.stderr
+    (packages,) = machine.checkout.parent.glob("made/lib/*/site-packages")
+    return Environment(packages, machine.ran.read_text() if machine.ran.exists() else "")
+
+
 @pytest.fixture
-def machine(tmp_path: Path) -> Machine:
-    return Machine(tmp_path / "machine")
+def environment(tmp_path_factory: pytest.TempPathFactory) -> Environment:
+    return make_once("environment", make_environment, tmp_path_factory)
+
+
+@pytest.fixture
+def machine(tmp_path: Path, environment: Environment) -> Machine:
+    return Machine(tmp_path / "machine", environment.packages)
+
+
+def test_an_environment_is_made_without_anything_of_the_checkout(environment: Environment) -> None:
+    assert (environment.packages / "pip").is_dir()
+    assert environment.ran == ""
 
 
 def test_nothing_of_the_checkout_runs_and_nothing_is_written_through_it(machine: Machine, steps: list[Step]) -> None:

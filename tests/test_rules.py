@@ -138,8 +138,8 @@ def test_good_block_does_not(case: Case, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("rule", FIXED, ids=lambda rule: rule.code)
 def test_an_example_gets_the_repair_that_the_page_promises(rule: Rule, tmp_path: Path) -> None:
-    found = [f for number, case in enumerate(cases(rule, "Bad")) for f in findings_of(case, tmp_path / str(number))]
-    assert rule.fix in map(offered, found)
+    found = (f for number, case in enumerate(cases(rule, "Bad")) for f in findings_of(case, tmp_path / str(number)))
+    assert any(offered(finding) is rule.fix for finding in found)  # the first that does is enough
 
 
 def sentences(rule: Rule) -> Iterator[str]:

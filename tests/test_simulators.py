@@ -18,12 +18,12 @@ from pathlib import Path
 
 import pytest
 from builders import Number, arm_on_base, inertial, joint, link
-from conftest import CORPORA, FIXTURES, make_request
+from conftest import CORPORA, FIXTURES, make_once, make_request
 from real_robots import TARGETED, check_robots, list_robots, read_input
 from test_rules import BAD, GOOD, Case
 
-from urdfcheck import cli, core
-from urdfcheck.core import Finding, Rule, Verdict
+from urdfcheck import cli
+from urdfcheck.core import Finding, Rule, Run, Verdict
 from urdfcheck.policy import consumers
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.rules import load_rules
@@ -104,7 +104,7 @@ def checked(name: str, request: Request) -> Iterator[Example]:
 
 
 def list_examples(
-    name: str, run: core.Run, found: Sequence[Finding], inputs: Mapping[str, EngineInput | None]
+    name: str, run: Run, found: Sequence[Finding], inputs: Mapping[str, EngineInput | None]
 ) -> Iterator[Example]:
     """The models of a run that engines are asked about, with what was found of each."""
     assert not run.failures, run.failures
@@ -130,18 +130,22 @@ def ask(path: Path, **settings: object) -> Request:
 @pytest.fixture(scope="module")
 def examples(tmp_path_factory: pytest.TempPathFactory) -> list[Example]:
     """The models of the pages' examples."""
+    return make_once("pages", list_page_examples, tmp_path_factory)
+
+
+def list_page_examples(folder: Path) -> list[Example]:
     found: list[Example] = []
     with pytest.MonkeyPatch.context() as patch:
         for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
             patch.delenv(variable, raising=False)
         for case in (*BAD, *GOOD) if ALL else BAD:
             if {"model", "file"} & set(load_rules()[case.rule].scopes):
-                found += written(case, tmp_path_factory.mktemp(str(case)))
+                found += written(case, folder / str(case))
     return found
 
 
 def written(case: Case, folder: Path) -> Iterator[Example]:
-    (folder / ".git").mkdir()  # nothing belongs to the example that lies beside it
+    (folder / ".git").mkdir(parents=True)  # nothing belongs to the example that lies beside it
     for name, text in case.files:
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)

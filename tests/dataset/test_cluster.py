@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -21,10 +22,13 @@ from urdfcheck.dataset import cluster
 from urdfcheck.policy.policy import Policy
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 
-pytest.importorskip("distributed")
-pytest.importorskip("joblib")
 pytestmark = [
     pytest.mark.slow,
+    # Looked for and not imported: that takes a second, for the quick tests as well.
+    *(
+        pytest.mark.skipif(find_spec(name) is None, reason=f"{name} is not installed")
+        for name in ("distributed", "joblib")
+    ),
     pytest.mark.skipif(sys.platform == "win32", reason="the workers are watched by signals"),
 ]
 
