@@ -45,8 +45,6 @@ ALL = bool(os.environ.get("URDFCHECK_ENGINES"))
 UNREAD = {("PKG004", "unread"), ("PKG012", "mesh"), ("PKG012", "read"), ("URC905", "model")}
 # What no finding says of these.
 KNOWN = {
-    ("XML001-bad-8", "pinocchio"): "it is given our expansion, which leaves out what xacro copies before the root",
-    ("XML001-bad-8", "urdfdom"): "it is given our expansion, which leaves out what xacro copies before the root",
     ("XML001-good-1", "drake"): "it has a <group> of its own",
     ("XML003-good-1", "drake"): "it has a <group> of its own",
     ("MSH009-bad-1", "bullet"): "it does not follow the <instance_node> of COLLADA",
@@ -252,6 +250,52 @@ def test_mujoco_refuses_of_light_links_what_the_rules_say(tmp_path: Path) -> Non
         path.write_text(text, encoding="utf-8")
         found += checked(name, ask(path, tier="source", codes={f"INR{i:03}" for i in (1, 2, 3, 4, 12, 17)}))
     assert wrong("mujoco", found, tmp_path) == []
+
+
+# -- numbers that are missing -------------------------------------------------------------------------------------------
+
+SHAPES = (
+    '<box size="1 1 1"/>',
+    '<sphere radius="1"/>',
+    '<cylinder radius="1" length="1"/>',
+    '<capsule radius="1" length="1"/>',
+)
+PLACE = '<origin xyz="0 0 0" rpy="0 0 0"/>'
+NUMBERS = re.compile(r'(?<=")[-+0-9. ]+(?=")')
+
+
+def write_robot_of_every_number() -> str:
+    """A sound robot with every attribute that urdfdom, MuJoCo, Drake or Bullet read as numbers."""
+    sound = SOUND.replace("<inertial>", f"<inertial>{PLACE}")
+    paint = '<material name="paint"><color rgba="1 1 1 1"/></material>'
+    drawn = "".join(f"<visual>{PLACE}<geometry>{shape}</geometry></visual>" for shape in SHAPES)
+    drawn = drawn.replace("</visual>", f"{paint}</visual>", 1)
+    solid = "".join(f"<collision>{PLACE}<geometry>{shape}</geometry></collision>" for shape in SHAPES)
+    limits = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    more = (
+        f'{PLACE}<axis xyz="1 0 0"/>{limits}<dynamics damping="1" friction="1"/><calibration rising="1" falling="1"/>'
+        '<safety_controller k_velocity="1" k_position="1" soft_lower_limit="0" soft_upper_limit="0.5"/>'
+    )
+    return (
+        f'<robot name="r">{link("base", sound + drawn + solid)}{link("arm", SOUND)}{link("tip", SOUND)}'
+        f'<joint name="j" type="revolute"><parent link="base"/><child link="arm"/>{more}</joint>'
+        f'<joint name="k" type="revolute"><parent link="arm"/><child link="tip"/><axis xyz="1 0 0"/>{limits}'
+        '<mimic joint="j" multiplier="1" offset="0"/></joint></robot>'
+    )
+
+
+@pytest.mark.parametrize("engine", QUICK if not ALL else ENGINES)
+def test_what_engines_do_with_an_empty_number(engine: str, tmp_path: Path) -> None:
+    ensure_asked(engine)
+    text = write_robot_of_every_number()
+    found = []
+    for number, place in enumerate([None, *NUMBERS.finditer(text)]):
+        path = tmp_path / f"{number}.urdf"
+        path.write_text(text if place is None else text[: place.start()] + text[place.end() :], encoding="utf-8")
+        name = "sound" if place is None else text[text.rindex("<", 0, place.start()) : place.start()]
+        found += [replace(e, name=name) for e in checked(name, ask(path, tier="source"))]
+    assert len(found) > 40
+    assert wrong(engine, found, tmp_path) == []
 
 
 def test_the_command_compares_all_engines(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import partial
 from pathlib import Path
 
@@ -230,14 +231,39 @@ class TestEncodings:
         else:
             assert [f.message_id for f in found] == [message] * refused
 
-    def test_half_of_a_character_in_utf_16_may_be_a_line_break_for_xacro(self, tmp_path: Path) -> None:
+    @pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+    @pytest.mark.parametrize(
+        ("name", "read"),
+        [
+            ("名", "吊"),
+            ("a\r\nb", "a  b"),
+            ("a\rb", None),
+            ("a\nb", None),
+            ("a\n\rb", None),
+            ("a'='\r\n'", "a'='  '"),
+            ("\U00013480\x80", "\U00012880\x80"),
+        ],
+    )
+    def test_line_breaks_that_only_xacro_sees_in_utf_16(
+        self, tmp_path: Path, encoding: str, name: str, read: str | None, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         import xacro
 
+        monkeypatch.setattr(xacro, "open", partial(open, encoding="utf-8"), raising=False)
         path = tmp_path / "robot.urdf.xacro"
-        path.write_bytes('<robot name="r"><link name="名"/></robot>'.encode("utf-16-le"))
-        assert 'name="吊"' in xacro.process_file(str(path)).toxml()
-        (finding,) = check(path, codes={"XML001"}).findings
-        assert (finding.message_id, finding.severity) == ("xacro-encoding", Severity.ERROR)
+        path.write_bytes(f'<robot name="r">\r\n<link name="{name}"/></robot>'.encode(encoding))
+        (finding, *_) = check(path, codes={"XML001"}).findings or [None]
+        try:
+            found = xacro.process_file(str(path)).getElementsByTagName("link")[0].getAttribute("name")
+        except UnicodeDecodeError:
+            assert finding is not None
+            assert finding.message_id == "xacro-encoding"
+            return
+        plain = re.sub("\r\n|[\r\n]", " ", name)
+        assert found in {read, plain}
+        assert (finding is not None) == (found != plain)
+        if finding is not None:
+            assert (finding.message_id, finding.severity) == ("xacro-line-break", Severity.ERROR)
 
     @pytest.mark.parametrize(
         ("encoding", "hidden"),

@@ -15,7 +15,7 @@ from urdfcheck.source.text.xml import SourceFile
 
 _KINDS = (
     *("malformed", "encoding", "declared-encoding", "xacro-encoding", "utf-16", "instruction", "doctype", "prefix"),
-    "instruction-copied",
+    *("instruction-copied", "xacro-line-break"),
     "unreadable",
 )
 # The reference parser reads another name than programs that heed the declaration.

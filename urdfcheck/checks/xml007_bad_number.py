@@ -11,7 +11,7 @@ from urdfcheck.core import Applicability, Edit, Finding, Rule, Severity
 from urdfcheck.core.text import truncate_text
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
-from urdfcheck.source.text.engine_reactions import describe_loss
+from urdfcheck.source.text.engine_reactions import describe_empty_number, describe_loss
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, is_computable, parse_number
 from urdfcheck.source.text.xml import Attribute
@@ -41,12 +41,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             if verdict is not None:
                 message, word, better = verdict
                 edits = _propose_edits(attribute, word, better)
+                reactions = describe_empty_number(element, name) if message == "empty" else {}
                 yield rule.finding(
                     message,
                     at=attribute,
                     edits=edits,
                     related=attribute.collect_definitions(),
-                    consequences={"urdfdom": describe_loss(element)},
+                    consequences={"urdfdom": describe_loss(element), **reactions},
                     **_collect_data(attribute, word),
                 )
             elif (extreme := _find_extreme_number(attribute)) is not None:

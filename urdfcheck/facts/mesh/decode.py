@@ -93,7 +93,8 @@ def decode_mesh(data: bytes, file_type: str, files: Mapping[str, bytes | MeshErr
         text = " ".join(str(error).split())[:200].rstrip(".")
         raise MeshError("malformed", f"cannot be read as {file_type}: {type(error).__name__}: {text}") from error
     if not mesh.n_triangles:
-        raise MeshError("no-triangles", "holds no triangles")
+        # Other formats may hold what another program makes a shape of: points, lines, several scenes.
+        raise MeshError("empty" if file_type == "stl" else "no-triangles", "holds no triangles")
     return mesh
 
 

@@ -46,6 +46,27 @@ def describe_engine_reactions(element: Element, names: Iterable[str]) -> dict[st
     return {engine: "loads it with a default" if engine in lenient else "refuses the file" for engine in _LENIENT_TAGS}
 
 
+# Elements whose numbers Drake does not read, and those that MuJoCo does not load without theirs, a shape that collides aside.
+_UNREAD_BY_DRAKE = frozenset({"calibration", "safety_controller"})
+_UNREAD_ATTRIBUTES_BY_DRAKE = frozenset({"quat_xyzw", "acceleration", "deceleration", "jerk"})
+_NEEDED_BY_MUJOCO = frozenset({"mass", "inertia", "color", "axis"})
+
+
+def describe_empty_number(element: Element, name: str) -> dict[str, str]:
+    """Describe what engines do with an empty attribute where a number is expected.
+
+    Checked with MuJoCo 4.0, Drake 1.51 and PyBullet 3.2.7, one attribute after the other.
+    """
+    is_shape = element.tag in CHILDREN["geometry"] and name != "scale"
+    needed = element.tag in _NEEDED_BY_MUJOCO or (is_shape and is_collision_part(element))
+    unread = element.tag in _UNREAD_BY_DRAKE or name in _UNREAD_ATTRIBUTES_BY_DRAKE
+    return {
+        "mujoco": "refuses the file" if needed else "loads it with a default",
+        "drake": "loads it: it does not read this attribute" if unread else "refuses the file",
+        "bullet": "refuses the file" if element.tag == "axis" else "reads it as zero",
+    }
+
+
 def is_collision_part(element: Element) -> bool:
     """Whether an element is part of a ``<collision>``."""
     inner: Element | None = element

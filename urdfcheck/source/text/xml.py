@@ -28,8 +28,11 @@ MAX_VALUE = 1024**2
 # Elements, attributes and comments; each takes up to 500 bytes of memory.
 MAX_PARTS = 2_000_000
 
-# Characters of which one byte in UTF-16 is a carriage return, which a reader of text changes to a line break.
-_HALF_RETURN = re.compile("[\u0d00-\u0dff]|[%s]" % "".join(chr(high << 8 | 0x0D) for high in range(1, 0xD8)))  # noqa: UP031
+# Characters of which one byte in UTF-16 is a carriage return, which a reader of text changes to a line break. Those beyond two
+# bytes have it in their first half.
+_LOW_RETURN = "".join(chr(high << 8 | 0x0D) for high in range(1, 0xD8))
+_HALF_RETURN = re.compile(f"[\u0d00-\u0dff\U00013400-\U000137ff]|[{_LOW_RETURN}]")
+_VALUE = re.compile(r"""=\s*(?:"[^"]*"|'[^']*')""")
 _BREAK = re.compile(r"\r\n|[\r\n\t]")
 _TAG = re.compile(r"[^ \t\r\n/>]+")
 _ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
@@ -39,9 +42,9 @@ _SUBSTITUTION = re.compile(r"\$[({]")
 class XmlError(Exception):
     """The text is not XML that may be read.
 
-    ``reason``: malformed | encoding | declared-encoding | xacro-encoding | doctype | too-large. For malformed, ``data`` holds
-    the ``repair`` and whether it is ``forgiven`` by lenient parsers; for too-large, ``what`` exceeds the limit (bytes | depth |
-    attributes | value | parts), the ``limit`` and the number ``found``.
+    ``reason``: malformed | encoding | declared-encoding | xacro-encoding | xacro-line-break | doctype | too-large. For
+    malformed, ``data`` holds the ``repair`` and whether it is ``forgiven`` by lenient parsers; for too-large, ``what`` exceeds
+    the limit (bytes | depth | attributes | value | parts), the ``limit`` and the number ``found``.
     """
 
     def __init__(self, reason: str, message: str, span: Span, data: Mapping[str, object] | None = None) -> None:
@@ -236,16 +239,28 @@ class SourceFile:
     def ensure_utf_8(self, reader: str) -> None:
         """Refuse a file for a program that reads UTF-8 whatever the file declares.
 
-        :raises XmlError: at the first byte that is not UTF-8.
+        :raises XmlError: at the first byte that is not UTF-8, or that the program takes for a line break of its own.
         """
-        if self.encoding.startswith("utf-16-") and (changed := _HALF_RETURN.search(self.text)) is not None:
-            half = f"it takes a half of {changed[0]!r} for a line break"
-            message = f"{reader} reads every file as UTF-8, and this is UTF-16: {half}"
-            raise XmlError("xacro-encoding", message, self.make_span(*changed.span()))
         found = find_byte_beyond_utf_8(self.text, self.encoding)
         if found is not None:
             message = f"{reader} reads every file as UTF-8, and byte 0x{found[1]:02x} is none"
             raise XmlError("xacro-encoding", message, self.make_span(found[0], min(found[0] + 1, len(self.text))))
+        if self.encoding.startswith("utf-16-"):
+            self._ensure_line_breaks(reader)
+
+    def _ensure_line_breaks(self, reader: str) -> None:
+        """Refuse UTF-16 in which a reader of UTF-8 text, which makes every byte 0x0D a line feed, changes a name or a value."""
+        half = _HALF_RETURN.search(self.text)
+        if half is not None:
+            span, what = half.span(), f"a half of {half[0]!r} for a line break"
+        else:
+            broken = next((value for value in _VALUE.finditer(self.text) if "\r\n" in value[0]), None)
+            if broken is None:
+                return
+            start = broken.start() + broken[0].index("\r\n")
+            span, what = (start, start + 2), "the carriage return and the line feed for two line breaks"
+        message = f"{reader} reads every file as UTF-8, and this is UTF-16: it takes {what}"
+        raise XmlError("xacro-line-break", message, self.make_span(*span))
 
     def locate_character(self, line: int, col: int) -> Span:
         """Return the span of the character at a line and column that a parser reports."""
