@@ -18,7 +18,8 @@ from urdfcheck.output.shared.code_frames import extract_code_frame
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line, find_ci_command
 from urdfcheck.output.shared.rule_statistics import count_by_rule, format_table
 from urdfcheck.output.shared.verdict.not_checked import (
-    ACCEPTANCE,
+    ACCEPTING_KEY,
+    ACCEPTING_OPTION,
     GLYPH,
     describe_not_checked,
     describe_status,
@@ -165,7 +166,9 @@ def _iter_not_checked(run: Run, width: int) -> Iterator[Text]:
         if group.command:  # on a line of its own, to be copied
             yield Text(f"  {escape_one_line(group.command)}")
     if not all(map(is_accepted, models)):
-        yield from _wrap_text(Text(f"to accept that: {ACCEPTANCE}", "dim"), width, Text("  "))
+        yield from _wrap_text(
+            Text(f"to accept that: {ACCEPTING_OPTION}, or {ACCEPTING_KEY} in urdfcheck.toml", "dim"), width, Text("  ")
+        )
     if run.unused_macro_files:
         shown = escape_one_line(join_first(run.unused_macro_files, MAX_MODELS))
         yield from _wrap_text(Text(f"{describe_unused_macros(run)}: {shown}"), width, Text(f"{GLYPH} ", "bold yellow"))
