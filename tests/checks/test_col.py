@@ -284,6 +284,20 @@ def test_a_wheel_may_touch_its_hub(tmp_path: Path, gap: float, overlap: bool) ->
     assert bool(find(tmp_path, text, "COL002")) == overlap
 
 
+@pytest.mark.parametrize(
+    ("far", "begin"),
+    [([], "at 1 joint the neighbouring"), ([False], "at all 2 joints the"), ([False, True], "at 2 of 3 joints the")],
+)
+def test_it_says_at_how_many_joints_neighbours_overlap(tmp_path: Path, far: list[bool], begin: str) -> None:
+    wheels = [
+        make_joint("base", f"wheel{i}", f"0 {1.0 if away else 0.05} {0.1 * i}", "continuous", axis="0 1 0")
+        + make_link(f"wheel{i}", sphere("0.03"))
+        for i, away in enumerate([False, *far])
+    ]
+    (finding,) = find(tmp_path, robot(make_link("base", box("0.2 0.1 0.5")), *wheels), "COL002")
+    assert finding.message.startswith(begin)
+
+
 @pytest.mark.parametrize(("reach", "overlap"), [("1.5", True), ("2", False)])
 def test_neighbours_count_that_overlap_over_nearly_all_of_the_range(tmp_path: Path, reach: str, overlap: bool) -> None:
     """A ball on an arm in a trough that ends at 1.6 rad to either side: all of 3 rad, or 80 % of 4 rad."""

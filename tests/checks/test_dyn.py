@@ -180,6 +180,7 @@ def test_a_load_that_the_tree_does_not_tell(tmp_path: Path, part: str) -> None:
     ("name", "message"),
     [
         ("main_ROV_frame", "afloat"),
+        ("bluerov2_frame", "afloat"),
         ("thruster_2", "afloat"),
         ("leftThruster", "afloat"),
         ("UUV", "afloat"),

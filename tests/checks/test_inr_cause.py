@@ -169,7 +169,7 @@ def test_where_only_signs_change_the_digits_stay(tmp_path: Path) -> None:
     )
     assert replacements(one(tmp_path, text)) == [
         ("-0.00248040000", "0.00248040000"),
-        ("1.2051e-3", "-0.0012051"),
+        ("1.2051e-3", "-1.2051e-3"),
         ("-0.00045586667", "0.00045586667"),
     ]
 

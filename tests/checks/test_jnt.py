@@ -273,16 +273,22 @@ def drawn(rpy: str) -> str:
     return f'<link name="d"><visual><origin rpy="{rpy}"/><geometry><box size="1 1 1"/></geometry></visual></link>'
 
 
+CARRIED = joint("k", "b", "c", LIMIT, kind="revolute")
+
+
 @pytest.mark.parametrize(
     ("text", "severity"),
     [
-        (make_three_links(make_joint(origin("1.57 0 0"))), Severity.WARNING),
-        (make_three_links(make_joint(origin("1.5707 0 0"))), Severity.INFO),
+        (make_three_links(make_joint(origin("1.57 0 0")), CARRIED), Severity.WARNING),
+        (make_three_links(make_joint("<origin rpy='1.57 0 0'/>", "fixed"), CARRIED), Severity.WARNING),
+        (make_three_links(make_joint(origin("1.5707 0 0")), CARRIED), Severity.INFO),
+        (make_three_links(make_joint(origin("1.57 0 0")), CARRIED.replace("revolute", "fixed")), Severity.INFO),
+        (make_three_links(make_joint(origin("1.57 0 0"))), Severity.INFO),
         (make_three_links(links=drawn("1.57 0 0")), Severity.INFO),
         (make_three_links(make_joint(origin("1.5708 0 0")), links=drawn("1.57 0 0")), Severity.INFO),
     ],
 )
-def test_a_tenth_of_a_millimetre_per_metre_matters_where_a_link_is_placed(
+def test_a_tenth_of_a_millimetre_per_metre_matters_where_moving_joints_are_carried(
     tmp_path: Path, text: str, severity: Severity
 ) -> None:
     (finding,) = find(tmp_path, text, "JNT013")

@@ -865,6 +865,8 @@ def test_a_file_that_is_not_installed_is_named(tmp_path: Path, build: str, told:
     found = {f.code: f.message for f in run.findings}
     assert ("description/meshes; is that installed?" in found["PKG002"]) == told
     assert ("description/parts; is that installed?" in found["XAC001"]) == told
+    fixes = {f.code: f.fix.title for f in run.findings if f.fix is not None}
+    assert fixes["XAC001"].startswith("install its folder") == told
 
 
 @pytest.mark.parametrize(

@@ -129,6 +129,8 @@ def test_the_verdict_is_never_ok_where_something_was_not_checked() -> None:
     assert summarize_verdict(UNUSED_MACROS)[0] == "unchecked"
     assert summarize_verdict(replace(a_run(), unused_macro_files=("a.xacro",)))[0] == "error"
     assert render(NOT_CHECKED, "markdown").splitlines()[1].startswith("### ⊘ urdfcheck: 1 of 2 models")
+    accepting = "To accept that: `--unchecked warning`, or `unchecked = [PATTERNS]` in urdfcheck.toml"
+    assert accepting in render(NOT_CHECKED, "markdown").splitlines(), "each can be copied as it stands"
     assert "| ⊘ not checked: needs arguments |" in render_job_summary(NOT_CHECKED)
 
 

@@ -9,7 +9,7 @@ import pytest
 from output.runs import FILE, MODEL, SOURCE, a_run, finding, span_of
 from rich.cells import cell_len
 
-from urdfcheck.core import Applicability, Cause, Edit, Fix, Location, Severity, SkippedCheck
+from urdfcheck.core import Applicability, Cause, Edit, Fix, Location, Severity, SkippedCheck, Span
 from urdfcheck.output.text import DetailLevel, render, render_statistics
 
 
@@ -80,6 +80,26 @@ def test_an_edit_that_deletes_a_line_shows_only_what_goes() -> None:
     text = render(a_run(finding(fix=fix)))
     assert re.search(r"\d+ - <x/>$", text, re.MULTILINE)
     assert not re.search(r"\d+ \+", text)
+
+
+@pytest.mark.parametrize(
+    ("line", "value", "shown"),
+    [
+        ('<inertia ixx="0.1" ixy = "0.2"/>', "0.2", 'ixy="0.2"'),
+        ("<inertia ixx='0.1'/>", "0.1", 'ixx="0.1"'),
+        ('<origin rpy="0 1.57 2"/>', "1.57", 'rpy="…1.57…"'),
+        ('<origin rpy="1.57 0 2"/>', "1.57", 'rpy="1.57…"'),
+        ('<type x="1">ball</type>', "ball", "ball"),
+        ('<a x="1" /><b/>', "/><b", "/><b"),
+    ],
+)
+def test_an_edit_names_the_attribute(line: str, value: str, shown: str) -> None:
+    start = line.index(value)
+    place = Span("a.urdf", 1, start + 1, 1, start + 1 + len(value), start, start + len(value))
+    fix = Fix("write it", Applicability.SAFE, (Edit(place, value, "new"),))
+    text = render(replace(a_run(finding(fix=fix)), sources={"a.urdf": f"{line}\n"}))
+    assert f"a.urdf:1 - {shown}\n" in text
+    assert f"a.urdf:1 + {shown.replace(value, 'new')}\n" in text
 
 
 def test_no_colour_unless_asked_for() -> None:

@@ -20,13 +20,15 @@ def check(model: Model, rule: Rule, *, always: float) -> Iterator[Finding]:
         if pair.contact is not None and not pair.contact.touching and pair.range_share >= always:
             overlaps.setdefault(pair.joint, (pair, pair.contact))
     if overlaps:
+        count, total = len(overlaps), len({pair.joint for pair in neighbours})
         first, *rest = (locate_geometry(contact.shapes[1]) for _, contact in overlaps.values())
         yield rule.finding(
             "overlap",
             at=first,
             related=rest,
-            count=len(overlaps),
-            total=len({pair.joint for pair in neighbours}),
+            count=count,
+            total=total,
+            where=_describe_share(count, total),
             joints=join_names(
                 f"{joint} ({pair.links[0]} and {pair.links[1]})" for joint, (pair, _) in overlaps.items()
             ),
@@ -34,3 +36,10 @@ def check(model: Model, rule: Rule, *, always: float) -> Iterator[Finding]:
             samples=len(collisions.spread_poses.values),
         )
     ensure_all_shapes_read(collisions)
+
+
+def _describe_share(count: int, total: int) -> str:
+    """Return ``1 joint``, ``2 of 5 joints`` or ``all 5 joints``."""
+    if count < total:
+        return f"{count:,} of {total:,} joints"
+    return "1 joint" if total == 1 else f"all {total:,} joints"

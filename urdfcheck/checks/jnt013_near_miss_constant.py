@@ -11,6 +11,7 @@ from urdfcheck.facts.likeness.typed_numbers import NearMiss, find_constant, find
 from urdfcheck.model import Model
 from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number
+from urdfcheck.source.text.xml import Element
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,17 +20,13 @@ class _RoundedAngle:
 
     word: Token
     miss: NearMiss
+    skews: bool
+    """Whether it turns axes against others: it places a joint that carries moving ones, and not only a part or a picture."""
 
     @property
     def error(self) -> float:
         """The absolute error in rad."""
         return abs(self.miss.difference)
-
-    @property
-    def is_in_joint(self) -> bool:
-        """Whether the angle places a link, not only a picture of it."""
-        parent = self.word.attribute.owner.parent
-        return parent is not None and parent.tag == "joint"
 
     def format_correction(self, *, in_xacro: bool) -> str:
         return self.miss.expression if in_xacro else repr(self.miss.exact)
@@ -47,7 +44,7 @@ class _ConstantSpellings:
 
 def check(model: Model, rule: Rule, *, negligible: float, harmful: float) -> Iterator[Finding]:
     constants: dict[tuple[str, str], _ConstantSpellings] = {}
-    for word, value in _collect_angles(model):
+    for word, value, skews in _collect_angles(model):
         miss = find_near_miss(word.text)
         constant = find_constant(value) if miss is None else miss.constant.lstrip("-")
         if constant is None or (miss is not None and abs(miss.difference) < negligible):
@@ -56,7 +53,7 @@ def check(model: Model, rule: Rule, *, negligible: float, harmful: float) -> Ite
         if miss is None:
             spellings.exact.append(word)
         else:
-            spellings.rounded.setdefault(abs(value), []).append(_RoundedAngle(word, miss))
+            spellings.rounded.setdefault(abs(value), []).append(_RoundedAngle(word, miss, skews))
     every = [
         _build_finding(model, rule, constant, spellings=spellings, harmful=harmful)
         for (_, constant), spellings in constants.items()
@@ -90,9 +87,7 @@ def _build_finding(
 ) -> Finding:
     in_xacro = model.source.is_xacro
     groups = sorted(spellings.rounded.values(), key=lambda group: -group[0].error)
-    angles = sorted(
-        (angle for group in groups for angle in group), key=lambda angle: (-angle.error, not angle.is_in_joint)
-    )
+    angles = sorted((angle for group in groups for angle in group), key=lambda angle: (-angle.error, not angle.skews))
     words = [angle.word for angle in angles]
     coarsest, error = groups[0], groups[0][0].error
     ways = [
@@ -107,7 +102,7 @@ def _build_finding(
         at=words[0],
         related=[*words[1:], *spellings.exact[:1]],
         edits=[angle.word.build_edit(angle.format_correction(in_xacro=in_xacro)) for angle in angles],
-        severity=Severity.WARNING if any(angle.error > harmful and angle.is_in_joint for angle in angles) else None,
+        severity=Severity.WARNING if any(angle.error > harmful and angle.skews for angle in angles) else None,
         spelled=_strip_sign(coarsest[0].word),
         times=_format_times(len(coarsest)),
         count=len(words),
@@ -121,9 +116,13 @@ def _build_finding(
     return replace(finding, subjects=tuple(dict.fromkeys(word.location.subject for word in words)))
 
 
-def _collect_angles(model: Model) -> list[tuple[Token, float]]:
-    """Return the words of every origin's rpy with their angles (rad); each place in the text once, even in a macro."""
-    angles: dict[tuple[str, int], tuple[Token, float]] = {}
+def _collect_angles(model: Model) -> list[tuple[Token, float, bool]]:
+    """Return the words of every origin's rpy with their angles (rad) and whether they skew axes; each place in the text once.
+
+    A macro line skews axes where one of its calls does.
+    """
+    carriers = _collect_carrying_joints(model)
+    angles: dict[tuple[str, int], tuple[Token, float, bool]] = {}
     for element in model.robot.walk():
         attribute = element.attributes.get("rpy") if element.tag == "origin" else None
         if attribute is None:
@@ -133,8 +132,22 @@ def _collect_angles(model: Model) -> list[tuple[Token, float]]:
             for word, text in zip(words, values, strict=True):
                 value = parse_number(text)
                 if value is not None:
-                    angles.setdefault((word.span.file, word.span.start), (word, value))
+                    place = (word.span.file, word.span.start)
+                    first, angle, skews = angles.get(place, (word, value, False))
+                    angles[place] = (first, angle, skews or element.parent in carriers)
     return list(angles.values())
+
+
+def _collect_carrying_joints(model: Model) -> set[Element]:
+    """Return the joints that carry other moving joints."""
+    above = {joint.child: joint for joint in model.joints}
+    carriers: set[Element] = set()
+    for joint in model.joints:
+        link = joint.parent if joint.is_movable else ""
+        while link in above and above[link].element not in carriers:
+            carriers.add(above[link].element)
+            link = above[link].parent
+    return carriers
 
 
 def _strip_sign(word: Token) -> str:

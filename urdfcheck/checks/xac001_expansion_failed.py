@@ -266,7 +266,8 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     package = failure.source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
     elsewhere = None if package is None else find_uninstalled_file(path, package, index_files([package.path]))
     near = near if elsewhere is None else describe_uninstalled_file(elsewhere)
-    data: dict[str, Any] = {"file": format_path(path), "hint": near}
+    install = "" if elsewhere is None else "install its folder (CMakeLists.txt or setup.py), or "
+    data: dict[str, Any] = {"file": format_path(path), "hint": near, "install": install}
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)

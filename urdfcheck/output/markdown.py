@@ -22,7 +22,8 @@ from urdfcheck.output.shared.escaping import (
 )
 from urdfcheck.output.shared.mermaid_chart import build_mermaid_chart
 from urdfcheck.output.shared.verdict.not_checked import (
-    ACCEPTANCE,
+    ACCEPTING_KEY,
+    ACCEPTING_OPTION,
     GLYPH,
     UncheckedGroup,
     describe_status,
@@ -149,7 +150,8 @@ def _add_head(page: _BoundedPage, run: Run) -> None:
     blocks = [[_format_unchecked_group(group)] for group in group_unchecked(run.unchecked_models)]
     page.add_group("reason why models were not checked", head=[], blocks=blocks, foot=[""])
     if not all(map(is_accepted, run.unchecked_models)):
-        page.add_lines(f"To accept that: {format_code_span(ACCEPTANCE)}", "")
+        option, key = format_code_span(ACCEPTING_OPTION), format_code_span(ACCEPTING_KEY)
+        page.add_lines(f"To accept that: {option}, or {key} in urdfcheck.toml", "")
 
 
 def _format_unchecked_group(group: UncheckedGroup) -> str:

@@ -14,11 +14,12 @@ from urdfcheck.core import Applicability, Finding, Fix, ModelInfo, Run, Severity
 if TYPE_CHECKING:
     from rich.console import Console
 
-from urdfcheck.output.shared.code_frames import extract_code_frame
+from urdfcheck.output.shared.code_frames import extract_code_frame, find_attribute_around
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line, find_ci_command
 from urdfcheck.output.shared.rule_statistics import count_by_rule, format_table
 from urdfcheck.output.shared.verdict.not_checked import (
-    ACCEPTANCE,
+    ACCEPTING_KEY,
+    ACCEPTING_OPTION,
     GLYPH,
     describe_not_checked,
     describe_status,
@@ -165,7 +166,9 @@ def _iter_not_checked(run: Run, width: int) -> Iterator[Text]:
         if group.command:  # on a line of its own, to be copied
             yield Text(f"  {escape_one_line(group.command)}")
     if not all(map(is_accepted, models)):
-        yield from _wrap_text(Text(f"to accept that: {ACCEPTANCE}", "dim"), width, Text("  "))
+        yield from _wrap_text(
+            Text(f"to accept that: {ACCEPTING_OPTION}, or {ACCEPTING_KEY} in urdfcheck.toml", "dim"), width, Text("  ")
+        )
     if run.unused_macro_files:
         shown = escape_one_line(join_first(run.unused_macro_files, MAX_MODELS))
         yield from _wrap_text(Text(f"{describe_unused_macros(run)}: {shown}"), width, Text(f"{GLYPH} ", "bold yellow"))
@@ -301,7 +304,7 @@ def _iter_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
         names = ", ".join(PROGRAM_NAMES.get(program, program) for program in programs)
         yield from _wrap_labelled("then", f"{names}: {escape_invisible(effect)}", width)
     if finding.fix is not None:
-        yield from _iter_fix_lines(finding, finding.fix, width)
+        yield from _iter_fix_lines(run, finding, finding.fix, width)
     yield Text()
 
 
@@ -332,7 +335,7 @@ def _crop_to_window(text: str, start: int, end: int, *, room: int) -> tuple[str,
     return shown, cut
 
 
-def _iter_fix_lines(finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
+def _iter_fix_lines(run: Run, finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
     how = FIX_OPTIONS.get(fix.applicability) if fix.edits and finding.suppressed is None else None
     yield from _wrap_labelled(
         "fix", Text.assemble(escape_invisible(fix.title), (f" [{how}]" if how else "", "dim")), width
@@ -340,10 +343,13 @@ def _iter_fix_lines(finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
     here = None if finding.location.span is None else finding.location.span.file
     for edit in fix.edits[:MAX_RELATED]:
         place = "" if edit.span.file == here else f"{escape_one_line(edit.span.file)}:"
+        before, after = find_attribute_around(run.sources.get(edit.span.file, ""), edit.span)
         for sign, typed, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
             for line in typed.strip("\r\n").splitlines():
                 shown = escape_invisible(" ".join(line.split()) if sign == "-" else line)
-                text = Text.assemble((f"{place}{edit.span.line} {sign} ", "dim"), (shown, style))
+                text = Text.assemble(
+                    (f"{place}{edit.span.line} {sign} {before}", "dim"), (shown, style), (after, "dim")
+                )
                 yield from _wrap_labelled("", text, width)
     if len(fix.edits) > MAX_RELATED:
         yield from _wrap_labelled("", Text(_format_remainder(len(fix.edits) - MAX_RELATED, "edit"), "dim"), width)

@@ -48,7 +48,19 @@ _ROLLING = re.compile(r"wheel|tyre|cast[eo]r", re.IGNORECASE)
 _AFLOAT = re.compile(r"buoyan|hydrodynam|underwater", re.IGNORECASE)
 # Words of names that a robot under water has: those of links, joints, plugins and mesh files.
 _SUBMERSIBLE = frozenset(
-    {"rov", "auv", "uuv", "thruster", "thrusters", "buoyancy", "submarine", "submersible", "subsea", "underwater"}
+    {
+        "rov",
+        "bluerov",
+        "auv",
+        "uuv",
+        "thruster",
+        "thrusters",
+        "buoyancy",
+        "submarine",
+        "submersible",
+        "subsea",
+        "underwater",
+    }
 )
 _CODE_MODULES = (
     "urdfcheck.facts.motion.dynamics",

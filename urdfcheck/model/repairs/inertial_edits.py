@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 # Numbers are the same when they agree to within this share, which a file's digits can express.
 NEGLIGIBLE_DIFFERENCE = 1e-6
 _DIGITS = 6
+_EXPONENT = re.compile(r"[+-]?([\d.]+)([eE])([+-]?)(\d+)")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,10 +126,17 @@ def _format_like_typed(typed: str, value: float, others: Iterable[str] = ()) -> 
             shift = round(math.log10(abs(value)) - math.log10(abs(float(old)))) if powers else 0
             scaled = old.scaleb(shift).copy_sign(Decimal(value))
             if math.isclose(float(scaled), value, rel_tol=NEGLIGIBLE_DIFFERENCE):
-                return word.strip() if scaled == old else _format_decimal(scaled)
+                return word.strip() if scaled == old else _rewrite_number(word.strip(), scaled, shift)
     return f"{value:.{_DIGITS}g}" if value else "0"
 
 
-def _format_decimal(value: Decimal) -> str:
+def _rewrite_number(typed: str, value: Decimal, shift: int) -> str:
+    """Return a number with another sign or power of ten (``shift``) in the notation in which it was typed."""
+    match = _EXPONENT.fullmatch(typed)
+    if match is not None:
+        digits, mark, sign, power = match.groups()
+        shifted = int(f"{sign}{power}") + shift
+        minus, before_power = "-" if value.is_signed() else "", "-" if shifted < 0 else "+" if sign else ""
+        return f"{minus}{digits}{mark}{before_power}{abs(shifted):0{len(power)}d}"
     text = format(value, "f")
     return text if len(text) <= len(str(value)) + 6 else str(value).replace("E", "e")

@@ -16,8 +16,8 @@ GLYPH = "⊘"
 STATUS_WORDS = {"needs-arguments": "needs arguments"}
 # A command names more models than this by their folder.
 _MOST_PATHS = 3
-# How models that were not checked are accepted.
-ACCEPTANCE = "--unchecked warning, or unchecked = [PATTERNS] in urdfcheck.toml"
+# How models that were not checked are accepted: an option, or a key of urdfcheck.toml.
+ACCEPTING_OPTION, ACCEPTING_KEY = "--unchecked warning", "unchecked = [PATTERNS]"
 
 
 @dataclass(frozen=True, slots=True)
