@@ -75,6 +75,33 @@ def test_a_repository_is_set_up(repository: Path, capsys: pytest.CaptureFixture[
     assert done.returncode == 0
 
 
+@pytest.mark.parametrize("text", ["stages: build\n", "? [a]\n: b\n", "stages:\n"])
+def test_a_gitlab_file_of_another_form_is_no_crash(repository: Path, text: str) -> None:
+    (repository / ".gitlab-ci.yml").write_text(text)
+    assert cli.main(["init"]) == cli.OK
+    assert (repository / ".gitlab-ci.yml").read_text().startswith(text)
+
+
+@pytest.mark.parametrize("name", [".pre-commit-config.yaml", ".gitlab-ci.yml"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        # Merges that hold each other nine times, twelve deep: 10^11 keys.
+        "a0: &a0 {x: 1}\n" + "".join(f"a{i}: &a{i}\n  <<: [{','.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 13)),
+        "a: " + "[" * 3000 + "]" * 3000 + "\n",
+    ],
+    ids=["merges", "nested"],
+)
+def test_yaml_of_a_stranger_costs_no_more_than_it_is_long(
+    repository: Path, name: str, text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (repository / name).write_text(text + "repos:\n- repo: local\n  hooks: []\n")
+    before = (repository / name).read_bytes()
+    assert cli.main(["init"]) == cli.OK
+    assert f"kept      {name}" in capsys.readouterr().out
+    assert (repository / name).read_bytes() == before
+
+
 def test_the_hooks_are_those_of_the_manifest() -> None:
     from conftest import REPOSITORY
 

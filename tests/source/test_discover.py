@@ -14,6 +14,7 @@ import pytest
 from urdfcheck.source.discover import discover_targets
 from urdfcheck.source.model_file import ModelFile
 from urdfcheck.source.package.file_kinds import is_launch
+from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.plan import ModelTarget, Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import FileReach
@@ -684,6 +685,41 @@ def test_a_file_that_takes_too_long_hides_no_other(workspace: Path, monkeypatch:
         "huge.urdf": "is not checked: reading it takes too much memory (--memory)",
         "slow.urdf": "is not checked: reading it takes more than 0.2 s (--timeout)",
     }
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="alarms")
+def test_a_launch_file_that_takes_too_long_or_crashes_hides_no_other(
+    workspace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever a launch file does to who looks at it: the process that looks for models must not end."""
+    launch = ROS_1.format("")
+    write(workspace, {"crash.launch": launch, "slow.launch": launch, "huge.launch": launch, "z.urdf": URDF})
+
+    def read(path: Path, finder: PackageFinder) -> object:
+        if path.name == "slow.launch":
+            time.sleep(20)
+        raise MemoryError if path.name == "huge.launch" else RecursionError
+
+    monkeypatch.setattr("urdfcheck.source.discover.load_launch", read)
+    found = discover_targets([Path(".")], {}, packages={}, package_paths=[], budget=PlanningBudget(600, 0.2))
+    assert [t.path.name for t in found.models] == ["z.urdf"]
+    assert dict(found.missing) == {
+        "crash.launch": "is not checked: looking at it crashed (RecursionError)",
+        "huge.launch": "is not checked: reading it takes too much memory (--memory)",
+        "slow.launch": "is not checked: reading it takes more than 0.2 s (--timeout)",
+    }
+
+
+@pytest.mark.parametrize("form", ["$(arg a{})", "$(arg $(arg b{}))"], ids=["plain", "computed"])
+def test_a_long_chain_of_arguments_is_no_crash(workspace: Path, form: str) -> None:
+    chain = "".join(
+        f'<arg name="a{i}" default="{form.format(i - 1)}"/><arg name="b{i}" default="a{i}"/>' for i in range(1, 3000)
+    )
+    description = '<param name="robot_description" command="xacro $(arg a2999)"/>'
+    write(workspace, {"x.launch": f"<launch>{chain}{description}</launch>", "z.urdf": URDF})
+    found = discover_targets([Path(".")], {}, packages={}, package_paths=[])
+    assert [t.path.name for t in found.models] == ["z.urdf"]
+    assert not found.missing
 
 
 # -- names and suffixes ------------------------------------------------------------------------------------------------

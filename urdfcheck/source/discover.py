@@ -364,7 +364,9 @@ class _Planner:
 
         finder = self.get_finder(path)
         if path.suffix == ".py":
-            launch = read_python_launch(path, finder)
+            launch = self.budget.look_at(path, lambda: read_python_launch(path, finder))
+            if launch is None:
+                return
             # Only at launch is it known which of several models starts.
             is_only = len(launch.models) == 1
             for model in launch.models:
@@ -378,7 +380,8 @@ class _Planner:
                     )
                 )
             return
-        for description in load_launch(path, finder).descriptions:
+        loaded = self.budget.look_at(path, lambda: load_launch(path, finder))
+        for description in () if loaded is None else loaded.descriptions:
             if description.path is not None:
                 model = Path(os.path.relpath(description.path)) if not path.is_absolute() else description.path
                 self.extend_reach(model, finder)
@@ -431,9 +434,9 @@ class _Planner:
             return []
         from urdfcheck.source.xacro.argument_values import MOST_ARGUMENTS, build_argument_sets, find_argument_choices
 
-        free = [
-            c for c in find_argument_choices(first.path, self.get_finder(first.path)) if c.name not in self.arguments
-        ]
+        finder = self.get_finder(first.path)
+        choices = self.budget.look_at(first.path, lambda: find_argument_choices(first.path, finder)) or ()
+        free = [choice for choice in choices if choice.name not in self.arguments]
         if len(free) > MOST_ARGUMENTS:
             reason = f"has {len(free)} arguments to vary: the first {MOST_ARGUMENTS} of them are"
             self.unused.append((format_path(first.path), reason))

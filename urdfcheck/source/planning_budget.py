@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
-from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.core.errors import ModelTimeout, UrdfcheckError
 from urdfcheck.source.model_file import ModelFile
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.system import sandbox
+
+_Seen = TypeVar("_Seen")
 
 
 class PlanningBudget:
@@ -30,16 +34,28 @@ class PlanningBudget:
         return f"is not checked: looking for models took more than {self.seconds:g} s (--timeout)"
 
     def read_file(self, path: Path) -> ModelFile | None:
-        """Read a model file; None, with a note, if that takes too long or too much memory, or if no time is left."""
+        """Read a model file; None as for `look_at`."""
+        return self.look_at(path, lambda: ModelFile(path))
+
+    def look_at(self, path: Path, read: Callable[[], _Seen]) -> _Seen | None:
+        """Return what ``read`` makes of a file; None, with a note, if that takes too long or too much memory, if it fails for a
+        reason that nobody has thought of, or if no time is left.
+
+        :raises OSError: as ``read`` does, and UrdfcheckError.
+        """
         if self.is_used_up():
             self.unread.append((format_path(path), self.explain()))
             return None
         try:
             with sandbox.enforce_deadline(self.seconds_per_file):
-                return ModelFile(path)
+                return read()
         except ModelTimeout:
             reason = f"is not checked: reading it takes more than {self.seconds_per_file:g} s (--timeout)"
         except MemoryError:
             reason = "is not checked: reading it takes too much memory (--memory)"
+        except (OSError, UrdfcheckError):
+            raise
+        except Exception as error:
+            reason = f"is not checked: looking at it crashed ({type(error).__name__})"
         self.unread.append((format_path(path), reason))
         return None

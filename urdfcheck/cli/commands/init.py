@@ -389,7 +389,7 @@ def add_hooks(before: str, entry: str) -> str | None:
     import yaml
 
     try:
-        tree = yaml.compose(before, yaml.SafeLoader)
+        tree = _compose_yaml(before)
         pairs = tree.value if isinstance(tree, yaml.MappingNode) else []
         repos = next((value for key, value in pairs if key.value == "repos"), None)
         if not isinstance(repos, yaml.SequenceNode) or repos.flow_style or not repos.value:
@@ -406,7 +406,21 @@ def add_hooks(before: str, entry: str) -> str | None:
         meant = yaml.safe_load(before)
         meant["repos"].extend(yaml.safe_load(entry))
         return text if yaml.safe_load(text) == meant else None
-    except (yaml.YAMLError, AttributeError, RecursionError):
+    except (yaml.YAMLError, AttributeError, TypeError, ValueError):
+        return None
+
+
+def _compose_yaml(text: str) -> Any:
+    """Return the nodes of a file of the repository, which may be a stranger's; None beyond the limits on their number and depth,
+    and for what is no yaml."""
+    import yaml
+
+    from urdfcheck.source.text.xml import SourceFile
+    from urdfcheck.source.text.yaml import YamlReadError, compose_nodes
+
+    try:
+        return compose_nodes(SourceFile(Path(), "", text=text))
+    except (yaml.YAMLError, YamlReadError):
         return None
 
 
@@ -435,12 +449,10 @@ def _plan_job(root: Path, install: str, *, action: str, folder: str) -> SetupSte
     before = _read_text(path)
     if "urdfcheck" in before:
         return SetupStep(path=path, verb="kept", reason="it names urdfcheck already")
-    try:
-        tree = yaml.compose(before, yaml.SafeLoader)
-    except yaml.YAMLError:
-        tree = None
-    keys = {key.value: value for key, value in tree.value} if isinstance(tree, yaml.MappingNode) else {}
-    stages = [str(stage.value) for stage in keys["stages"].value] if "stages" in keys else ["test"]
+    tree = _compose_yaml(before)
+    pairs = tree.value if isinstance(tree, yaml.MappingNode) else []
+    declared = next((value for key, value in pairs if key.value == "stages"), None)
+    stages = [str(stage.value) for stage in declared.value] if isinstance(declared, yaml.SequenceNode) else ["test"]
     is_needed = stages and "test" not in stages and stages[0].isprintable()
     stage = f"  stage: {_quote_yaml(stages[0])}\n" if is_needed else ""
     note = f" # {_WHAT_TO_INSTALL}" if install == UNKNOWN else ""

@@ -29,6 +29,8 @@ class UnresolvedReason:
     name: str = ""
 
 
+# Arguments whose values refer to each other, one within the other: Python's stack ends at some 300.
+MAX_NESTED = 100
 # The value of an argument, or the reason why it is unknown.
 Value = tuple[str | None, UnresolvedReason | None]
 
@@ -117,6 +119,9 @@ class SubstitutionResolver:
             return None
         if name in self.pending:
             self.obstacle = UnresolvedReason("circle")
+            return None
+        if name not in self.known and len(self.pending) >= MAX_NESTED:
+            self.obstacle = UnresolvedReason("launch-time", f"arg {name}")
             return None
         if name not in self.known:  # once each: arguments that contain each other several times would never end
             self.pending.append(name)
