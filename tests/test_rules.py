@@ -11,12 +11,14 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from string import Formatter
 
 import pytest
 from conftest import check, list_machine_paths
 
 from urdfcheck import rules
 from urdfcheck.core import Applicability, Finding, Rule
+from urdfcheck.core.headlines import LONGEST_HEADLINE
 from urdfcheck.dev.new_rule import TO_DO
 from urdfcheck.policy import config
 from urdfcheck.rules import NEEDS, SCOPES, has_check, load_check, load_rules
@@ -25,7 +27,13 @@ FENCE = re.compile(r"^```(\w+)(?: file=(\S+))?[ ]*\n(.*?)^```$", re.MULTILINE | 
 # `expect: NAM008` marks a line, `expect: NAM008 "base_"` the text on it that the finding points at as well.
 EXPECT = re.compile(r'expect: ([A-Z]{3}\d{3})(?: "([^"]*)")?')
 HEADINGS = ["What it checks", "Why it matters", "How to fix", "Bad", "Good", "When to ignore", "References"]
+# Room that the words of a headline leave for each of its values.
+LEAST_VALUE = 6
 SUFFIX = {"urdf": ".urdf", "xacro": ".urdf.xacro", "launch": ".launch"}
+
+
+# What no headline says: the subject comes first, and it is one clause in plain words.
+DROPPED = re.compile(r"\bis no\b|\bare no\b|\bas does\b|[«»`]|\.$|\bso for\b")
 
 
 @dataclass(frozen=True)
@@ -108,11 +116,20 @@ def list_marked_places(case: Case) -> set[Place]:
     }
 
 
+def assert_headline_fits(finding: Finding) -> None:
+    """A headline has its length, and nothing was cut off its end, unless it ends with a text that may be long."""
+    headline, template = finding.headline, load_rules()[finding.code].headlines[finding.message_id]
+    assert 0 < len(headline) <= LONGEST_HEADLINE, headline
+    assert template.endswith(("}", "})")) or not headline.endswith("…"), headline
+
+
 def list_found_places(case: Case, folder: Path, with_text: set[tuple[str, int]]) -> set[Place]:
     """The places that the case's rule points at; their text only on the lines in ``with_text``."""
     findings = findings_of(case, folder)
     promised = FIXES.index(load_rules()[case.rule].fix)
     assert all(FIXES.index(offered(f)) <= promised for f in findings), "the page's key `fix` promises less"
+    for finding in findings:
+        assert_headline_fits(finding)
     contents = dict(case.files)
     places: set[Place] = set()
     for span in (f.location.span for f in findings if f.location.span is not None):
@@ -128,6 +145,16 @@ def test_bad_block_gives_the_finding_on_the_marked_line(case: Case, tmp_path: Pa
     assert marked, "the block marks no line with `expect:`"
     with_text = {(name, line) for name, line, text in marked if text is not None}
     assert list_found_places(case, tmp_path, with_text) == marked
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.code)
+def test_headlines_are_one_claim(rule: Rule) -> None:
+    for name, template in rule.headlines.items():
+        assert not DROPPED.search(template), name
+        assert template.splitlines() == [template], name
+        texts, fields, *_ = zip(*Formatter().parse(template), strict=True)
+        room = LONGEST_HEADLINE - len("".join(texts)) - LEAST_VALUE * sum(field is not None for field in fields)
+        assert room >= 0, f"{name}: {-room} characters too many for values of {LEAST_VALUE} characters"
 
 
 @pytest.mark.parametrize("case", GOOD, ids=str)
@@ -157,6 +184,7 @@ def test_page_is_complete(rule: Rule) -> None:
     assert set(wanted) <= set(headings), "a section is missing"
     assert set(headings) <= set(HEADINGS), "an unknown section"
     assert rule.messages.keys() == rule.fixes.keys(), "every message needs its repair"
+    assert rule.messages.keys() == rule.headlines.keys(), "every message needs its headline, and there are no others"
     assert rule.status in {"preview", "stable", "deprecated"}
     assert rule.scopes
     assert set(rule.scopes) <= set(SCOPES)

@@ -6,7 +6,7 @@ From Python, :func:`check` does what the command does::
 
     run = urdfcheck.check("my_robot.urdf", target="gazebo")
     for finding in run.active_findings:
-        print(finding.code, finding.severity, finding.message)
+        print(finding.code, finding.severity, finding.headline)
 """
 
 from urdfcheck.version import __version__

@@ -38,6 +38,7 @@ _KEYS = {
     "fix",
     "options",
     "messages",
+    "headlines",
     "fixes",
     "causes",
     "consumers",
@@ -98,6 +99,9 @@ def load_page(path: Path) -> Rule:
         family = load_families().get(code[:3])
         if family is None:
             raise ValueError(f"the family {code[:3]} is missing in families.toml")
+        for message in meta["messages"]:
+            if message not in meta["headlines"]:
+                raise ValueError(f"[headlines] has no {message!r}: every message needs one")
         consumers = meta["consumers"]
         if consumers == "none":
             consumers = {}
@@ -122,6 +126,7 @@ def load_page(path: Path) -> Rule:
                 for key, o in meta.get("options", {}).items()
             },
             messages=meta["messages"],
+            headlines=meta["headlines"],
             fixes=meta["fixes"],
             causes=meta.get("causes", {}),
             consumers=consumers,

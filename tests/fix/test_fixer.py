@@ -382,6 +382,7 @@ def finding(code: str, subject: str = "link[a]", hides: Sequence[str] = ()) -> F
         severity=rule.severity,
         confidence=rule.confidence,
         message_id="id",
+        headline="…",
         message="…",
         location=at,
         subjects=(subject,),

@@ -310,6 +310,24 @@ def test_what_is_known_is_not_told(output_format: str) -> None:
     assert "1 known and not shown" in document or output_format != "markdown"
 
 
+@pytest.mark.parametrize(
+    "output_format", ["text", "json", "html", "markdown", "sarif", "github", "gitlab", "rdjson", "junit"]
+)
+def test_a_headline_is_told_before_the_evidence(output_format: str) -> None:
+    told = render(a_run(finding(headline="no body has this", message="moments break the rule")), output_format)
+    assert 0 < told.index("no body has this") < told.index("moments break the rule")
+
+
+def test_titles_are_headlines() -> None:
+    run = judged(a_run(finding(headline="no body has this")))
+    (annotation,) = [line for line in render(run, "github").splitlines() if line.startswith("::error")]
+    assert "title=INR003 no body has this::" in annotation
+    (issue,) = json.loads(render(run, "gitlab"))
+    assert issue["description"] == "no body has this [triangle-inequality]"
+    (case,) = [case for case in as_junit(render(run, "junit")).iter("testcase") if case.find("failure") is not None]
+    assert case.get("name") == "INR003 no body has this"
+
+
 # -- strangers' text ---------------------------------------------------------------------------------------------------
 
 HOSTILE = [
@@ -342,6 +360,7 @@ def test_no_name_acts(name: str, output_format: str) -> None:
     at = replace(span_of("0.09", source), file=f"x{name}.urdf")
     edit = Edit(at, "0.09", name)
     bad = finding(
+        headline=f"{name}: bad",
         message=f"link {name}: bad",
         subjects=(f"link[{name}]", "link[b]"),
         location=Location(f"link[{name}]", at, (at,)),
@@ -545,8 +564,8 @@ def test_junit_has_a_case_for_each_element_and_each_rule_that_passed() -> None:
     rules["LCH001"] = rule("LCH001", "launch-unresolved", scopes=("launch",))
     made_both = finding(subjects=("link[a]", "link[b]"))
     assert cases(judged(a_run(made_both, rules=rules))) == {
-        "INR003 triangle-inequality link[a]": "failure",
-        "INR003 triangle-inequality link[b]": "failure",
+        f"INR003 {finding().headline}: link[a]": "failure",
+        f"INR003 {finding().headline}: link[b]": "failure",
         "INR001 mass-not-positive": "passed",
         "COL001 collides": "skipped",
     }
@@ -583,7 +602,7 @@ def test_junit_tells_what_a_person_needs() -> None:
     ):
         assert said in failure.text
     assert "mass-not-positive" in "".join(e.text for e in root.iter("system-out"))
-    assert cases(RUNS["suppressed"])["INR003 triangle-inequality link[wheel]/inertial/inertia"] == "skipped"
+    assert cases(RUNS["suppressed"])[f"INR003 {finding().headline}"] == "skipped"
 
 
 # -- comment and summary -----------------------------------------------------------------------------------------------

@@ -181,6 +181,7 @@ def test_a_result_says_all_that_a_reader_needs() -> None:
     of_two = finding(subjects=("link[wheel]/inertial/inertia", "link[caster]/inertial/inertia"))
     (result,) = results(a_run(of_two))
     assert result["message"]["text"].split("\n") == [
+        "wheel: no body can have this inertia (12 % short).",
         "link wheel: principal moments break the triangle inequality.",
         "Why: a decimal point was lost in izz.",
         "MuJoCo: refuses to compile.",
@@ -213,7 +214,7 @@ def test_a_finding_about_the_whole_model_is_at_the_start_of_its_file() -> None:
 
 def test_text_of_strangers_is_neither_link_nor_placeholder_and_acts_on_nothing() -> None:
     evil = "link \x1b[31m[home](https://evil.example) `${x_1}` {0}\n::error::boo"
-    run = a_run(finding(message=evil, subjects=(evil, f"link[{evil}]"), related=()))
+    run = a_run(finding(headline=evil, message=evil, subjects=(evil, f"link[{evil}]"), related=()))
     (result,) = results(run)
     text = result["message"]["text"]
     assert text.startswith('link \\x1b[31m[home] (https://evil.example) "${x_1}" {{0}}\n')

@@ -13,15 +13,17 @@ from urdfcheck.core import Applicability, Cause, Edit, Fix, Location, Severity, 
 from urdfcheck.output.text import DetailLevel, render, render_statistics
 
 
-def test_a_finding_reads_place_severity_code_and_name_on_one_line() -> None:
-    first = next(line for line in render(a_run()).splitlines() if line.startswith(FILE + ":"))
-    assert re.match(rf"{re.escape(FILE)}:\d+:\d+ [✖▲i] (error|warning|info) [A-Z]{{3}}\d{{3}} [a-z-]+$", first)
+def test_a_finding_begins_with_its_headline_and_then_its_place() -> None:
+    lines = render(a_run(finding())).splitlines()
+    title = lines.index("✖ error INR003 wheel: no body can have this inertia (12 % short)")
+    assert re.match(rf"  {re.escape(FILE)}:\d+:\d+  triangle-inequality$", lines[title + 1])
+    assert lines[title + 2] == "  link wheel: principal moments break the triangle inequality"
 
 
 def test_prose_wraps_at_the_width_and_only_source_lines_may_be_longer() -> None:
     long = finding(message="a word " * 60, fix=Fix("do it " * 40))
     for line in render(a_run(long), width=80).splitlines():
-        assert len(line) <= 80 or "│" in line or line.startswith(FILE)
+        assert len(line) <= 80 or "│" in line or line.startswith(f"  {FILE}")
 
 
 @pytest.mark.parametrize("width", [40, 60, 200])
@@ -56,8 +58,8 @@ def test_a_path_longer_than_a_line_is_not_broken() -> None:
     file = "a/rather/long/path/to/" * 10 + "robot.urdf"
     at = replace(span_of("0.09"), file=file)
     lines = render(a_run(finding(location=Location("link[wheel]", at))), width=40).splitlines()
-    place = lines.index(f"{file}:{at.line}:{at.col}")
-    assert lines[place + 1] == "  ✖ error INR003 triangle-inequality"
+    place = lines.index(f"  {file}:{at.line}:{at.col}")
+    assert lines[place + 1] == "  triangle-inequality"
 
 
 def test_a_heading_tells_no_fact_by_half() -> None:
@@ -144,14 +146,15 @@ def test_a_run_without_rules_is_not_called_clean() -> None:
     assert "no rule is selected" in text
 
 
-def test_in_brief_an_info_is_its_place_and_no_more_than_two_lines_of_its_message() -> None:
+def test_in_brief_an_info_is_its_headline_its_place_and_a_line_of_its_message() -> None:
     info = finding(severity=Severity.INFO, message="a word " * 60)
     lines = render(a_run(info), width=60, detail=DetailLevel.BRIEF).splitlines()
-    at = next(i for i, line in enumerate(lines) if line.startswith(FILE + ":"))
+    at = next(i for i, line in enumerate(lines) if line.startswith(f"  {FILE}:"))
+    assert lines[at - 2].startswith("i info INR003 wheel: no body can have")
     assert lines[at + 1].startswith("  a word")
-    assert lines[at + 2].endswith(" …")
-    assert len(lines[at + 2]) <= 60
-    assert lines[at + 3] == ""
+    assert lines[at + 1].endswith(" …")
+    assert len(lines[at + 1]) <= 60
+    assert lines[at + 2] == ""
     assert "1 info in brief, in full with --verbose" in render(a_run(info), width=200, detail=DetailLevel.BRIEF)
     assert "put the point back" in render(a_run(info))
 

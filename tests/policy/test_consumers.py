@@ -60,6 +60,7 @@ def warning(**consequences: str) -> Finding:
         severity=Severity.WARNING,
         confidence=Confidence.PROOF,
         message_id="m",
+        headline="h",
         message="m",
         location=at,
         subjects=("joint[j]",),

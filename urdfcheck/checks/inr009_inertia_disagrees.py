@@ -195,6 +195,7 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial) -> dict[s
     return {
         "link": link.name,
         "detail": diagnosis.detail,
+        "mistake": _describe_mistake(diagnosis.cause or "", diagnosis.detail),
         "twins": join_names(judged.twins),
         "mass": f"{declared.mass:g}",
         "moments": join_numbers(moments, digits=3),
@@ -210,6 +211,12 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial) -> dict[s
         "agree": _describe_agreement(judged, drawn),
         "ruled_out": _format_ruled_out(judged),
     }
+
+
+def _describe_mistake(cause: str, detail: str) -> str:
+    """Name a cause in a few words, with its detail."""
+    name = cause.replace("_", " ")
+    return f"{name}: {detail}{' times' if cause == 'decimal_point' else ''}" if detail else name
 
 
 def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None) -> str:

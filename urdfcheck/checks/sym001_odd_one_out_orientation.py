@@ -219,6 +219,7 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
         "joint": joint.name,
         "siblings": _join_joint_names(others),
         "count": _format_count(others),
+        "others": others[0].name if len(others) == 1 else f"its {_format_count(others)} siblings",
         "pattern": odd.pattern,
         "why": odd.why,
         "angle": math.degrees(odd.angle),

@@ -183,7 +183,10 @@ class Finding:
     severity: Severity
     confidence: Confidence
     message_id: str
+    headline: str
+    """What is wrong, in at most 70 characters: the title of the finding wherever it is shown."""
     message: str
+    """The evidence, in whole sentences."""
     location: Location
     subjects: tuple[str, ...]
     """More than one where one source text made several elements."""

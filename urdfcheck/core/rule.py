@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from urdfcheck.core.findings import (
     Location,
     Severity,
 )
+from urdfcheck.core.headlines import fill_headline
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +68,8 @@ class Rule:
     options: Mapping[str, RuleOption]
     messages: Mapping[str, str]
     """Message id → template."""
+    headlines: Mapping[str, str]
+    """Message id → template of the headline."""
     fixes: Mapping[str, str]
     """Message id → template of the repair."""
     causes: Mapping[str, str]
@@ -102,8 +105,9 @@ class Rule:
     ) -> Finding:
         """Return a finding of this rule: ``message`` is an id of the page's ``[messages]``, ``data`` fills its templates.
 
-        The repair is the page's ``[fixes]`` template of the same id; ``edits`` make it applicable. ``consequences``: what single
-        programs do, where that depends on the case; for the others the page says it.
+        The headline and the repair are the page's ``[headlines]`` and ``[fixes]`` templates of the same id; ``edits`` make the
+        repair applicable. ``consequences``: what single programs do, where that depends on the case; for the others the page
+        says it.
 
         :raises KeyError: if the page lacks the message or the cause, or ``data`` lacks a value of a template.
         """
@@ -120,6 +124,9 @@ class Rule:
             severity=self.severity if severity is None else severity,
             confidence=self.confidence if confidence is None else confidence,
             message_id=message,
+            headline=_fill_template(
+                self.headlines, message, data, where=f"[headlines] of {self.code}", fill=fill_headline
+            ),
             message=_fill_template(self.messages, message, data, where=f"[messages] of {self.code}"),
             location=location,
             subjects=(location.subject,),
@@ -137,7 +144,14 @@ class Rule:
         )
 
 
-def _fill_template(templates: Mapping[str, str], name: str, data: Mapping[str, Any], *, where: str) -> str:
+def _fill_template(
+    templates: Mapping[str, str],
+    name: str,
+    data: Mapping[str, Any],
+    *,
+    where: str,
+    fill: Callable[[str, Mapping[str, Any]], str] = str.format_map,
+) -> str:
     """Fill a template of a page; ``where`` names its table and rule.
 
     :raises KeyError: when there is no such template, or ``data`` lacks a value; the message says which.
@@ -145,6 +159,6 @@ def _fill_template(templates: Mapping[str, str], name: str, data: Mapping[str, A
     if name not in templates:
         raise KeyError(f"{where} has no {name!r}; it has: {', '.join(templates)}")
     try:
-        return templates[name].format_map(data)
+        return fill(templates[name], data)
     except KeyError as missing:
         raise KeyError(f"{where} {name!r} needs {missing}, which rule.finding() did not get") from None

@@ -24,6 +24,9 @@ needs = ["source"]
 tags = ["TODO"]
 consumers = "none"
 
+[headlines]
+found = "TODO: what is wrong, e.g. {{kind}} {{name!r}} ends with an underscore"
+
 [messages]
 found = "TODO: actual against expected, e.g. {{kind}} {{name!r}} ends with an underscore"
 

@@ -64,7 +64,7 @@ def _format_annotation(run: Run, finding: Finding) -> str:
     elif file := find_finding_file(run, finding):
         properties = [("file", file)]
     message = [finding.message, *(f"{label}: {text}" for label, text in iter_details(run, finding))]
-    properties.append(("title", f"{finding.code} {finding.name}"))
+    properties.append(("title", f"{finding.code} {finding.headline}"))
     return format_workflow_command(COMMANDS[finding.severity], properties, "\n".join(message))
 
 

@@ -45,7 +45,7 @@ def _iter_finding_issues(run: Run) -> Iterator[dict[str, Any]]:
         yield {
             "type": "issue",
             "check_name": finding.code,
-            "description": f"{finding.message} [{finding.name}]",
+            "description": f"{finding.headline} [{finding.name}]",
             "content": {"body": _format_issue_body(run, finding)},
             "categories": ["Bug Risk"],
             "severity": _classify_severity(run, finding),
@@ -67,11 +67,13 @@ def _classify_severity(run: Run, finding: Finding) -> str:
 
 
 def _format_issue_body(run: Run, finding: Finding) -> str:
-    """Format the details of a finding and the summary of its rule as Markdown."""
+    """Format the message and the details of a finding and the summary of its rule as Markdown."""
     details = [
         f"**{escape_for_markdown(label)}:** {escape_for_markdown(text)}" for label, text in iter_details(run, finding)
     ]
-    return "\n\n".join([*details, *_format_rule_help(run.rules.get(finding.code))])
+    return "\n\n".join(
+        [escape_for_markdown(finding.message), *details, *_format_rule_help(run.rules.get(finding.code))]
+    )
 
 
 def _format_rule_help(rule: Rule | None) -> list[str]:

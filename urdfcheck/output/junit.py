@@ -124,7 +124,9 @@ def _iter_finding_cases(run: Run, findings: Iterable[Finding], model: str = "") 
     for finding in findings:
         text = "\n".join(_iter_detail_lines(run, finding))
         for subject in finding.subjects_by_model.get(model, finding.subjects) or ("",):
-            name = f"{finding.code} {finding.name} {subject}".strip()
+            name = f"{finding.code} {finding.headline}"
+            if len(finding.subjects) > 1:
+                name += f": {subject}"
             if finding.suppressed is not None:
                 message = f"known, {finding.suppressed}: {_get_first_line(finding.message)}"
                 yield JUnitCase(name=name, outcome="skipped", failure_type="known", message=message)
@@ -166,10 +168,11 @@ def _is_failing(run: Run, finding: Finding) -> bool:
 
 
 def _iter_detail_lines(run: Run, finding: Finding) -> Iterator[str]:
-    """Yield the place, the message, the lines of the source, the cause, the consequences and the fix."""
+    """Yield the place, the headline, the message, the lines of the source, the cause, the consequences and the fix."""
     span = finding.location.span
     where = "" if span is None else f"{format_place(span)}: "
     yield f"{where}{finding.severity} {finding.code} {finding.name}"
+    yield finding.headline
     yield finding.message
     if span is not None:
         for line in extract_code_frame(run.sources.get(span.file, ""), span):

@@ -162,7 +162,7 @@ def _format_unchecked_group(group: UncheckedGroup) -> str:
 
 def _add_findings(page: _BoundedPage, run: Run) -> None:
     findings = sort_worst_first(run.active_findings)
-    table = ["| | rule | where, what, and → what follows |", "| --- | --- | --- |"]
+    table = ["| | rule | what, where, and → what follows |", "| --- | --- | --- |"]
     urgent = [[_format_finding_row(run, finding)] for finding in findings if finding.severity > Severity.INFO]
     page.add_group("error or warning", head=table, blocks=urgent, foot=[""])
     notes = [[_format_finding_row(run, finding)] for finding in findings if finding.severity == Severity.INFO]
@@ -183,7 +183,8 @@ def _format_finding_row(run: Run, finding: Finding) -> str:
         effects.append(f"→ {names}: {escape_for_markdown(_truncate_text(effect))}")
     models = describe_models(run, finding)
     shared = f" in {escape_for_markdown(models)}" if models else ""
-    lines = [f"{where}{f' with {arguments}' if arguments else ''}{shared}", message, *effects[:MOST_EFFECTS]]
+    headline = f"**{escape_for_markdown(finding.headline)}**"
+    lines = [headline, f"{where}{f' with {arguments}' if arguments else ''}{shared}", message, *effects[:MOST_EFFECTS]]
     lines += ["→ …"] if len(effects) > MOST_EFFECTS else []
     severity = f"{SIGNS[finding.severity]}&nbsp;{finding.severity}"
     return f"| {severity} | **{finding.code}**<br>{finding.name} | {'<br>'.join(lines)} |"

@@ -41,7 +41,7 @@ def _build_failure(run: Run, failure: str) -> dict[str, Any]:
 
 def _build_diagnostic(run: Run, finding: Finding) -> dict[str, Any]:
     span = finding.location.span
-    lines = [escape_for_markdown(finding.message)]
+    lines = [escape_for_markdown(text) for text in (finding.headline, finding.message)]
     lines += [
         f"{escape_for_markdown(label)}: {escape_for_markdown(text)}" for label, text in iter_details(run, finding)
     ]

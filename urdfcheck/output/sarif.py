@@ -235,8 +235,8 @@ def _build_result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
 
 
 def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str, Span]]) -> str:
-    """Return the message and, a paragraph each, everything needed by readers who see only the message."""
-    paragraphs = [finding.message]
+    """Return the headline and, a paragraph each, the message and everything needed by readers who see only the message."""
+    paragraphs = [finding.headline, finding.message]
     if models := describe_models(run, finding):
         paragraphs.append(f"In {models}")
     if arguments := run.find_variant_arguments(finding):

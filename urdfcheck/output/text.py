@@ -35,6 +35,7 @@ from urdfcheck.output.shared.wording import (
     describe_found_arguments,
     describe_models,
     format_count,
+    get_base_name,
     group_by_effect,
     join_first,
 )
@@ -51,7 +52,7 @@ MAX_CODES = 8
 # A report with more findings repeats its errors and warnings at the end.
 RECAP_THRESHOLD = 8
 # Lines of the message of an info in brief.
-BRIEF_LINES = 2
+BRIEF_LINES = 1
 
 
 class DetailLevel(Enum):
@@ -247,18 +248,23 @@ def _format_model_heading(info: ModelInfo | None, model: str, width: int) -> Tex
 
 
 def _iter_finding_head(finding: Finding, width: int) -> Iterator[Text]:
-    """Yield the place and the title of a finding."""
+    """Yield the title of a finding, and its place with the name of the rule."""
+    yield from _wrap_text(_format_finding_title(finding), width)
     span = finding.location.span
-    place = Text("" if span is None else f"{escape_one_line(span.file)}:{span.line}:{span.col} ", style="bold")
-    head = _format_finding_title(finding)
-    if place.cell_len + head.cell_len > width:  # a long path gets its own line, so that terminals still link it
-        yield place
-        place = Text("  ")
-    yield place + head
+    place = Text("  ")
+    if span is not None:
+        place.append(f"{escape_one_line(span.file)}:{span.line}:{span.col}", "bold")
+        if (
+            place.cell_len + 2 + len(finding.name) > width
+        ):  # a long path gets its own line, so that terminals still link it
+            yield place
+            place = Text("")
+        place.append("  ")
+    yield place.append(finding.name, "dim")
 
 
 def _iter_brief_findings(findings: Sequence[Finding], width: int) -> Iterator[Text]:
-    """Yield the place, the title and a few lines of the message of each finding."""
+    """Yield the title, the place and a line of the message of each finding."""
     for finding in findings:
         for line in _iter_finding_head(finding, width):
             yield Text(line.plain, "cyan")
@@ -393,8 +399,7 @@ def _iter_skipped(run: Run, width: int) -> Iterator[Text]:
 
 def _format_finding_title(finding: Finding) -> Text:
     head = Text(f"{GLYPHS[finding.severity]} {finding.severity} ", STYLES[finding.severity])
-    head.append(f"{finding.code} {finding.name}", "bold")
-    return head
+    return head.append(f"{finding.code} {escape_invisible(finding.headline)}", "bold")
 
 
 def _iter_recap(run: Run, width: int) -> Iterator[Text]:
@@ -405,8 +410,11 @@ def _iter_recap(run: Run, width: int) -> Iterator[Text]:
     yield _format_separator(Text("errors and warnings"), width)
     for finding in sorted(serious, key=lambda f: -f.severity):
         span = finding.location.span
-        place = "" if span is None else f" {escape_one_line(span.file)}:{span.line}:{span.col}"
-        yield Text.assemble(_format_finding_title(finding), (place, "dim"))
+        title = _format_finding_title(finding)
+        place = "" if span is None else f"  {escape_one_line(span.file)}:{span.line}:{span.col}"
+        if title.cell_len + len(place) > width and span is not None:
+            place = f"  {escape_one_line(get_base_name(span.file))}:{span.line}"
+        yield Text.assemble(title, (place, "dim"))
     yield Text()
 
 

@@ -38,6 +38,7 @@ class PathShortener:
         fix, cause = finding.fix, finding.cause
         return replace(
             finding,
+            headline=self.shorten_text(finding.headline),
             message=self.shorten_text(finding.message),
             subjects=tuple(map(self.shorten_text, finding.subjects)),
             location=replace(finding.location, subject=self.shorten_text(finding.location.subject)),

@@ -113,5 +113,5 @@ def _build_result(run: Run, *, fail_on: str, setup: dict[str, Any]) -> dict[str,
     # pytest's summary has room for the first line only.
     worst = sorted((f for f in run.active_findings if f.severity > Severity.INFO), key=lambda f: -f.severity)
     more = f" and {len(worst) - 1} more" if len(worst) > 1 else ""
-    head = f"{worst[0].code} {worst[0].name}{more}\n" if worst else ""
+    head = f"{worst[0].code} {worst[0].headline}{more}\n" if worst else ""
     return {"outcome": {FAILED: "crashed", FINDINGS: "failed"}.get(code, "passed"), "text": head + page}

@@ -25,14 +25,6 @@ def render_prose(text: str) -> str:
     return _CODE.sub(r"<code>\1</code>", escape_html(text))
 
 
-def shorten_message(text: str, most: int = 80) -> str:
-    """Shorten a message to the first whole words of its first line, without backticks."""
-    line = " ".join(text.split("\n")[0].replace("`", "").split())
-    if len(line) <= most:
-        return line
-    return line[: most + 1].rsplit(" ", 1)[0][:most].rstrip(" ,;:(") + "…"
-
-
 def format_number(value: float | None, digits: int = 4) -> str:
     """Format ``digits`` significant digits with a true minus sign; powers of ten below 1e-4 and from 1e6 on."""
     if value is None:

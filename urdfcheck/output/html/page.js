@@ -33,7 +33,7 @@ const findings = Array.from(main.querySelectorAll(".card"), (card) => {
     ...(staged.get(card.id) ?? []),
   ];
   const head = card.querySelector("h4").textContent;
-  const text = [head, card.querySelector(".message").textContent, subjects?.textContent, card.dataset.file];
+  const text = [head, card.querySelector(".headline").textContent, card.querySelector(".message").textContent, subjects?.textContent, card.dataset.file];
   return {
     card,
     home: card.parentElement,

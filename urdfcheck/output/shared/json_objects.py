@@ -55,6 +55,7 @@ def build_finding_object(finding: Finding, arguments: Mapping[str, str] = _NO_AR
         "severity": str(finding.severity),
         "confidence": str(finding.confidence),
         "message_id": finding.message_id,
+        "headline": finding.headline,
         "message": finding.message,
         "model": finding.model,
         "arguments": dict(arguments),

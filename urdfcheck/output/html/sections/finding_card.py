@@ -59,7 +59,7 @@ def render_card(run: Run, card: FindingCard, is_open: bool) -> str:
     return (
         f'<article class="{css_class}" id="{card.anchors[0]}" tabindex="-1" data-code="{escape_html(finding.code)}" '
         f'data-confidence="{finding.confidence}" data-file="{file}">{_render_card_header(run, card)}'
-        f'<p class="message">{render_prose(finding.message)}</p>{reason}'
+        f'<p class="headline">{escape_html(finding.headline)}</p><p class="message">{render_prose(finding.message)}</p>{reason}'
         f'<details class="more"{" open" if is_open else ""}><summary>{summary}</summary>{"".join(details)}</details></article>'
     )
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from urdfcheck.core import Severity
 from urdfcheck.output.html.file_groups import group_cards_by_file, select_active_cards
 from urdfcheck.output.html.glyphs import render_glyph
-from urdfcheck.output.html.html_text import escape_html, shorten_message
+from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.shared.anchors import FindingCard
 from urdfcheck.output.shared.wording import get_base_name
 
@@ -44,5 +44,5 @@ def _render_link_line(card: FindingCard) -> str:
     return (
         f'<li class="{finding.severity}"><a href="#{card.anchors[0]}">{render_glyph(finding.severity)}'
         f'<span class="sr"> {finding.severity} </span> <span class="rule-code">{escape_html(finding.code)}</span> '
-        f'<span class="gist">{escape_html(shorten_message(finding.message))}{place}</span></a></li>'
+        f'<span class="gist">{escape_html(finding.headline)}{place}</span></a></li>'
     )

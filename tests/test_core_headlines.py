@@ -1,0 +1,112 @@
+"""A headline has at most 70 characters, whatever the names and paths in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from urdfcheck.core import UrdfcheckError
+from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_middle, cut_text, drop_parts, fill_headline
+from urdfcheck.rules import find_pages_folder, load_page
+
+
+def test_what_fits_is_not_touched() -> None:
+    data = {"joint": "wheel_1", "angle": -43.1088, "siblings": "wheel_2, wheel_3"}
+    headline = fill_headline("{joint}: zero is {angle:+.2f}° off, unlike {siblings}", data)
+    assert headline == "wheel_1: zero is -43.11° off, unlike wheel_2, wheel_3"
+
+
+def test_lists_lose_names_before_any_name_is_cut() -> None:
+    data = {
+        "joint": "front_left_wheel_joint",
+        "siblings": "rear_left_wheel_joint, rear_right_wheel_joint, x and 2 more",
+    }
+    headline = fill_headline("{joint}: axis is off, unlike {siblings}", data)
+    assert headline == "front_left_wheel_joint: axis is off, unlike rear_le…l_joint and 4 more"
+    assert len(headline) == LONGEST_HEADLINE
+
+
+def test_paths_lose_folders_before_the_file_is_cut() -> None:
+    path = "src/robots/car_description/meshes/visual/front_left_wheel_with_tyre.stl"
+    assert fill_headline("mesh file does not exist: {path}", {"path": path}) == (
+        "mesh file does not exist: …/visual/front_left_wheel_with_tyre.stl"
+    )
+
+
+def test_a_path_in_a_phrase_loses_folders_and_the_phrase_stays() -> None:
+    data = {"meshes": "collision mesh package://arm_description/meshes/collision/gripper_bar.stl is", "count": 116}
+    assert fill_headline("{meshes} open (open edges: {count})", data) == (
+        "collision mesh …/collision/gripper_bar.stl is open (open edges: 116)"
+    )
+
+
+def test_a_name_with_a_slash_gets_no_longer_by_being_shortened() -> None:
+    assert drop_parts("/base_link", 5) == "/base_link"
+    assert drop_parts("package://car/a.stl", 12) == "…/car/a.stl"
+    assert drop_parts("link[a_long_name]/inertial/mass@value", 20) == "link[a_long_name]/inertial/mass@value"
+
+
+def test_names_that_differ_in_a_few_letters_still_do() -> None:
+    fingers = {"one": "r_gripper_r_finger_tip_link", "two": "r_gripper_l_finger_tip_link"}
+    headline = fill_headline("{one} and {two} overlap by 1.74 mm at rest", fingers)
+    assert headline == "…_r_finger_tip_link and …_l_finger_tip_link overlap by 1.74 mm at rest"
+
+
+def test_a_sentence_loses_its_end_and_keeps_to_one_line() -> None:
+    headline = fill_headline(
+        "not well-formed XML: {error}", {"error": "`<link>` is\nnot closed, " + "nor is anything else " * 9}
+    )
+    assert headline == "not well-formed XML: <link> is not closed, nor is anything else nor…"
+
+
+@pytest.mark.parametrize("name", ["x" * 5_000_000, "a, " * 100_000, "a/" * 100_000, "(" * 10_000, " and " * 10_000])
+def test_a_text_of_an_attacker_is_short_and_takes_no_time(name: str) -> None:
+    headline = fill_headline("{one} and {two} are called {one!r}", {"one": name, "two": name})
+    assert len(headline) <= LONGEST_HEADLINE
+
+
+def test_the_words_of_the_template_stay() -> None:
+    names = {"one": "left_gripper_finger_tip_link", "two": "right_gripper_finger_tip_link"}
+    assert fill_headline("{one} and {two} overlap by 5.7 mm at rest", names) == (
+        "left_grip…_tip_link and right_gri…_tip_link overlap by 5.7 mm at rest"
+    )
+
+
+def test_shortened_texts_have_the_length_that_was_asked_for() -> None:
+    texts = [
+        "left_gripper_finger_tip_link",
+        "a_long_name, another_name and 3 more",
+        "one sentence, and its end",
+        "a/b/c.stl",
+    ]
+    for text in texts:
+        for most in range(10, len(text) + 2):
+            assert len(cut_text(text, most)) <= max(most, len("a…e and 3 more"))
+            assert len(cut_middle(text, most)) <= most
+            assert drop_parts(text, len(text)) == cut_text(text, len(text)) == text
+
+
+def test_a_list_counts_what_it_leaves_out() -> None:
+    listed = "arm and hand (2 mm), a and b (1 mm), c and d (0.5 mm) and 3 more"
+    assert drop_parts(listed, 46) == "arm and hand (2 mm), a and b (1 mm) and 4 more"
+    assert drop_parts(listed, 30) == "arm and hand (2 mm) and 5 more"
+    assert (
+        drop_parts("hip at -1.6 rad (limit -2; a and b), knee at 1 rad", 40)
+        == "hip at -1.6 rad (limit -2; a and b) and 1 more"
+    )
+
+
+def test_a_sentence_with_commas_is_no_list() -> None:
+    text = "mismatched tag, line 3, which is not closed"
+    assert drop_parts(text, 20) == text
+
+
+def test_a_page_without_a_headline_is_not_a_rule_page(tmp_path: Path) -> None:
+    page = find_pages_folder() / "JNT005-limit-inverted.md"
+    copy = tmp_path / page.name
+    text = page.read_text(encoding="utf-8")
+    line = next(line for line in text.splitlines(keepends=True) if line.startswith("equal = "))
+    copy.write_text(text.replace(line, "", 1), encoding="utf-8")
+    with pytest.raises(UrdfcheckError, match=r"\[headlines\] has no 'equal'"):
+        load_page(copy)

@@ -1,0 +1,112 @@
+"""The headline of a finding: a template of the rule's page in at most 70 characters. Standard library only."""
+
+from __future__ import annotations
+
+import re
+import string
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+LONGEST_HEADLINE = 70
+# A value is not cut below this; a headline that is still too long then loses its end.
+_SHORTEST_VALUE = 10
+# Longer texts come from attacks; each step looks at all of a text.
+_LONGEST_VALUE = 500
+# What `urdfcheck.core.text.join_names` makes of names, also of such as `arm and hand at 0.3 rad (2 mm)`.
+_NAME = re.compile(r"[^\s,]+(?: and (?!\d+ more)[^\s,]+)?(?: at -?[\d.]+ \S+)?(?: \([^()]*\))?")
+_PART = re.compile(r" \(| at | and ")
+_MORE = re.compile(r" and (\d+) more$")
+_NAMES = re.compile(rf"{_NAME.pattern}(?:(?:, {_NAME.pattern})+(?:{_MORE.pattern})?|{_MORE.pattern})")
+
+
+def fill_headline(template: str, data: Mapping[str, Any]) -> str:
+    """Fill a template of ``[headlines]``, and shorten its longest texts until the whole has :data:`LONGEST_HEADLINE` characters.
+
+    Lists lose names and paths lose folders (`drop_parts`); if that is not enough, texts are cut (`cut_text`). The words of the
+    template stay.
+
+    :raises KeyError: if ``data`` lacks a value of the template.
+    """
+    values = {key: data[key] for _, key, _, _ in string.Formatter().parse(template) if key is not None}
+    texts = {k: cut_middle(v, _LONGEST_VALUE) for k, v in values.items() if isinstance(v, str)}
+    headline = _fill_line(template, values | texts)
+    for shorten in (drop_parts, cut_text):
+        most = min(max(map(len, texts.values()), default=0), LONGEST_HEADLINE)
+        whole = texts
+        while len(headline) > LONGEST_HEADLINE and most > _SHORTEST_VALUE:
+            most -= 1
+            texts = {key: shorten(text, most) for key, text in whole.items()}
+            if len(set(texts.values())) < len(set(whole.values())):
+                texts = _tell_apart(whole, most)
+            headline = _fill_line(template, values | texts)
+    return headline if len(headline) <= LONGEST_HEADLINE else f"{headline[: LONGEST_HEADLINE - 1].rstrip()}…"
+
+
+def _tell_apart(texts: Mapping[str, str], most: int) -> dict[str, str]:
+    """Cut texts, such as the names of the left and the right of a robot, so that what differs stays."""
+    long = [text for text in texts.values() if len(text) > most]
+    start = next((i for i, letters in enumerate(zip(*long, strict=False)) if len(set(letters)) > 1), 0)
+    cut = {}
+    for key, text in texts.items():
+        here = max(min(start - 1, len(text) - most + 1), 0)
+        shown = f"{'…' if here else ''}{text[here:]}"
+        cut[key] = text if len(text) <= most else shown if len(shown) <= most else f"{shown[: most - 1]}…"
+    return cut
+
+
+def _fill_line(template: str, values: Mapping[str, Any]) -> str:
+    """Fill a template, in one line and without the marks of code, whatever the values hold."""
+    return " ".join(template.format_map(values).replace("`", "").split())
+
+
+def drop_parts(text: str, most: int) -> str:
+    """Leave out names at the end of ``a, b, c and 4 more``, or folders at the beginning of a path, until ``most`` characters are
+    left or nothing but the first name or the file; any other text stays."""
+    if len(text) <= most:
+        return text
+    if _NAMES.fullmatch(text):
+        more = _MORE.search(text)
+        names = _NAME.findall(text if more is None else text[: more.start()])
+        others = 0 if more is None else int(more[1])
+        while len(names) > 1 and len(_count_others(names, others)) > most:
+            names.pop()
+            others += 1
+        return _count_others(names, others)
+    words = text.split(" ")
+    longest = max(range(len(words)), key=lambda i: len(words[i]))
+    words[longest] = _drop_folders(words[longest], most - len(text) + len(words[longest]))
+    return " ".join(words)
+
+
+def _drop_folders(path: str, most: int) -> str:
+    shown = path
+    # A subject, like `link[a]/inertial`, is no path: it begins with what matters most.
+    while len(shown) > most and "[" not in path:
+        _, slash, rest = shown.removeprefix("…/").partition("/")
+        if not slash or not rest:
+            break
+        shown = f"…/{rest.lstrip('/')}"
+    return min(path, shown, key=len)
+
+
+def _count_others(names: Iterable[str], others: int) -> str:
+    return ", ".join(names) + (f" and {others} more" if others else "")
+
+
+def cut_text(text: str, most: int) -> str:
+    """Return at most ``most`` characters of a text: the first words of a sentence, both ends of a name, and of the name before
+    `` and 4 more``."""
+    if len(text) <= most:
+        return text
+    more = _MORE.search(text)
+    if more is not None and _NAMES.fullmatch(text):
+        first, room = text[: more.start()], most - len(more[0])
+        return cut_middle(first if len(first) <= room else _PART.split(first)[0], room) + more[0]
+    words, _, _ = text[:most].rpartition(" ")
+    return f"{words.rstrip(' ,;:(')}…" if len(words) > most // 2 else cut_middle(text, most)
+
+
+def cut_middle(text: str, most: int) -> str:
+    """Return a text, or its beginning, ``…`` and its end if it has more than ``most`` characters (at least 2 of its own)."""
+    kept = max(most - 1, 2)
+    return text if len(text) <= most else f"{text[: kept // 2]}…{text[len(text) - (kept + 1) // 2 :]}"
