@@ -369,12 +369,12 @@ def test_drake_fetches_nothing() -> None:
     assert not re.search("download|cache|Permission", " ".join((outcome.refused, *outcome.messages)))
 
 
-Run = Callable[[Callable[[Path], object]], tuple[LoadOutcome, ...]]
+EngineRun = Callable[[Callable[[Path], object]], tuple[LoadOutcome, ...]]
 
 
 @pytest.fixture
-def taken_over(monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Run two engines, the first of which does what a hostile file could make it do in its folder, and dies."""
+def taken_over(monkeypatch: pytest.MonkeyPatch) -> EngineRun:
+    """EngineRun two engines, the first of which does what a hostile file could make it do in its folder, and dies."""
     if not FORKS:
         pytest.skip("the process that is started anew does not know what is replaced here")
 
@@ -402,7 +402,7 @@ def taken_over(monkeypatch: pytest.MonkeyPatch) -> Run:
     return run
 
 
-def test_what_an_engine_puts_in_the_place_of_its_output_is_not_followed(taken_over: Run, tmp_path: Path) -> None:
+def test_what_an_engine_puts_in_the_place_of_its_output_is_not_followed(taken_over: EngineRun, tmp_path: Path) -> None:
     """The process that reads it is not confined."""
     (tmp_path / "secret").write_text("token")
 
@@ -416,7 +416,7 @@ def test_what_an_engine_puts_in_the_place_of_its_output_is_not_followed(taken_ov
     assert second.messages == ("well: <robot/>",)
 
 
-def test_an_engine_changes_nothing_of_the_others(taken_over: Run) -> None:
+def test_an_engine_changes_nothing_of_the_others(taken_over: EngineRun) -> None:
     def forge(own: Path) -> None:
         (own.parent / "1" / "said").write_text("forged")
 

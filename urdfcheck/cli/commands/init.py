@@ -416,7 +416,8 @@ def _compose_yaml(text: str) -> Any:
     import yaml
 
     from urdfcheck.source.text.xml import SourceFile
-    from urdfcheck.source.text.yaml import YamlReadError, compose_nodes
+    from urdfcheck.source.text.yaml.reader import compose_nodes
+    from urdfcheck.source.text.yaml.values import YamlReadError
 
     try:
         return compose_nodes(SourceFile(Path(), "", text=text))
