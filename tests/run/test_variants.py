@@ -95,6 +95,17 @@ class TestValues:
         assert values(path) == {"size": ("small", "large")}
 
     @pytest.mark.parametrize(
+        ("default", "expected"), [("6", ("6", "5")), ("", ("", "5", "6", "_gripper")), ("_gripper", None)]
+    )
+    def test_a_further_word_of_a_file_name_is_no_value(
+        self, default: str, expected: tuple[str, ...] | None, tmp_path: Path
+    ) -> None:
+        for name in ("arm5", "arm6", "arm_gripper"):
+            write_xacro(tmp_path, "", f"{name}.xacro")
+        text = f'<xacro:arg name="a" default="{default}"/><xacro:include filename="arm$(arg a).xacro"/>'
+        assert values(write_xacro(tmp_path, text))["a"] == (expected or ("_gripper", "5", "6"))
+
+    @pytest.mark.parametrize(
         ("calls", "expected"),
         [
             ("<xacro:omx_f/>", ("omx_f", "omx_f_mock")),

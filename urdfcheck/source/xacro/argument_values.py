@@ -54,6 +54,8 @@ _FIND = re.compile(r"\$\(find\s+([^)\s]+)\s*\)")
 _PATH_ATTRIBUTES = {"xacro:include": ("filename",), "xacro:arg": ("default",), "xacro:property": ("value", "default")}
 # How many times a parameter is passed on to another macro.
 _MAX_PASSED_ON = 4
+# What begins a further word of a file name.
+_SEPARATORS = ("_", "-", ".")
 # xacro:call counts as a call: its attributes are parameters too.
 _NOT_CALLS = BUILT_IN_TAGS - {"call"}
 
@@ -93,7 +95,7 @@ def find_argument_choices(path: Path, finder: PackageFinder) -> list[ArgumentCho
                 for name, value, _ in (
                     _drop_misfits(fitting, trees, finder) if element.tag == "xacro:include" else fitting
                 ):
-                    if name in usages:
+                    if name in usages and not _is_rest_of_name(value, usages[name]):
                         usages[name].values[value] = None
     choices = [_make_choice(name, usage) for name, usage in usages.items()]
     return variables + [choice for choice in choices if len(choice.values) > 1]
@@ -131,6 +133,11 @@ def _find_arguments(trees: Sequence[tuple[Element, Path]]) -> dict[str, _Argumen
                 for name in _ARGUMENT_DEMAND.findall(text) if "$(arg" in text else ():
                     usages.setdefault(name, _ArgumentUsage())
     return usages
+
+
+def _is_rest_of_name(value: str, usage: _ArgumentUsage) -> bool:
+    """Whether a value that a file's name shows is a part of it: ``_gripper`` of ``xarm_gripper.yaml`` beside ``xarm6.yaml``."""
+    return value.startswith(_SEPARATORS) and any(d and not d.startswith(_SEPARATORS) for d in usage.defaults)
 
 
 def _list_paths(element: Element) -> list[str]:
