@@ -177,6 +177,17 @@ def large(hostile: Path) -> None:
     )
 
 
+def includes(hostile: Path) -> None:
+    """A hundred files that include each other, and a model that includes one of them."""
+    folder = hostile / "planner-includes"
+    folder.mkdir()
+    names = [f"part{number}.xacro" for number in range(100)]
+    for name in names:
+        inner = "".join(f'\n  <xacro:include filename="{other}"/>' for other in names if other != name)
+        (folder / name).write_text(f'<robot xmlns:xacro="http://www.ros.org/wiki/xacro">{inner}\n</robot>\n')
+    (folder / "robot.urdf.xacro").write_text(XACRO.format("r", '<xacro:include filename="part0.xacro"/>'))
+
+
 # Each maker under the name of what it makes.
 MADE: dict[str, Callable[[Path], None]] = {
     "git": git_configuration,
@@ -186,4 +197,5 @@ MADE: dict[str, Callable[[Path], None]] = {
     "devices": devices,
     "zips": zips,
     "large": large,
+    "includes": includes,
 }

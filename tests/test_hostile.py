@@ -11,6 +11,7 @@ import json
 import os
 import re
 import secrets
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -91,8 +92,11 @@ def test_each_attack_is_named_at_its_place(checked: Checked) -> None:
         if lost:
             missing[attack["id"]] = (lost, [f"{f['code']} {f['place']}" for f in here])
     assert missing == {}
-    assert checked.exit_code == cli.FINDINGS
-    assert checked.report["failures"] == []
+    # What is called a model and is no file could not be read.
+    failures = {failure.partition(":")[0].partition("/")[2] for failure in checked.report["failures"]}
+    special = (f"special-pipe/{name}" for name in ("model.urdf", "part.xacro", "start.launch", "package/package.xml"))
+    assert failures == {*special, "read-links/circle.urdf"}
+    assert checked.exit_code == cli.FAILED
 
 
 def test_every_folder_is_in_the_manifest_and_back() -> None:
@@ -214,6 +218,13 @@ def test_pipes_and_devices_are_named_and_not_opened(checked: Checked, folder: st
     )
     assert done.returncode == cli.FAILED
     assert done.stdout.count(said) == len(names)
+
+
+def test_a_folder_called_urdf_brings_no_neighbour_into_reach(checked: Checked, tmp_path: Path) -> None:
+    folder = shutil.copytree(checked.hostile / "reach-parent", tmp_path / "downloads")
+    done = make_hostile_table.run(folder / "urdf/robot.urdf.xacro", checked.secret, "--format", "json")
+    assert [f["code"] for f in json.loads(done.stdout)["findings"]][:1] == ["PKG012"]
+    assert b"leak_neighbour" not in done.stdout
 
 
 def test_a_file_that_is_called_like_an_option_is_none(checked: Checked) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from builders import arm_on_base, box, collision, find, inertial, joint, link, visual
-from conftest import check_text
+from conftest import check, check_text
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model
@@ -582,3 +582,15 @@ def test_a_whole_moving_body_that_is_next_to_nothing_is_one_finding(tmp_path: Pa
     (finding,) = check_text(tmp_path, make_arm(tiny("5e-15")), codes={"INR012", "INR017"}).findings
     assert finding.code == "INR012"
     assert finding.consequences["mujoco"].startswith("refuses")
+
+
+def test_a_copied_tensor_names_its_links_in_the_plural(tmp_path: Path) -> None:
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial>'
+    hand = (
+        '<link name="{0}">{1}</link><joint name="to_{0}" type="fixed"><parent link="base"/><child link="{0}"/></joint>'
+    )
+    one = '<robot name="r"><link name="base"/>' + hand.format("a", inertial)
+    for text, named in ((one, "link a: "), (one + hand.format("b", inertial), "links a, b: ")):
+        (tmp_path / "r.urdf").write_text(text + "</robot>")
+        (finding,) = check(tmp_path / "r.urdf", codes={"INR003"}).findings
+        assert finding.message.startswith(named)

@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from conftest import FIXTURES
 
+from urdfcheck.cli import FINDINGS, OK
+
 COMMAND = [sys.executable, "-m", "urdfcheck"]
 CAR = str(FIXTURES / "car-3" / "urdf" / "car-3.urdf")
 
@@ -170,3 +172,31 @@ def test_a_full_disk_is_said_and_no_finding() -> None:
         done = subprocess.run([*COMMAND, CAR], stdout=full, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 2
     assert done.stderr == "urdfcheck: cannot write the output: No space left on device\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes of POSIX")
+@pytest.mark.parametrize(("text", "code"), [("-1", FINDINGS), ("1", OK)])
+def test_a_reader_that_exits_does_not_change_the_verdict(text: str, code: int, tmp_path: Path) -> None:
+    """``urdfcheck . | head -1`` under pipefail: the gate holds, and a sound robot passes."""
+    inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+    links = "".join(
+        f'<link name="l{i}"><inertial><mass value="{text}"/>{inertia}</inertial></link>'
+        f'<joint name="j{i}" type="fixed"><parent link="base"/><child link="l{i}"/></joint>'
+        for i in range(60)
+    )
+    (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="base"/>{links}</robot>')
+    words = [sys.executable, "-m", "urdfcheck", "r.urdf", "--tier", "source", "--format", "json", "-o", "text=kept.txt"]
+    process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.close()
+    said = process.stderr.read()
+    process.stderr.close()
+    assert (process.wait(60), said) == (code, b"")
+    assert (tmp_path / "kept.txt").stat().st_size, "the other reports are written all the same"
+    listing = subprocess.Popen(
+        [sys.executable, "-m", "urdfcheck", "rule"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    )
+    assert listing.stdout is not None
+    listing.stdout.close()
+    assert listing.wait(60) == 141, "nothing else is known of it"

@@ -381,7 +381,12 @@ def test_a_path_is_relative_and_encoded_and_links_are_followed(tmp_path: Path, m
 def test_the_run_tells_what_went_wrong_and_what_was_not_checked() -> None:
     (clean,) = sarif_of(a_run(skipped=()))["invocations"]
     assert clean == {"executionSuccessful": True, "toolExecutionNotifications": []}
-    skipped = (SkippedCheck("INR003", info().id, "the mesh is missing"), SkippedCheck("ALL", "notes.txt", "no model"))
+    skipped = (
+        SkippedCheck("INR003", info().id, "the mesh is missing"),
+        SkippedCheck("ALL", "notes.txt", "is not checked: no model"),
+        SkippedCheck("INR003", info().id, "7 more findings not listed", is_partial=True),
+        SkippedCheck("scene", info().id, "no geometry"),
+    )
     (bad,) = sarif_of(a_run(skipped=skipped, failures=("INR001 crashed",), partial=True))["invocations"]
     assert not bad["executionSuccessful"]
     told = [(note["level"], note["message"]["text"]) for note in bad["toolExecutionNotifications"]]
@@ -389,7 +394,9 @@ def test_the_run_tells_what_went_wrong_and_what_was_not_checked() -> None:
         ("error", "INR001 crashed"),
         ("error", "The run was interrupted: not everything was checked."),
         ("note", "INR003 was not checked: the mesh is missing"),
-        ("note", "Nothing was checked: no model"),
+        ("note", "Not checked: no model"),
+        ("note", "INR003 is not complete: 7 more findings not listed"),
+        ("note", "The model was not drawn: no geometry"),
     ]
     assert bad["toolExecutionNotifications"][2]["associatedRule"] == {"id": "INR003", "index": 1}
 

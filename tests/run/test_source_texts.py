@@ -118,7 +118,7 @@ def test_findings_beyond_the_bound_of_a_model_are_counted_and_the_worst_stays(
     path = write_noisy(tmp_path, 50)
     whole = check(path, tier="source")
     worst = max(finding.severity for finding in whole.findings)
-    monkeypatch.setattr(findings, "MAX_FINDINGS_SIZE", 20_000)
+    monkeypatch.setattr(findings, "MAX_FINDINGS_SIZE", 5_000)
     outcome = check(path, tier="source")
     assert 0 < len(outcome.findings) < len(whole.findings)
     assert max(finding.severity for finding in outcome.findings) == worst
@@ -136,7 +136,7 @@ def test_findings_and_scenes_beyond_the_bound_of_a_run_are_left_out_and_told(
     for name in "abc":
         (tmp_path / name).mkdir()
         write_noisy(tmp_path / name, 20)
-    monkeypatch.setattr(report_sizes, "MAX_RUN_FINDINGS", 15_000)
+    monkeypatch.setattr(report_sizes, "MAX_RUN_FINDINGS", 4_000)
     outcome = check(tmp_path, tier="source", scene=True)
     assert len(outcome.scenes) == 3
     assert {finding.model.partition("/")[0] for finding in outcome.findings} == {"a", "b", "c"}, "one of each"

@@ -25,6 +25,8 @@ _OTHER_NAMES = {
     "version": "--version",
     "help": "--help",
 }
+# What the shell says of a command that SIGPIPE ended, as grep and git end.
+CLOSED_PIPE = 141
 # Words that later versions will use as commands; a file of such a name is written ./diff.
 RESERVED = ("diff", "lsp")
 
@@ -37,6 +39,7 @@ def main(argv: Sequence[str] | None = None, *, working_folders: Sequence[str] = 
     words = list(sys.argv[1:] if argv is None else argv)
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="backslashreplace")
+    code = CLOSED_PIPE  # until the outcome is known
     try:
         if working_folders:
             _report_planted_modules(working_folders, words)
@@ -48,7 +51,7 @@ def main(argv: Sequence[str] | None = None, *, working_folders: Sequence[str] = 
         say(f"urdfcheck: {error}", sys.stderr)
     except BrokenPipeError:  # the reader of the output has exited: head, less
         silence_stdout()
-        return OK
+        return code
     except OSError as error:
         say(f"urdfcheck: cannot write the output: {error.strerror or error}", sys.stderr)
         silence_stdout()

@@ -249,3 +249,5 @@ class SkippedCheck:
     code: str
     model: str
     reason: str
+    is_partial: bool = False
+    """Whether the check ran, and something of what it looked at or found is left out."""

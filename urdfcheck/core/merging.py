@@ -66,7 +66,12 @@ def _merge_group(rule: Rule, group: Sequence[Finding], *, names: Sequence[str], 
         confidence=first.confidence,
         **data,
     )
-    return replace(finding, subjects=tuple(dict.fromkeys(subject for f in group for subject in f.subjects)))
+    message = finding.message
+    for name in names:
+        message = message.replace(f"{name} {data.get(name)}", f"{name}s {data.get(name)}", 1)  # link a → links a, b
+    return replace(
+        finding, message=message, subjects=tuple(dict.fromkeys(subject for f in group for subject in f.subjects))
+    )
 
 
 def _quote_first_text(group: Sequence[Finding], key: str, name: str) -> Any:

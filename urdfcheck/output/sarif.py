@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Rule, Run, Severity, Span, Suppression
+from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Rule, Run, Severity, SkippedCheck, Span, Suppression
 from urdfcheck.output.shared.escaping import escape_for_json, escape_invisible, escape_one_line
 from urdfcheck.output.shared.json_objects import build_subject_object
 from urdfcheck.output.shared.positions import to_utf16_region
@@ -48,6 +48,12 @@ MOST_CHARACTERS = 1_024
 MOST_NAMED = 100
 MOST_LINKED = 4
 
+# What the report lacks, by the name of what should have made it.
+_UNMADE = {
+    "scene": "The model was not drawn",
+    "srdf": "The pairs of links were not classified",
+    "drop": "The model was not dropped",
+}
 LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "note"}
 PROBLEMS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "recommendation"}
 PRECISIONS = {Confidence.PROOF: "very-high", Confidence.STRONG: "high", Confidence.HEURISTIC: "medium"}
@@ -178,10 +184,10 @@ def _iter_notifications(run: Run, left_out: int, index: Mapping[str, int]) -> It
     paths = {info.id: info.path for info in run.models}
     skipped: dict[tuple[str, str], list[str]] = {}
     for skip in run.skipped:
-        skipped.setdefault((skip.code, skip.reason), []).append(paths.get(skip.model, skip.model))
-    for (code, reason), files in skipped.items():
-        what = "Nothing was checked" if code == "ALL" else f"{code} was not checked"
-        notification: Json = {"level": "note", "message": _build_message(f"{what}: {reason}")}
+        text = _describe_skip(skip)
+        skipped.setdefault((skip.code, text), []).append(paths.get(skip.model, skip.model))
+    for (code, text), files in skipped.items():
+        notification: Json = {"level": "note", "message": _build_message(text)}
         if code in index:
             notification["associatedRule"] = {"id": code, "index": index[code]}
         if places := [
@@ -189,6 +195,15 @@ def _iter_notifications(run: Run, left_out: int, index: Mapping[str, int]) -> It
         ]:
             notification["locations"] = places[:MOST_LOCATIONS]
         yield notification
+
+
+def _describe_skip(skip: SkippedCheck) -> str:
+    """Return what was left out and why: a whole file, a rule, a part of what a rule finds, or what the report draws."""
+    if skip.code == "ALL":
+        return f"Not checked: {skip.reason.removeprefix('is not checked: ')}"
+    if skip.is_partial:
+        return f"{skip.code} is not complete: {skip.reason}"
+    return f"{_UNMADE.get(skip.code, f'{skip.code} was not checked')}: {skip.reason}"
 
 
 # -- results -----------------------------------------------------------------------------------------------------------

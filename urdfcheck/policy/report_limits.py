@@ -45,16 +45,24 @@ def _truncate(value: Any) -> Any:
     return type(value)(map(_truncate, value)) if type(value) in {list, tuple} else value
 
 
+def measure_size(value: object) -> int:
+    """Return the bytes that plain data takes on its way to another process."""
+    return len(pickle.dumps(value, pickle.HIGHEST_PROTOCOL))
+
+
 def limit_size(findings: Sequence[Finding], limit: int) -> tuple[list[Finding], int]:
     """Keep as many findings as take at most ``limit`` bytes together, the most severe first, and one in any case.
 
     Also return how many bytes those that are kept take. Their order stays.
     """
+    whole = measure_size(findings)
+    if whole <= limit:
+        return list(findings), whole
     order = sorted(range(len(findings)), key=lambda place: -findings[place].severity)
     kept: set[int] = set()
     size = 0
     for place in order:
-        more = len(pickle.dumps(findings[place], pickle.HIGHEST_PROTOCOL))
+        more = measure_size(findings[place])
         if kept and size + more > limit:
             break
         kept.add(place)

@@ -48,6 +48,8 @@ class FinalFindings:
     findings: tuple[Finding, ...]
     needed_comments: frozenset[Span]
     """Comments in the source that suppress some of them."""
+    size: int
+    """Bytes that they take."""
     unlisted: tuple[SkippedCheck, ...]
     """Rules of which more findings were reported than the report lists."""
 
@@ -76,14 +78,14 @@ def finalize_unit_findings(
     safe = mark_unsafe_in_model(remaining, root)
     listed, unlisted = limit_number(sorted(safe, key=get_sort_key))
     skips = [
-        SkippedCheck(code, unit.id, f"{count:,} more findings ({severity}) are not listed")
+        SkippedCheck(code, unit.id, f"{count:,} more findings ({severity}) are not listed", is_partial=True)
         for (code, severity), count in unlisted.items()
     ]
-    small, _ = limit_size(listed, MAX_FINDINGS_SIZE)
+    small, size = limit_size(listed, MAX_FINDINGS_SIZE)
     skips += explain_left_out(
         unit.id, listed, small, f"those of one model take more than {MAX_FINDINGS_SIZE // 1024**2} MiB"
     )
-    return FinalFindings(tuple(small), frozenset(needed), tuple(skips))
+    return FinalFindings(tuple(small), frozenset(needed), size, tuple(skips))
 
 
 def explain_left_out(
@@ -93,7 +95,7 @@ def explain_left_out(
     counts = Counter(finding.code for finding in findings)
     counts.subtract(finding.code for finding in kept)
     return [
-        SkippedCheck(code, unit_id, f"{format_count(count, 'more finding')} not listed: {why}")
+        SkippedCheck(code, unit_id, f"{format_count(count, 'more finding')} not listed: {why}", is_partial=True)
         for code, count in sorted(counts.items())
         if count
     ]

@@ -175,7 +175,11 @@ class UnitReport:
     findings: tuple[Finding, ...] = ()
     skipped: tuple[SkippedCheck, ...] = ()
     info: ModelInfo | None = None
+    findings_size: int = 0
+    """Bytes that the findings take."""
     scene: Scene | None = None
+    scene_size: int = 0
+    """Bytes that the scene takes."""
     pairs: LinkPairs | None = None
     drop: DropTest | None = None
     outline: ModelOutline | None = None

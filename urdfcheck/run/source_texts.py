@@ -45,7 +45,7 @@ class SourceTexts:
         """Return a report with the texts that other reports hold already, and without those beyond :data:`MAX_RUN_TEXTS`."""
         shared = {name: kept for name, text in report.sources.items() if (kept := self._keep(text)) is not None}
         left_out = _explain(len(report.sources) - len(shared), MAX_RUN_TEXTS)
-        note = (SkippedCheck(RULE, unit_id, left_out),) if left_out else ()
+        note = (SkippedCheck(RULE, unit_id, left_out, is_partial=True),) if left_out else ()
         return replace(report, sources=shared, skipped=(*report.skipped, *note))
 
     def _keep(self, text: str) -> str | None:

@@ -343,9 +343,9 @@ class _UnitAudit:
         self.add_skip("ALL", "the check was stopped (URC906)")
         self.unread_status = "failed"
 
-    def add_skip(self, code: str, reason: str) -> None:
-        """Note that a check could not run."""
-        self.skipped.append(SkippedCheck(code, self.unit.id, self.shortener.shorten_text(reason)))
+    def add_skip(self, code: str, reason: str, *, is_partial: bool = False) -> None:
+        """Note that a check could not run, or only on a part of what there is."""
+        self.skipped.append(SkippedCheck(code, self.unit.id, self.shortener.shorten_text(reason), is_partial))
 
     def skip_uninstalled_meshes(self, source: Source) -> None:
         """Note which meshes are unknown because their package is declared but not installed here, which is not a mistake."""
@@ -354,7 +354,7 @@ class _UnitAudit:
             reason = f"nothing is known of {number} in package {package}, which is not installed here"
             for rule in self.rules.values():
                 if "mesh" in rule.needs and not _find_missing_tier(rule, self.policy.tier):
-                    self.add_skip(rule.code, reason)
+                    self.add_skip(rule.code, reason, is_partial=True)
 
     def skip_scope(self, scope: str, reason: str) -> None:
         """Note that no check of a scope could run."""
@@ -404,13 +404,15 @@ class _UnitAudit:
         named_files |= {usage.comment.span.file for usage in usages}
         sources, left_out = limit_texts({name: text for name, text in self.texts.items() if name in named_files})
         if left_out:
-            self.add_skip(TEXTS_RULE, left_out)
-        scene, undrawn = limit_scene(self.scene, self.unit.id)
+            self.add_skip(TEXTS_RULE, left_out, is_partial=True)
+        scene, scene_size, undrawn = limit_scene(self.scene, self.unit.id)
         return UnitReport(
             findings=settled.findings,
             skipped=(*self.skipped, *settled.unlisted, *undrawn),
             info=None if info is None else replace(info, seconds=round(seconds, 3)),
+            findings_size=settled.size,
             scene=scene,
+            scene_size=scene_size,
             pairs=self.pairs,
             drop=self.drop,
             outline=self.outline,

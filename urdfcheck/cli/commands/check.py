@@ -23,6 +23,7 @@ from urdfcheck.cli.terminal import (
     print_run,
     print_statistics,
     say,
+    silence_stdout,
 )
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output import DRAWING_FORMATS, FORMATS
@@ -218,10 +219,14 @@ def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, s
     :raises UrdfcheckError: when reports cannot be written; the others are written all the same.
     """
     fail_on = options.fail_on or settings.fail_on
-    if options.statistics:
-        print_statistics(outcome, options.color)
-    else:
-        print_run(outcome, options.format, options.color, detail=_choose_detail(options), fail_on=fail_on)
+    try:
+        if options.statistics:
+            print_statistics(outcome, options.color)
+        else:
+            print_run(outcome, options.format, options.color, detail=_choose_detail(options), fail_on=fail_on)
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader has exited (head, less): the verdict holds, and so do the other reports
+        silence_stdout()
     _report_undeclared_arguments(outcome)
     errors = []
     for output_format, file in reports.files:

@@ -60,7 +60,9 @@ def build_finding_object(finding: Finding, arguments: Mapping[str, str] = _NO_AR
         "model": finding.model,
         "arguments": dict(arguments),
         "variants": list(finding.variants),
-        "models": [_build_share(finding, model, subjects) for model, subjects in finding.subjects_by_model.items()],
+        "models": [_build_share(finding, model, subjects) for model, subjects in finding.variants.items()]
+        if len(finding.variants) > 1
+        else [],
         "fingerprints": list(finding.fingerprints),
         "subjects": [build_subject_object(s) for s in finding.subjects],
         "location": location,
