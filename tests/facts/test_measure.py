@@ -723,6 +723,34 @@ def test_a_sound_file_is_not_given_to_assimp(tmp_path: Path, monkeypatch: pytest
             measure_file(tmp_path, settled, kind)
 
 
+NODES = b"<node><instance_geometry"
+
+
+@pytest.mark.parametrize(
+    "hostile",
+    [
+        b'<node id="c"><instance_node url="#c"/></node>' + NODES,
+        b"<node>" * 20_000 + b"</node>" * 20_000 + NODES,
+        b"<node><!--</node>-->" * 20_000 + b"</node>" * 20_000 + NODES,
+        b'<node a="</node>">' * 20_000 + b"</node>" * 20_000 + NODES,
+    ],
+    ids=["circle", "deep", "hidden-in-comments", "hidden-in-values"],
+)
+@pytest.mark.parametrize("codec", ["utf-8", "utf-16"])
+def test_collada_that_ends_the_stack_of_assimp_is_not_given_to_it(
+    hostile: bytes, codec: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def crash(_path: Path, _file_type: str) -> object:
+        raise AssertionError("it is asked")
+
+    monkeypatch.setattr(assimp, "load_by_assimp", crash)
+    sound = dae(*TETRAHEDRON)
+    assert NODES in sound
+    text = sound.replace(NODES, hostile).replace(b"<asset>", b'<asset a="1" a="2">').decode().encode(codec)
+    with pytest.raises(MeshError):
+        measure_file(tmp_path, text)
+
+
 def test_entities_are_not_measured_even_if_assimp_loads_the_file(tmp_path: Path) -> None:
     path = tmp_path / "part.dae"
     path.write_bytes(dae(*TETRAHEDRON).replace(b"<COLLADA", b"<!DOCTYPE x [<!ENTITY a '7'>]><COLLADA"))

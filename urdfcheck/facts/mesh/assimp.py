@@ -5,6 +5,7 @@ Assimp takes the file by its path, and is asked only about files for which it op
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +19,13 @@ from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
 FORMATS = frozenset({"stl", "obj", "dae"})
 # Reasons that do not depend on the reader: what is no mesh, what is given to no library, and formats that we do not read.
 SETTLED = frozenset({"empty", "html", "lfs-pointer", "too-large", "archive", "unsupported"})
+# Elements of COLLADA within each other; of published meshes, none has 30. Assimp's stack ends at some 10,000.
+MAX_DEPTH = 200
+_TOKEN = re.compile(
+    rb"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\]\s*)?>|(?P<closing></[^>]*>)"
+    rb"|<[^/!?](?:[^>\"'/]|\"[^\"]*\"|'[^']*'|/(?!>))*(?:/>|(?P<opening>>))",
+    re.DOTALL,
+)
 # Files that are one text to Assimp, which expands and decodes nothing, and may be another to other readers.
 SEVERAL_TEXTS = frozenset({"entities", "encoding"})
 
@@ -37,7 +45,7 @@ def decode_with_assimp(
             raise
         return _load_refused(error, path, file_type)
     suspect = mesh.flaw or mesh.doubt
-    if suspect is None or path is None:
+    if suspect is None or path is None or not _can_ask(data, file_type):
         return mesh
     try:
         load_by_assimp(path, file_type)
@@ -49,11 +57,32 @@ def decode_with_assimp(
 
 
 def _can_ask(data: bytes, file_type: str) -> bool:
-    """Whether Assimp opens no other file for this one: it would open the materials of OBJ, whatever the place that is named.
+    """Whether Assimp opens no other file for this one, and comes to an end.
 
-    A backslash may continue their keyword in the next line.
+    It would open the materials of OBJ, whatever the place that is named; a backslash may continue their keyword in the next
+    line. In COLLADA it goes down by calling itself, without a limit, and into nodes that stand for each other: its stack ends.
     """
-    return file_type in FORMATS and not (file_type == "obj" and (b"mtllib" in data or b"\\" in data))
+    if file_type == "obj":
+        return not (b"mtllib" in data or b"\\" in data)
+    if file_type == "dae":
+        text = data.replace(b"\0", b"")  # it reads UTF-16 as well
+        return b"instance_node" not in text and _is_shallow(text)
+    return file_type in FORMATS
+
+
+def _is_shallow(text: bytes) -> bool:
+    """Whether the elements of a file that need not be well-formed hold each other at most `MAX_DEPTH` deep."""
+    depth = 0
+    at = text.find(b"<")
+    while at >= 0:
+        token = _TOKEN.match(text, at)
+        if token is None:
+            return text.find(b">", at) < 0  # it is cut off there: no parser gets further
+        depth += {"opening": 1, "closing": -1}.get(token.lastgroup or "", 0)
+        if depth > MAX_DEPTH:
+            return False
+        at = text.find(b"<", token.end())
+    return True
 
 
 def _load_refused(error: MeshError, path: Path, file_type: str) -> RawMesh:
