@@ -110,6 +110,38 @@ def test_a_named_library_of_which_only_the_package_was_checked_is_nothing(packag
     assert compute_exit_code(run, "error") == NOTHING
 
 
+@pytest.mark.parametrize("body", [MACRO, '<link name="w"/>'])
+def test_what_others_include_may_have_any_root(package: Path, body: str) -> None:
+    """xacro ignores the root of an included file: PR2 has libraries with <root>."""
+    call = "<xacro:wheel/>" if body == MACRO else ""
+    write(
+        package,
+        {
+            "wheel.urdf.xacro": xacro(body, "").replace("robot", "root"),
+            "car.urdf.xacro": xacro(include("wheel.urdf.xacro") + call),
+        },
+    )
+    for path in ("wheel.urdf.xacro", "."):
+        run = check(Path(path))
+        assert ([m.path for m in run.models], list_errors(run), list_unchecked(run)) == (["car.urdf.xacro"], [], [])
+
+
+@pytest.mark.parametrize(
+    ("root", "body", "errors"),
+    [
+        ("root", MACRO, []),
+        ("robt", '<link name="w"/>', ["XML002"]),
+        ("robt", MACRO + "<xacro:wheel/>", ["XML002"]),
+        ("sdf", MACRO, ["XML002"]),
+    ],
+)
+def test_what_none_includes_is_a_model_of_a_wrong_root_unless_it_only_defines_macros(
+    package: Path, root: str, body: str, errors: list[str]
+) -> None:
+    write(package, {"wheel.urdf.xacro": xacro(body).replace("robot", root)})
+    assert [code for code, _ in list_errors(check(Path("wheel.urdf.xacro")))] == errors
+
+
 def test_a_library_whose_includes_are_not_installed_is_still_one(package: Path) -> None:
     write(package, {"lidar.urdf.xacro": xacro(include("$(find elsewhere)/urdf/lidar.xacro") + MACRO, "")})
     assert list_errors(check(Path("lidar.urdf.xacro"))) == []

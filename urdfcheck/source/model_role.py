@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from urdfcheck.core.text import truncate_text
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_parts
 
@@ -49,8 +50,10 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
     root = source.root
     if root is None:
         return _find_unexpanded_role(source, is_part=is_part)
-    if root.tag != "robot" or source.find_problems("prefix"):
+    if source.find_problems("prefix"):
         return MODEL
+    if root.tag != "robot":
+        return _find_role_of_another_root(source, root, is_part=is_part)
     if not any(child.tag in {"link", "joint"} for child in root.children):
         return LIBRARY if is_part or is_tentative or _is_library(source) else MODEL
     if not is_part:
@@ -87,6 +90,16 @@ def _find_unexpanded_role(source: Source, *, is_part: bool) -> ModelRole:
 def _is_library(source: Source) -> bool:
     tree = source.main_tree
     return source.is_xacro and (defines_macros(tree) or not has_parts(tree))
+
+
+def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool) -> ModelRole:
+    """Return what a file is whose root is not ``<robot>``: xacro ignores the root of what it includes."""
+    if not source.is_xacro or root.tag in FORMATS_BY_ROOT:
+        return MODEL
+    if defines_macros(source.main_tree) and not root.children:
+        return LIBRARY
+    tag = truncate_text(root.tag, _LONGEST_NAME)
+    return ModelRole("part", f"its root is <{tag}>, and not <robot>") if is_part else MODEL
 
 
 def _explain_incompleteness(root: Element, elsewhere: str) -> str:
