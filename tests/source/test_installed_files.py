@@ -98,6 +98,7 @@ setup(data_files=[('share/p', ['package.xml']), *tree('meshes')])
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "cmake",
     [
