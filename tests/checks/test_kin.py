@@ -113,6 +113,7 @@ def test_pieces_are_listed_the_largest_first(tmp_path: Path) -> None:
     assert finding.data["main"] == "a (3 links)"
 
 
+@pytest.mark.slow
 def test_a_chain_of_two_thousand_links(tmp_path: Path) -> None:
     count = 2000
     joints = [f"l{i} l{i + 1}" for i in range(count - 1)]

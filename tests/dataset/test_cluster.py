@@ -51,6 +51,12 @@ class Cluster:
     pids: list[int]
 
 
+@pytest.fixture(autouse=True, scope="module")
+def _dask() -> None:
+    """Its settings are read when it is imported: not while a test has others."""
+    import distributed  # noqa: F401
+
+
 @pytest.fixture(scope="module")
 def two(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
     folder = tmp_path_factory.mktemp("cluster")

@@ -919,6 +919,7 @@ def test_a_truncated_stl_says_what_is_declared_and_what_is_there() -> None:
         measure_mesh(GOOD_STL[:-1], "stl")
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(cut=st.integers(0, len(GOOD_STL) - 1))
 def test_no_part_of_a_binary_stl_passes_for_a_mesh(cut: int) -> None:

@@ -167,6 +167,7 @@ def test_a_name_with_slashes_hides_nothing_of_another_element(tmp_path: Path) ->
     assert {f.code for f in run.findings} == {"INR003", "INR004"}
 
 
+@pytest.mark.slow
 def test_a_name_without_end_is_not_repeated_in_each_finding(tmp_path: Path) -> None:
     parts = '<visual><geometry><box size="1 x 1"/></geometry></visual>\n' * 50
     (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="{"A" * 100_000}">{parts}</link></robot>')

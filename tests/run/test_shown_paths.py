@@ -75,6 +75,7 @@ def make_workspace(folder: Path) -> None:
     (meshes / "text.stl").write_text("solid nothing")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [".", "src/arm/urdf/arm.urdf.xacro"])
 def test_no_finding_holds_the_path_of_the_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: str) -> None:
     make_workspace(tmp_path)
@@ -87,6 +88,7 @@ def test_no_finding_holds_the_path_of_the_checkout(tmp_path: Path, monkeypatch: 
     assert "src/arm/meshes/heavy.stl" in heavy.message
 
 
+@pytest.mark.slow
 def test_fingerprints_are_the_same_in_another_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = []
     for name in ("here", "elsewhere"):

@@ -163,6 +163,7 @@ setup(data_files=[('share/p', ['package.xml']), *tree('meshes')])
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "cmake",
     [
