@@ -13,6 +13,7 @@ import pytest
 from conftest import FIXTURES, check
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
+from urdfcheck.core.headlines import LONGEST_HEADLINE
 from urdfcheck.output.html.sections.launch_section import render_launch_files
 from urdfcheck.output.shared.anchors import build_finding_cards
 
@@ -82,8 +83,9 @@ def test_it_says(run: Run, code: str, file: str, line: int, said: tuple[str, ...
         assert word in text
 
 
-def test_every_finding_has_its_consequence_and_its_repair(run: Run) -> None:
+def test_every_finding_has_its_headline_its_consequence_and_its_repair(run: Run) -> None:
     for finding in run.findings:
+        assert 0 < len(finding.headline) <= LONGEST_HEADLINE
         assert finding.consequences, finding.code
         assert finding.fix is not None, finding.code
         assert finding.fix.title, finding.code

@@ -15,6 +15,7 @@ from conftest import CORPORA, REPOSITORY
 from real_robots import check_robots, list_robots
 
 from urdfcheck.core import Run, Severity
+from urdfcheck.core.headlines import LONGEST_HEADLINE
 
 ACCEPTED = REPOSITORY / "tests" / "corpus_errors.json"
 
@@ -35,6 +36,11 @@ def runs(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Ru
 
 def test_nothing_crashes(runs: dict[str, Run]) -> None:
     assert {name: r.failures for name, r in runs.items() if r.failures} == {}
+
+
+def test_headlines_fit_into_a_line(runs: dict[str, Run]) -> None:
+    headlines = {f.headline for outcome in runs.values() for f in outcome.findings}
+    assert not [text for text in headlines if not 0 < len(text) <= LONGEST_HEADLINE or text != " ".join(text.split())]
 
 
 def test_what_does_not_expand_is_a_located_finding(runs: dict[str, Run], corpus: Path) -> None:
