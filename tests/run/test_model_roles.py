@@ -322,3 +322,24 @@ def test_a_part_with_a_name_that_cannot_be_expanded_is_a_model_that_was_not_chec
     )
     run = check(Path("."))
     assert (list_errors(run), [m.path for m in run.models]) == ([], ["car.urdf.xacro"])
+
+
+def test_a_part_that_lacks_a_package_is_told_with_the_model_that_lacks_it_too(package: Path) -> None:
+    """Which of two robots a variable of the environment chooses; both need a package that is not installed."""
+    lacking = include("$(find elsewhere)/urdf/lidar.xacro")
+    files = {
+        "other.urdf.xacro": xacro('<link name="o"/>' + include("accessories.xacro"), ' name="other"'),
+        "accessories.xacro": xacro(lacking, ""),
+        "car.urdf.xacro": xacro(
+            f'<link name="base"/><xacro:if value="$(optenv OTHER 0)">{include("other.urdf.xacro")}</xacro:if>'
+            + include("accessories.xacro")
+        ),
+    }
+    write(package, files)
+    run = check(Path("."))
+    assert list_errors(run) == [("PKG001", "car.urdf.xacro")]
+    assert [m.path for m in run.unchecked_models] == ["car.urdf.xacro"]
+    write(package, {"car.urdf.xacro": files["car.urdf.xacro"].replace(include("accessories.xacro"), "")})
+    run = check(Path("."))
+    assert [m.path for m in run.unchecked_models] == ["other.urdf.xacro"]
+    assert list_errors(run) == [("PKG001", "other.urdf.xacro")]
