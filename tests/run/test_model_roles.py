@@ -11,6 +11,7 @@ from conftest import check
 
 from urdfcheck.cli import FINDINGS, NOTHING, OK, compute_exit_code
 from urdfcheck.core import Run, Severity
+from urdfcheck.policy.config import ConfigResolver
 
 pytestmark = pytest.mark.slow
 
@@ -354,3 +355,42 @@ def test_a_part_with_a_name_that_cannot_be_expanded_is_a_model_that_was_not_chec
     )
     run = check(Path("."))
     assert (list_errors(run), [m.path for m in run.models]) == ([], ["car.urdf.xacro"])
+
+
+def test_a_part_of_a_model_that_failed_is_no_second_model(package: Path) -> None:
+    """The model stopped before it came to its parts; where it is accepted, they count."""
+    files = {
+        "car.urdf.xacro": xacro('<link name="${wrong}"/>' + include("arm.xacro") + include("camera.xacro")),
+        "arm.xacro": xacro('<link name="${prefix}arm"/>', ' name="arm"'),
+        "camera.xacro": xacro('<link name="camera"/>', ""),
+    }
+    write(package, files)
+    run = check(Path("."))
+    assert [m.path for m in run.unchecked_models] == ["car.urdf.xacro"]
+    assert list_errors(run) == [("XAC001", "car.urdf.xacro")]
+    assert list_unchecked(run) == ["arm.xacro", "camera.xacro"]
+    (package / "urdfcheck.toml").write_text('unchecked = ["car.*"]')
+    accepted = check(Path("."), config_resolver=ConfigResolver())
+    assert sorted(m.path for m in accepted.unchecked_models) == ["arm.xacro", "camera.xacro", "car.urdf.xacro"]
+    assert compute_exit_code(accepted, "error") == FINDINGS
+
+
+def test_a_part_that_lacks_a_package_is_told_with_the_model_that_lacks_it_too(package: Path) -> None:
+    """Which of two robots a variable of the environment chooses; both need a package that is not installed."""
+    lacking = include("$(find elsewhere)/urdf/lidar.xacro")
+    files = {
+        "other.urdf.xacro": xacro('<link name="o"/>' + include("accessories.xacro"), ' name="other"'),
+        "accessories.xacro": xacro(lacking, ""),
+        "car.urdf.xacro": xacro(
+            f'<link name="base"/><xacro:if value="$(optenv OTHER 0)">{include("other.urdf.xacro")}</xacro:if>'
+            + include("accessories.xacro")
+        ),
+    }
+    write(package, files)
+    run = check(Path("."))
+    assert list_errors(run) == [("PKG001", "car.urdf.xacro")]
+    assert [m.path for m in run.unchecked_models] == ["car.urdf.xacro"]
+    write(package, {"car.urdf.xacro": files["car.urdf.xacro"].replace(include("accessories.xacro"), "")})
+    run = check(Path("."))
+    assert [m.path for m in run.unchecked_models] == ["other.urdf.xacro"]
+    assert list_errors(run) == [("PKG001", "other.urdf.xacro")]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 
-from urdfcheck.core import ModelInfo
+from urdfcheck.core import ModelInfo, NotChecked, Severity
 from urdfcheck.run.assemble_run import list_unused_macro_files
 from urdfcheck.run.jobs import Unit, UnitReport
 from urdfcheck.run.units.included_parts import assign_parts, find_read_spares
@@ -24,6 +24,7 @@ def add_unit_facts(line: bytes, report: UnitReport) -> bytes:
     facts = {
         "role": [report.role.kind, report.role.reason, report.role.is_doubtful, report.role.has_whole_links],
         "status": None if report.info is None else report.info.status,
+        "accepted": report.info is not None and report.info.unchecked_severity == Severity.WARNING,
         **{name: sorted(getattr(report, name)) for name in _FILES},
     }
     return line + _SEPARATOR + json.dumps(facts).encode()
@@ -57,7 +58,10 @@ def _read_report(unit: Unit, text: bytes, names: dict[str, str]) -> UnitReport:
     facts = json.loads(text.partition(_SEPARATOR)[2])
     kind, reason, is_doubtful, has_whole_links = facts["role"]
     status = facts["status"]
-    info = None if status is None else ModelInfo.unread(path=unit.path, model_id=unit.id, arguments={}, status=status)
+    why = NotChecked("", accepted=facts["accepted"])
+    info = None
+    if status is not None:
+        info = ModelInfo.unread(path=unit.path, model_id=unit.id, arguments={}, status=status, not_checked=why)
     files = {name: [names.setdefault(file, file) for file in facts[name]] for name in _FILES}
     return UnitReport(
         info=info,

@@ -170,11 +170,14 @@ class _UnitAudit:
 
     def report_part(self, source: Source) -> None:
         """Say that a part was not checked by itself: it is told if no model turns out to be made of it."""
+        self.unread_status = "failed"
+        if source.find_problems("package-not-found"):  # told at its cause, as in the models that miss it too
+            self.report_causes(source)
+            return
         root = source.root if source.root is not None else source.main_tree
         at = locate_unit(self.unit) if root is None else root
         finding = load_rules()["XML002"].finding("part", at=at, reason=self.role.reason)
         self.findings.append(mark_cause(replace(finding, model=self.unit.id), self.policy))
-        self.unread_status = "failed"
 
     def report_causes(self, source: Source) -> None:
         """Report why there is no model, whatever the configuration says of these rules, and what they find beside that."""
