@@ -47,6 +47,10 @@ UNREAD = {("PKG004", "unread"), ("PKG012", "mesh"), ("PKG012", "read"), ("URC905
 KNOWN = {
     ("XML001-good-1", "drake"): "it has a <group> of its own",
     ("XML003-good-1", "drake"): "it has a <group> of its own",
+    (
+        '<mass value="',
+        "gazebo",
+    ): "the root's: without a mass it is dropped with all that hangs on it, as KIN010 says of a root that has none",
     ("MSH009-bad-1", "bullet"): "it does not follow the <instance_node> of COLLADA",
     ("Gepetto/example-robot-data:talos_full_v2", "gazebo"): "the pose of the merged inertial is not finite",
     (
@@ -277,7 +281,7 @@ def write_robot_of_every_number() -> str:
         '<safety_controller k_velocity="1" k_position="1" soft_lower_limit="0" soft_upper_limit="0.5"/>'
     )
     return (
-        f'<robot name="r">{link("base", sound + drawn + solid)}{link("arm", SOUND)}{link("tip", SOUND)}'
+        f'<robot name="r">{link("base", SOUND + drawn + solid)}{link("arm", sound)}{link("tip", SOUND)}'
         f'<joint name="j" type="revolute"><parent link="base"/><child link="arm"/>{more}</joint>'
         f'<joint name="k" type="revolute"><parent link="arm"/><child link="tip"/><axis xyz="1 0 0"/>{limits}'
         '<mimic joint="j" multiplier="1" offset="0"/></joint></robot>'
