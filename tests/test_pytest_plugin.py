@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -66,6 +67,18 @@ def test_a_model_that_may_stay_unchecked_is_skipped_and_does_not_pass(folder: py
     done = run(folder, "--urdfcheck", "-ra", word, "waiting.xacro", "sound.urdf")
     done.assert_outcomes(passed=1, skipped=1)
     done.stdout.fnmatch_lines(["SKIPPED*waiting.xacro: not checked: *argument side has no default*--arg NAME:=VALUE*"])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such names")
+@pytest.mark.parametrize("words", [["-vv"], ["-ra"], ["-ra", "--urdfcheck-fail-on=never"]])
+def test_names_of_files_are_data(folder: pytest.Pytester, words: list[str]) -> None:
+    for name in ("::error::pwn.urdf", "a\n::error::pwn\x1b[31m\u202e.urdf", "b\n::error::pwn.xacro"):
+        (folder.path / name).write_text((folder.path / "waiting.xacro").read_text())
+    done = run(folder, "--urdfcheck", *words)
+    assert sum(done.parseoutcomes().values()) == 7
+    text = done.stdout.str() + done.stderr.str()
+    assert not re.search("[\x1b\u202e]|^::", text, re.MULTILINE)
+    assert "a\\n\\x3a\\x3aerror\\x3a\\x3apwn\\x1b\\x5b31m" in text
 
 
 def test_models_are_selected_as_any_test_is(folder: pytest.Pytester) -> None:

@@ -66,11 +66,27 @@ class _ModelCollector:
 
     def pytest_collect_file(self, file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
         units = self.files.get(os.path.realpath(file_path)) if file_path.name.lower().endswith(_KNOWN) else None
-        return _ModelTestFile.from_parent(parent, path=file_path, units=units, checker=self.checker) if units else None
+        if not units:
+            return None
+        names: dict[str, Any] = _escape_names(file_path, self.config.rootpath)
+        return _ModelTestFile.from_parent(parent, path=file_path, units=units, checker=self.checker, **names)
 
     def pytest_unconfigure(self) -> None:
         if self.checker is not None:
             self.checker.end()
+
+
+def _escape_names(path: Path, root: Path) -> dict[str, str]:
+    """Return the names by which pytest prints a file whose own name a terminal or a CI system would obey; empty for any other."""
+    from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
+
+    typed = os.path.relpath(path, root).replace(os.sep, "/")
+    shown = escape_for_log(escape_one_line(typed))
+    if shown == typed:
+        return {}
+    for mark in "[]:":  # pytest takes an id apart at them
+        shown = shown.replace(mark, f"\\x{ord(mark):02x}")
+    return {"name": shown.rpartition("/")[2], "nodeid": shown}
 
 
 class _ModelTestFile(pytest.File):
@@ -101,7 +117,7 @@ class _ModelItem(pytest.Item):
             self.number, (i.number for i in self.session.items if isinstance(i, _ModelItem))
         )
         if result["outcome"] == "skipped":
-            pytest.skip(f"{self.path.name}: {result['text']}")
+            pytest.skip(f"{self.get_shown_path().name}: {result['text']}")
         if result["outcome"] != "passed":
             raise _ModelFailedError(result["text"])
         self.add_report_section("call", "urdfcheck", result["text"])
@@ -111,7 +127,12 @@ class _ModelItem(pytest.Item):
         return str(excinfo.value) if isinstance(excinfo.value, _ModelFailedError) else super().repr_failure(excinfo)
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        return self.path, None, f"{self.name}: {self.parent.name if self.parent else ''}"
+        return self.get_shown_path(), None, f"{self.name}: {self.parent.name if self.parent else ''}"
+
+    def get_shown_path(self) -> Path:
+        """Return the path of the file as it is printed."""
+        names = _escape_names(self.path, self.config.rootpath)
+        return self.config.rootpath / names["nodeid"] if names else self.path
 
 
 class _ModelFailedError(Exception):
