@@ -66,7 +66,9 @@ def iter_outcomes(
         for place, (engine, robot) in enumerate(jobs):
             own = os.path.join(folder, str(place))
             os.mkdir(own)
-            work.append((engine, robot, own, tuple(around), limits))
+            # Not the folders of the other engines: whose library was taken over shall not answer for them.
+            writable = own if apart else folder
+            work.append((engine, robot, own, writable, tuple(around), limits))
         timeout = limits.seconds + sandbox.PATIENCE if limits.seconds else None
         worker = None if apart else Worker.start(_prepare_nothing)
         for place, result in map_in_processes(
@@ -96,9 +98,9 @@ def _describe_ending(died: WorkerDiedError, limits: ResourceLimits) -> str:
 
 
 def _load_in_engine(
-    engine: str, robot: EngineInput, own: str, around: Sequence[str], limits: ResourceLimits
+    engine: str, robot: EngineInput, own: str, writable: str, around: Sequence[str], limits: ResourceLimits
 ) -> LoadOutcome:
-    """Load a robot in the process of an engine; files that it needs go to the folder ``own``."""
+    """Load a robot in the process of an engine; files that it needs go to the folder ``own``, in ``writable``."""
     libraries.prefer_own_folders()
     module = importlib.import_module(f"urdfcheck.simulators.{engine}")
     loaded, refused = None, ""
@@ -107,8 +109,7 @@ def _load_in_engine(
     with _capture_output(own):
         for library in module.LIBRARIES:  # before confinement: some run programs when they are imported
             importlib.import_module(library)
-        # Not the folders of the other engines: whose library was taken over shall not answer for them.
-        sandbox.confine((*around, own), (own,), limits.memory)
+        sandbox.confine((*around, writable), (writable,), limits.memory)
         sandbox.limit_file_size(LARGEST_FILE)
         path = Path(own, "robot.urdf")
         path.write_bytes(robot.document)

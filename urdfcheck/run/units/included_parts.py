@@ -68,8 +68,8 @@ def assign_parts(
 ) -> tuple[list[tuple[Unit, UnitReport]], list[tuple[str, str]]]:
     """Return the models, and the files that are none and belong to no model that was audited, each with the reason.
 
-    A part that could be a model but for a slip is a model that was not checked, unless a model failed that may include it. A
-    library that is part of something is left out: there is nothing in it to check.
+    A part that could be a model but for a slip is a model that was not checked, unless a model of its package failed, which may
+    include it. A library that is part of something is left out: there is nothing in it to check.
     """
     used = _collect_robot_files(audited_units)
     models = [report for _, report in audited_units if report.role == MODEL]
@@ -77,8 +77,12 @@ def assign_parts(
     # What a model that could not be expanded is made of is unknown, and so is told with that model.
     failed = [report for report in models if report.info is not None and report.info.status != "checked"]
     used.update(name for report in failed for name in report.expanded_files)
-    # It may have stopped before it came to the part, and fails the run already.
-    may_be_used = any(r.info is not None and r.info.unchecked_severity == Severity.ERROR for r in failed)
+    # It may have stopped before it came to a part of its package, and fails the run already.
+    excusing = {
+        _find_home(Path(unit.path))
+        for unit, r in audited_units
+        if r.role == MODEL and r.info is not None and r.info.unchecked_severity == Severity.ERROR
+    }
     kept: list[tuple[Unit, UnitReport]] = []
     reasons: dict[str, str] = {}
     for unit, report in audited_units:
@@ -89,8 +93,14 @@ def assign_parts(
             includes = "that was checked reads it" if unit.is_part else "of its package or repository includes it"
             reasons[name] = f"only defines macros, and no model {includes}"
         elif role.kind == "part" and name not in (used if role.is_doubtful else read) and not is_srdf(Path(unit.path)):
-            if role.must_be_checked and not may_be_used:
+            if role.must_be_checked and _find_home(Path(unit.path)) not in excusing:
                 kept.append((unit, replace(report, role=MODEL)))
             else:
                 reasons[name] = f"is not checked: no model that was checked is made of this part, and {role.reason}"
     return kept, sorted(reasons.items())
+
+
+def _find_home(path: Path) -> Path:
+    """Return the folder of a file's package, else the file's own."""
+    folders = path.absolute().parents
+    return next((folder for folder in folders if (folder / "package.xml").is_file()), folders[0])

@@ -205,6 +205,14 @@ class _GuardInserter(ast.NodeTransformer):
         if len(node.ops) == 1 and isinstance(node.ops[0], (ast.Is, ast.IsNot)):
             same = _make_guard_call("@identical", node.left, node.comparators[0])
             return same if isinstance(node.ops[0], ast.Is) else ast.UnaryOp(ast.Not(), same)
+        if len(node.ops) == 1 and isinstance(node.ops[0], (ast.Eq, ast.NotEq)):
+            # No path of a file is equal to such a word: the comparison says nothing of the place.
+            if _is_bare_word(node.comparators[0]):
+                node.left = _make_guard_call("@comparable", node.left)
+                return node
+            if _is_bare_word(node.left):
+                node.comparators = [_make_guard_call("@comparable", node.comparators[0])]
+                return node
         sides = zip([None, *node.ops], [*node.ops, None], [node.left, *node.comparators], strict=True)
         node.left, *node.comparators = [_guard_compared(operand, before, after) for before, after, operand in sides]
         return node
@@ -260,6 +268,11 @@ def _make_guard_call(guard: str, *arguments: ast.expr) -> ast.Call:
 
 def _guard_operand(node: ast.expr) -> ast.expr:
     return node if isinstance(node, ast.Constant) else _make_guard_call("@measured", node)
+
+
+def _is_bare_word(node: ast.expr) -> bool:
+    """Whether it is a literal text without a separator of folders, such as the empty one."""
+    return isinstance(node, ast.Constant) and isinstance(node.value, str) and not set("/\\") & set(node.value)
 
 
 def _guard_compared(node: ast.expr, before: ast.cmpop | None, after: ast.cmpop | None) -> ast.expr:

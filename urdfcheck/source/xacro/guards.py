@@ -191,6 +191,7 @@ class Guards:
             "@call": self._call_function,
             "@measured": self._guard_member,
             "@compared": self._guard_compared,
+            "@comparable": self._guard_comparable,
             "@identical": self._guard_identical,
             "@iterable": self._iter_counted,
             "@unpacked": self._iter_measured,
@@ -287,6 +288,12 @@ class Guards:
     def _guard_compared(self, value: Any) -> Any:
         ensure_comparable(value)
         return self._guard_member(value)
+
+    def _guard_comparable(self, value: Any) -> Any:
+        """Guard what is compared with a word, which is equal to no path."""
+        ensure_comparable(value)
+        self._ensure_foreign_table(value)
+        return self.guard_argument(value)
 
     def _guard_identical(self, left: Any, right: Any) -> Any:
         ensure_identity((left, right))
