@@ -700,7 +700,7 @@ def test_a_launch_file_that_takes_too_long_or_crashes_hides_no_other(
             time.sleep(20)
         raise MemoryError if path.name == "huge.launch" else RecursionError
 
-    monkeypatch.setattr("urdfcheck.source.discover.load_launch", read)
+    monkeypatch.setattr("urdfcheck.source.launch.launch_file.load_launch", read)
     found = discover_targets([Path(".")], {}, packages={}, package_paths=[], budget=PlanningBudget(600, 0.2))
     assert [t.path.name for t in found.models] == ["z.urdf"]
     assert dict(found.missing) == {

@@ -77,6 +77,8 @@ def _run_command(words: list[str]) -> int:
     _suggest_command(name)
     command, rest = (name, words[1:]) if name in COMMANDS else ("check", words)
     code: int = importlib.import_module(f"urdfcheck.cli.commands.{command}").main(rest)
+    if command != "check":  # its verdict holds without a reader; what the others print is all that they do
+        sys.stdout.flush()
     return code
 
 
