@@ -81,13 +81,13 @@ def test_each_save_is_checked_until_the_user_interrupts(tmp_path: Path) -> None:
         assert "⊘ 1 of 1 model was not checked" in seen.told(), "half a file"
         part.unlink()
         main.write_text(SOUND.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"'))
-        assert "✔ no findings in 1 model" in seen.told()
+        assert "✔ no errors, no warnings · 1 model" in seen.told()
         (tmp_path / "new.urdf").write_text(BROKEN)
         assert "INR003" in seen.told(), "a new file"
         config.write_text('selct = ["INR"]')
         assert "urdfcheck.toml:1: unknown key 'selct'" in seen.told()
         config.write_text('ignore = ["INR003"]')
-        assert "✔ no findings in 2 models" in seen.told()
+        assert "✔ no errors, no warnings · 2 models" in seen.told()
         config.unlink()
         assert "INR003" in seen.told()
         assert seen.interrupted() == cli.FINDINGS, "the exit code of the last check"

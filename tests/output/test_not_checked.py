@@ -28,8 +28,8 @@ def last_line(run: Run) -> str:
 
 def test_the_last_line_says_first_what_was_not_checked() -> None:
     line = last_line(NOT_CHECKED)
-    assert line.startswith("⊘ 1 of 2 models and 1 macro file were not checked  ✖ 1 error")
-    assert last_line(ACCEPTED).startswith("⊘ 1 of 2 models (accepted) and 1 macro file were not checked  ✖ 0 errors")
+    assert line.startswith("⊘ 1 of 2 models and 1 macro file were not checked · ✖ 1 error")
+    assert last_line(ACCEPTED).startswith("⊘ 1 of 2 models (accepted) and 1 macro file were not checked · ▲ 1 warning")
 
 
 @pytest.mark.parametrize("detail", text.DetailLevel)
@@ -43,7 +43,7 @@ def test_the_command_that_helps_can_be_copied_from_a_line_of_its_own(detail: tex
 
 def test_no_findings_is_never_said_where_something_was_not_checked() -> None:
     clean = replace(UNUSED_MACROS, unused_macro_files=())
-    assert last_line(clean).startswith("✔ no findings in 1 model")
+    assert last_line(clean).startswith("✔ no errors, no warnings · 1 model")
     passed_over = replace(clean, skipped=(SkippedCheck("ALL", "wheel.stl", "no model names this mesh"),))
     unread = replace(clean, models=(info(status="failed"),))
     for run, begin in (

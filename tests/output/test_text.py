@@ -133,7 +133,14 @@ def test_many_related_places_are_counted() -> None:
 
 
 def test_the_last_line_counts() -> None:
-    assert re.fullmatch(r"✖ 1 error {2}▲ 1 warning {2}i 1 info {2}in 1 model, 0\.2 s", render(a_run()).splitlines()[-1])
+    assert render(a_run()).splitlines()[-1] == "✖ 1 error · ▲ 1 warning · 1 note (-v) · 1 model · 0.2 s"
+
+
+def test_a_pass_looks_like_a_pass() -> None:
+    notes = a_run(finding(severity=Severity.INFO), finding(severity=Severity.INFO, code="INR001"))
+    assert render(notes).splitlines()[-1] == "✔ no errors, no warnings (2 notes: -v) · 1 model · 0.2 s"
+    assert render(a_run()).splitlines()[-1].startswith("✖")
+    assert render(replace(a_run(), findings=())).splitlines()[-1] == "✔ no errors, no warnings · 1 model · 0.2 s"
 
 
 def test_no_line_ends_in_blanks() -> None:
@@ -146,17 +153,50 @@ def test_a_run_without_rules_is_not_called_clean() -> None:
     assert "no rule is selected" in text
 
 
-def test_in_brief_an_info_is_its_headline_its_place_and_a_line_of_its_message() -> None:
-    info = finding(severity=Severity.INFO, message="a word " * 60)
-    lines = render(a_run(info), width=60, detail=DetailLevel.BRIEF).splitlines()
-    at = next(i for i, line in enumerate(lines) if line.startswith(f"  {FILE}:"))
-    assert lines[at - 2].startswith("i info INR003 wheel: no body can have")
-    assert lines[at + 1].startswith("  a word")
-    assert lines[at + 1].endswith(" …")
-    assert len(lines[at + 1]) <= 60
-    assert lines[at + 2] == ""
-    assert "1 info in brief, in full with --verbose" in render(a_run(info), width=200, detail=DetailLevel.BRIEF)
-    assert "put the point back" in render(a_run(info))
+def test_in_brief_the_infos_of_a_rule_are_a_line() -> None:
+    infos = [finding(severity=Severity.INFO, message="a word " * 60) for _ in range(3)]
+    other = finding(severity=Severity.INFO, code="INR001", headline="the mass is round")
+    lines = render(a_run(*infos, other), width=60, detail=DetailLevel.BRIEF).splitlines()
+    first, second = (line for line in lines if line.startswith("i info"))
+    assert re.fullmatch(r"i info INR003 wheel: no body .*… \(\+2 more\)  rover.urdf:\d+", first)
+    assert re.fullmatch(r"i info INR001 the mass is round  rover.urdf:\d+", second)
+    assert len(first) == 60
+    assert "put the point back" in render(a_run(*infos))
+
+
+def test_in_brief_a_finding_is_what_is_wrong_where_who_minds_and_the_repair() -> None:
+    lines = render(a_run(finding()), detail=DetailLevel.BRIEF).splitlines()
+    at = lines.index("✖ error INR003 wheel: no body can have this inertia (12 % short)")
+    assert re.match(rf"  --> {re.escape(FILE)}:\d+:\d+  \(also :\d+\)$", lines[at + 1])
+    assert "^" in lines[at + 3]
+    assert lines[at + 4] == "  = hits MuJoCo: refuses to compile · Drake: replaces the inertia"
+    assert lines[at + 5] == "  = fix  put the point back [--fix --unsafe-fixes]"
+    assert lines[at + 6].endswith('- izz="0.09"')
+    assert lines[at + 7].endswith('+ izz="0.019"')
+    assert lines[at + 8] == ""
+
+
+def test_in_brief_what_programs_do_is_told_once_for_a_rule() -> None:
+    text = render(a_run(finding(), finding(message="another")), detail=DetailLevel.BRIEF)
+    assert text.count("= hits") == 1
+
+
+def test_in_brief_loading_a_model_as_typed_is_no_news() -> None:
+    run = a_run(finding(consequences={"rviz": "loads it as typed", "mujoco": "loads it"}))
+    assert "= hits" not in render(run, detail=DetailLevel.BRIEF)
+
+
+def test_in_brief_a_short_message_is_the_label_of_the_code() -> None:
+    text = render(a_run(finding(message="too large")), detail=DetailLevel.BRIEF)
+    assert re.search(r"\^+ too large$", text, re.MULTILINE)
+
+
+def test_the_worst_stands_last() -> None:
+    weak = finding(severity=Severity.WARNING, code="AAA001")
+    refused = finding(code="BBB001", consequences={"mujoco": "refuses it", "drake": "refuses it"})
+    error = finding(code="CCC001", consequences={})
+    text = render(a_run(refused, weak, error), detail=DetailLevel.BRIEF)
+    assert text.index("AAA001") < text.index("CCC001") < text.index("BBB001")
 
 
 def test_what_was_skipped_for_some_models_names_them() -> None:
@@ -167,31 +207,30 @@ def test_what_was_skipped_for_some_models_names_them() -> None:
     assert f"skipped COL001, MSH002: no meshes here ({MODEL})\n" in render(two)
 
 
-def test_in_brief_what_matters_stands_before_the_infos_of_its_model() -> None:
+def test_in_brief_what_matters_stands_below_the_infos_of_its_model() -> None:
     first = finding(severity=Severity.INFO, code="AAA001")
     text = render(a_run(first, finding(code="ZZZ001")), detail=DetailLevel.BRIEF)
-    assert text.index("ZZZ001") < text.index("AAA001")
+    assert text.index("AAA001") < text.index("ZZZ001"), "the reader is at the end"
 
 
 def test_quiet_is_errors_warnings_what_failed_and_one_line() -> None:
     text = render(replace(a_run(), failures=("it broke",)), detail=DetailLevel.QUIET)
-    assert "error INR003" in text
-    assert "warning INR001" in text
-    assert "i info" not in text.replace("i 1 info", "")
+    assert [line.split(": ")[1] for line in text.splitlines()[:2]] == ["warning INR001 wheel", "error INR003 wheel"]
+    assert " info " not in text
     assert "skipped" not in text
     assert "fixable" not in text
     assert text.splitlines()[-2:] == [
         "not checked: it broke",
-        "⊘ not finished: 1 failure  ✖ 1 error  ▲ 1 warning  i 1 info  in 1 model, 0.2 s",
+        "⊘ not finished: 1 failure · ✖ 1 error · ▲ 1 warning · 1 note (-v) · 1 model · 0.2 s",
     ]
 
 
-@pytest.mark.parametrize("detail", [DetailLevel.BRIEF, DetailLevel.QUIET])
-def test_an_info_that_fails_the_run_is_told_in_full(detail: DetailLevel) -> None:
+@pytest.mark.parametrize(("detail", "told"), [(DetailLevel.BRIEF, "put the point back"), (DetailLevel.QUIET, "INR003")])
+def test_an_info_that_fails_the_run_is_told_like_a_warning(detail: DetailLevel, told: str) -> None:
     run = a_run(finding(severity=Severity.INFO))
-    assert "put the point back" not in render(run, detail=detail)
-    assert "put the point back" in render(run, detail=detail, fail_on="info")
-    assert "put the point back" in render(replace(run, fail_on={MODEL: "info"}), detail=detail)
+    assert told not in render(run, detail=detail)
+    assert told in render(run, detail=detail, fail_on="info")
+    assert told in render(replace(run, fail_on={MODEL: "info"}), detail=detail)
 
 
 def test_statistics_are_a_line_for_each_rule_the_worst_first() -> None:
@@ -212,4 +251,4 @@ def test_statistics_add_up_to_the_last_line() -> None:
     ).splitlines()
     assert [line.split()[2:4] for line in lines[1:3]] == [["error", "1"], ["info", "2"]]
     assert "1 error" in lines[-1]
-    assert "2 info" in lines[-1]
+    assert "2 notes" in lines[-1]

@@ -106,8 +106,12 @@ def build_parser() -> argparse.ArgumentParser:
 def _add_detail_options(parser: argparse.ArgumentParser) -> None:
     """Add the options for how much of the findings is printed."""
     detail = parser.add_mutually_exclusive_group()
-    detail.add_argument("-v", "--verbose", action="store_true", help="print infos in full too")
-    detail.add_argument("-q", "--quiet", action="store_true", help="errors, warnings, failures and the last line only")
+    detail.add_argument(
+        "-v", "--verbose", action="store_true", help="print everything about each finding, infos in full too"
+    )
+    detail.add_argument(
+        "-q", "--quiet", action="store_true", help="a line for each error and warning, failures and the last line only"
+    )
     detail.add_argument(
         "--statistics", action="store_true", help="print how often each rule fired instead of the findings"
     )

@@ -109,7 +109,7 @@ def _build_result(run: Run, *, fail_on: str, setup: dict[str, Any]) -> dict[str,
         how = '--urdfcheck-args="--arg NAME:=VALUE", or [[models]] in urdfcheck.toml'
         hint = f" ({how})" if info.status == "needs-arguments" else ""
         return {"outcome": "skipped", "text": escape_for_log(f"{reason}{hint}")}
-    page = text.render(run, width=setup["width"], color=setup["color"], detail=text.DetailLevel.QUIET, fail_on=fail_on)
+    page = text.render(run, width=setup["width"], color=setup["color"], detail=text.DetailLevel.BRIEF, fail_on=fail_on)
     # pytest's summary has room for the first line only.
     worst = sorted((f for f in run.active_findings if f.severity > Severity.INFO), key=lambda f: -f.severity)
     more = f" and {len(worst) - 1} more" if len(worst) > 1 else ""

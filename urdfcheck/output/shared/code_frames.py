@@ -25,13 +25,15 @@ class FrameLine:
     marked: tuple[int, int] | None
 
 
-def extract_code_frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
-    """Return the lines of ``span`` and ``context`` lines around it; none where the span lies outside of the text, or that is not
-    there."""
+def extract_code_frame(source: str, span: Span, context: int = 1, most_lines: int = MOST_LINES) -> list[FrameLine]:
+    """Return the lines of ``span``, at most ``most_lines``, and ``context`` lines around it.
+
+    None where the span lies outside of the text, or that is not there.
+    """
     lines = split_lines(source)
     if not source or not 1 <= span.line <= len(lines):
         return []
-    last = min(span.end_line, span.line + MOST_LINES - 1, len(lines))
+    last = min(span.end_line, span.line + most_lines - 1, len(lines))
     frame = []
     for number in range(max(1, span.line - context), min(len(lines), last + context) + 1):
         text = lines[number - 1]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from urdfcheck.core import Finding, ModelInfo, Run, Severity, Span
+from urdfcheck.core import Confidence, Finding, ModelInfo, Run, Severity, Span, Verdict
+from urdfcheck.output.shared.escaping import escape_one_line
 
 SEVERITY_ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
@@ -40,6 +41,32 @@ def format_place(span: Span) -> str:
 def sort_worst_first(findings: Iterable[Finding]) -> list[Finding]:
     """Sort findings by severity; those of one severity keep their order."""
     return sorted(findings, key=lambda finding: -finding.severity)
+
+
+def rank_findings(findings: Iterable[Finding]) -> list[Finding]:
+    """Sort findings by weight: severity, how many programs refuse the model or drop a part of it, and confidence.
+
+    Those of one weight keep their order.
+    """
+    confidences = list(Confidence)
+
+    def weigh(finding: Finding) -> tuple[int, int, int, int]:
+        verdicts = [Verdict.from_sentence(effect) for effect in finding.consequences.values()]
+        return (
+            -finding.severity,
+            -verdicts.count(Verdict.REFUSES),
+            -verdicts.count(Verdict.DROPS),
+            confidences.index(finding.confidence),
+        )
+
+    return sorted(findings, key=weigh)
+
+
+def format_concise(run: Run, finding: Finding) -> str:
+    """Return ``file:line:column: severity CODE headline``, which editors and scripts read; without a place the file alone."""
+    span = finding.location.span
+    place = find_finding_file(run, finding) if span is None else format_place(span)
+    return escape_one_line(f"{place}: {finding.severity} {finding.code} {finding.headline}")
 
 
 def group_by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:

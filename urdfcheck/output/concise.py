@@ -1,0 +1,25 @@
+"""A line for each finding, ``file:line:column: severity CODE headline``: what editors, grep and scripts read."""
+
+from __future__ import annotations
+
+from urdfcheck.core import Finding, Run
+from urdfcheck.output.shared.escaping import escape_for_log
+from urdfcheck.output.shared.verdict.not_checked import describe_unused_macros, group_unchecked
+from urdfcheck.output.shared.wording import find_finding_file, format_concise
+
+
+def render(run: Run) -> str:
+    """Render the findings in the order of their places, then what was not checked, and what failed in urdfcheck itself."""
+
+    def locate(finding: Finding) -> tuple[str, int, int]:
+        span = finding.location.span
+        return (find_finding_file(run, finding), 0, 0) if span is None else (span.file, span.line, span.col)
+
+    lines = [format_concise(run, finding) for finding in sorted(run.active_findings, key=locate)]
+    for group in group_unchecked(run.unchecked_models):
+        paths = ", ".join(dict.fromkeys(info.path for info in group.models))
+        lines.append(f"{paths}: not checked: {group.reason}{f' (try {group.command})' if group.command else ''}")
+    if run.unused_macro_files:
+        lines.append(f"not checked: {describe_unused_macros(run)}")
+    lines += [f"not finished: {failure}" for failure in run.failures]
+    return "".join(f"{escape_for_log(line)}\n" for line in lines)

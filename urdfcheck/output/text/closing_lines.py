@@ -1,0 +1,132 @@
+"""The end of the text report: what was skipped, what is worst, and the verdict in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rich.text import Text
+
+from urdfcheck.core import Applicability, ModelInfo, Run, Severity
+from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
+from urdfcheck.output.shared.verdict.not_checked import GLYPH, describe_not_checked, is_accepted
+from urdfcheck.output.shared.verdict.verdict import describe_checked_units
+from urdfcheck.output.shared.wording import (
+    GLYPHS,
+    SEVERITY_ORDER,
+    describe_found_arguments,
+    format_count,
+    get_base_name,
+    join_first,
+    rank_findings,
+)
+from urdfcheck.output.text.full_finding import FIX_OPTIONS
+from urdfcheck.output.text.lines import STYLES, format_finding_title, format_separator, wrap_text
+
+MAX_CODES = 8
+# A report with more findings repeats its errors and warnings at the end.
+RECAP_THRESHOLD = 8
+
+
+def iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
+    """Yield for each file the arguments that launch files pass and nobody gave; its variants have them all."""
+    told = {(info.path, found): None for info in run.models if (found := describe_found_arguments(info))}
+    for path, found in told:
+        yield from wrap_text(Text(escape_one_line(f"{path}: {found}"), "dim"), width)
+
+
+def iter_skipped(run: Run, width: int, *, is_full: bool) -> Iterator[Text]:
+    """Yield the skipped checks by reason, with their models unless the reason applies to all.
+
+    ``is_full``: also those that nobody asked for, which need a simulator.
+    """
+    reasons: dict[str, tuple[set[str], set[str]]] = {}
+    # Of a model of which nothing is known no single check is named.
+    unchecked = {info.id for info in run.unchecked_models}
+    for skip in run.skipped:
+        wants_simulator = skip.code in run.rules and "simulator" in run.rules[skip.code].needs
+        if skip.model in unchecked or (wants_simulator and not is_full):
+            continue
+        codes, models = reasons.setdefault(skip.reason, (set(), set()))
+        codes.add(skip.code)
+        models.add(skip.model)
+    for reason, (codes, models) in sorted(reasons.items()):
+        # What was not checked at all is told by its name; it is none of the models.
+        checked = len(run.models) - len(unchecked)
+        applies_to_all = "" in models or (len(models) >= checked and "ALL" not in codes)
+        where = "" if applies_to_all else f" ({join_first(sorted(models), 3)})"
+        line = f"skipped {join_first(sorted(codes), MAX_CODES)}: {escape_invisible(reason + where)}"
+        yield from wrap_text(Text(line, "dim"), width)
+
+
+def iter_recap(run: Run, width: int) -> Iterator[Text]:
+    """Repeat the errors and warnings of a long report, a line each, at the end where the reader is."""
+    serious = [f for f in run.active_findings if f.severity > Severity.INFO]
+    if not serious or len(run.active_findings) <= RECAP_THRESHOLD:
+        return
+    yield format_separator(Text("errors and warnings"), width)
+    for finding in reversed(rank_findings(serious)):
+        span = finding.location.span
+        title = format_finding_title(finding)
+        place = "" if span is None else f"  {escape_one_line(span.file)}:{span.line}:{span.col}"
+        if title.cell_len + len(place) > width and span is not None:
+            place = f"  {escape_one_line(get_base_name(span.file))}:{span.line}"
+        yield Text.assemble(title, (place, "dim"))
+    yield Text()
+
+
+def format_glyph(models: Sequence[ModelInfo]) -> Text:
+    """Format the sign of models that were not checked."""
+    return Text(f"{GLYPH} ", "bold yellow" if all(map(is_accepted, models)) else "bold red")
+
+
+def format_summary(run: Run) -> Text:
+    """Format the last line: what was not checked, the findings by severity, and how much was checked in which time."""
+    if not run.units and not run.failures:
+        return Text("nothing to check: no model, launch file or package was found there", "bold")
+    unchecked = describe_not_checked(run)
+    took = [f"{run.seconds:.1f} s"] if run.seconds else []  # a reproducible report has no duration
+    end = "".join(f" · {part}" for part in (describe_checked_units(run), *took)) + _describe_suppressed(run)
+    if not set(run.rules) - {"URC900"} and not (run.active_findings or run.failures or unchecked):
+        # It reports crashes, whatever is selected.
+        return Text(f"nothing was looked for: no rule is selected (urdfcheck config says by what){end}", "bold")
+    counts = {severity: run.count_findings(severity) for severity in SEVERITY_ORDER}
+    text = Text()
+    if run.failures:
+        text.append(f"{GLYPH} not finished: {format_count(len(run.failures), 'failure')} · ", "bold red")
+    if unchecked:
+        text.append_text(format_glyph(run.unchecked_models)).append(f"{unchecked} · ", "bold")
+    notes = counts[Severity.INFO]
+    if not counts[Severity.ERROR] and not counts[Severity.WARNING]:
+        if run.failures or unchecked:
+            text.append("nothing else found" if not notes else "no other errors or warnings")
+        else:
+            text.append("✔ no errors, no warnings", "bold green")
+        text.append(f" ({format_count(notes, 'note')}: -v)" if notes else "", "dim")
+        return text.append(end, "dim")
+    for severity in (Severity.ERROR, Severity.WARNING):
+        if counts[severity]:
+            text.append(f"{GLYPHS[severity]} {format_count(counts[severity], str(severity))}", STYLES[severity])
+            text.append(" · ", "dim")
+    text.append(f"{format_count(notes, 'note')} (-v) · " if notes else "", "dim")
+    return text.append(end.removeprefix(" · "), "dim")
+
+
+def describe_fixable(run: Run) -> str:
+    """Say how many findings each option can repair; empty if none can be."""
+    fixes = [f.fix for f in run.active_findings if f.fix is not None and f.fix.edits]
+    kinds = [fix.applicability for fix in fixes if fix.applicability in FIX_OPTIONS]
+    safe, unsafe = kinds.count(Applicability.SAFE), kinds.count(Applicability.UNSAFE)
+    if safe and unsafe:
+        return f"{safe} fixable with --fix, {unsafe} more with --unsafe-fixes"
+    return f"{safe or unsafe} fixable with {FIX_OPTIONS[kinds[0]]}" if kinds else ""
+
+
+def _describe_suppressed(run: Run) -> str:
+    """Say how many findings are not shown, and why."""
+    where = {
+        "source": "suppressed in the source",
+        "configuration": "by the configuration",
+        "baseline": "in the baseline",
+    }
+    counted = [f"{count} {where[kind]}" for kind, count in run.suppressed_counts.items() if count]
+    return f"; not shown: {', '.join(counted)}" if counted else ""

@@ -1,0 +1,137 @@
+"""A finding in a few lines: what is wrong, where, who minds, and the repair. ``--verbose`` tells the rest."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+from rich.text import Text
+
+from urdfcheck.core import Finding, Run, Verdict
+from urdfcheck.output.shared.code_frames import find_attribute_around
+from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
+from urdfcheck.output.shared.wording import PROGRAM_NAMES, describe_models, get_base_name, group_by_effect, join_first
+from urdfcheck.output.text.code_frame_lines import iter_code_frame
+from urdfcheck.output.text.full_finding import FIX_OPTIONS
+from urdfcheck.output.text.lines import STYLES, format_finding_title, wrap_text
+
+_NAMED = re.compile(r"\w+\[([^\]]+)\]")
+# Places and subjects that are named.
+_MOST_PLACES, _MOST_SUBJECTS = 3, 3
+# Lines that the repair in words may take.
+_MOST_FIX_LINES = 2
+
+
+def iter_compact_finding(run: Run, finding: Finding, width: int, told: set[tuple[str, str]]) -> Iterator[Text]:
+    """Yield the lines of a finding. ``told``: what programs do was said of these rules, in these words; more is added."""
+    yield from wrap_text(format_finding_title(finding), width)
+    yield _format_places(finding, width)
+    span = finding.location.span
+    if span is not None:
+        label = escape_invisible(finding.message) if span.line == span.end_line else ""
+        yield from iter_code_frame(
+            run, span, style=STYLES[finding.severity], width=width, context=0, label=label, most_lines=1
+        )
+    if models := describe_models(run, finding):
+        yield _format_line("in", Text(escape_one_line(models)), width)
+    if arguments := run.find_variant_arguments(finding):
+        given = " ".join(f"{name}:={value}" for name, value in sorted(arguments.items()))
+        yield _format_line("with", Text(escape_one_line(given)), width)
+    if len(names := _list_names(finding)) > 1:
+        yield _format_line("for", Text(escape_one_line(join_first(names, _MOST_SUBJECTS))), width)
+    hits = describe_hits(finding)
+    if hits and (finding.code, hits) not in told:
+        told.add((finding.code, hits))
+        yield _format_line("hits", Text(escape_invisible(hits)), width)
+    yield from _iter_fix_lines(run, finding, width)
+    yield Text()
+
+
+def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
+    """Yield a line for each rule of these findings: the headline and place of the first, and how many more there are."""
+    counts = Counter(finding.code for finding in findings)
+    for code, count in counts.items():
+        first = next(finding for finding in findings if finding.code == code)
+        more = f" (+{count - 1} more)" if count > 1 else ""
+        span = first.location.span
+        place = "" if span is None else f"  {escape_one_line(get_base_name(span.file))}:{span.line}"
+        line = Text(format_finding_title(first).plain, "cyan")
+        line.truncate(max(width - len(more) - len(place), 20), overflow="ellipsis")
+        yield Text.assemble(line, (more, "dim"), (place, "dim"))
+    if findings:
+        yield Text()
+
+
+def describe_hits(finding: Finding) -> str:
+    """Say what programs do with a defect, apart from loading it as typed; the worst first."""
+    effects = group_by_effect(finding.consequences)
+    news = {effect: names for effect, names in effects.items() if not effect.startswith("loads")}
+    worst = sorted(news.items(), key=lambda item: -Verdict.from_sentence(item[0]))
+    return " · ".join(f"{', '.join(PROGRAM_NAMES.get(n, n) for n in names)}: {effect}" for effect, names in worst)
+
+
+def _list_names(finding: Finding) -> list[str]:
+    """Return the names of the links, joints and the like that a finding is about; ``link[arm]/inertial`` is about arm."""
+    found = (_NAMED.match(subject) for subject in finding.subjects)
+    return list(dict.fromkeys(match[1] for match in found if match is not None))
+
+
+def _format_places(finding: Finding, width: int) -> Text:
+    """Format the place of a finding and the first of those that belong to it; a path is never cut, so that terminals link it."""
+    span = finding.location.span
+    if span is None:
+        return Text.assemble(("  --> ", "dim"), (finding.name, "dim"))
+    line = Text.assemble(("  --> ", "dim"), (f"{escape_one_line(span.file)}:{span.line}:{span.col}", "bold"))
+    others = [place.span for place in finding.related if place.span is not None]
+    names = list(
+        dict.fromkeys(
+            f":{o.line}" if o.file == span.file else f"{escape_one_line(get_base_name(o.file))}:{o.line}"
+            for o in others
+        )
+    )
+    if names:
+        also = f"  (also {join_first(names, _MOST_PLACES)})"
+        if line.cell_len + len(also) <= width:
+            line.append(also, "dim")
+    return line
+
+
+def _format_line(label: str, text: Text, width: int) -> Text:
+    line = Text.assemble("  ", (f"= {label:<5}", "dim"), text)
+    line.truncate(width, overflow="ellipsis")
+    return line
+
+
+def _iter_fix_lines(run: Run, finding: Finding, width: int) -> Iterator[Text]:
+    """Yield the repair in words, and as a line before and after where it is one edit in one line."""
+    fix = finding.fix
+    if fix is None:
+        return
+    how = FIX_OPTIONS.get(fix.applicability) if fix.edits and finding.suppressed is None else None
+    lines = list(wrap_text(Text(escape_invisible(fix.title)), width, Text.assemble("  ", ("= fix  ", "dim"))))
+    if len(lines) > _MOST_FIX_LINES:
+        lines = lines[:_MOST_FIX_LINES]
+        lines[-1].truncate(width - 2)
+        lines[-1].rstrip()
+        lines[-1].append(" …", "dim")
+    if how:
+        option = f" [{how}]"
+        if lines[-1].cell_len + len(option) <= width:
+            lines[-1].append(option, "dim")
+        else:
+            lines.append(Text.assemble(" " * 9, (option.strip(), "dim")))
+    yield from lines
+    if len(fix.edits) != 1:
+        return
+    (edit,) = fix.edits
+    if "\n" in edit.expected.strip("\r\n") or "\n" in edit.replacement:
+        return
+    before, after = find_attribute_around(run.sources.get(edit.span.file, ""), edit.span)
+    for sign, text, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
+        if text.strip():
+            shown = Text.assemble(
+                " " * 9, (f"{sign} {before}", "dim"), (escape_invisible(text.strip()), style), (after, "dim")
+            )
+            shown.truncate(width, overflow="ellipsis")
+            yield shown

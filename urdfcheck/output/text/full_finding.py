@@ -1,0 +1,97 @@
+"""A finding with everything that is known of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rich.text import Text
+
+from urdfcheck.core import Applicability, Finding, Fix, Run
+from urdfcheck.output.shared.code_frames import find_attribute_around
+from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
+from urdfcheck.output.shared.wording import PROGRAM_NAMES, describe_models, group_by_effect
+from urdfcheck.output.text.code_frame_lines import iter_code_frame
+from urdfcheck.output.text.lines import (
+    STYLES,
+    format_finding_title,
+    format_remainder,
+    get_first_line,
+    wrap_labelled,
+    wrap_text,
+)
+
+# The options that apply a fix.
+FIX_OPTIONS = {Applicability.SAFE: "--fix", Applicability.UNSAFE: "--fix --unsafe-fixes"}
+MAX_RELATED = 4
+
+
+def iter_full_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
+    """Yield the lines of a finding: headline, place, message, code, callers, related places, cause, consequences, fix."""
+    yield from _iter_finding_head(finding, width)
+    span = finding.location.span
+    yield from wrap_text(Text(escape_invisible(finding.message)), width, Text("  "))
+    if models := describe_models(run, finding):
+        yield from wrap_labelled("in", escape_one_line(models), width)
+    if arguments := run.find_variant_arguments(finding):
+        shown_with = " ".join(
+            f"{escape_one_line(name)}:={escape_one_line(value)}" for name, value in sorted(arguments.items())
+        )
+        yield from wrap_labelled("with", shown_with, width)
+    if len(finding.subjects) > 1:
+        yield from wrap_labelled("for", ", ".join(escape_one_line(s) for s in finding.subjects), width)
+    if span is not None:
+        yield from iter_code_frame(run, span, style=STYLES[finding.severity], width=width)
+    for call in reversed(finding.location.via):
+        caller = f"{escape_one_line(call.file)}:{call.line}:{call.col}  {get_first_line(run, call)}"
+        yield from wrap_labelled("from", caller, width)
+    related = [(place.subject, place.span) for place in finding.related if place.span is not None]
+    for subject, place in related[:MAX_RELATED]:
+        yield from wrap_labelled(
+            "see", f"{escape_one_line(place.file)}:{place.line}  {escape_one_line(subject)}", width
+        )
+    if len(related) > MAX_RELATED:
+        yield from wrap_labelled("see", format_remainder(len(related) - MAX_RELATED, "place"), width)
+    if finding.cause_text is not None:
+        yield from wrap_labelled("why", escape_invisible(finding.cause_text), width)
+    for effect, programs in group_by_effect(finding.consequences).items():
+        names = ", ".join(PROGRAM_NAMES.get(program, program) for program in programs)
+        yield from wrap_labelled("then", f"{names}: {escape_invisible(effect)}", width)
+    if finding.fix is not None:
+        yield from _iter_fix_lines(run, finding, finding.fix, width)
+    yield Text()
+
+
+def _iter_finding_head(finding: Finding, width: int) -> Iterator[Text]:
+    """Yield the title of a finding, and its place with the name of the rule."""
+    yield from wrap_text(format_finding_title(finding), width)
+    span = finding.location.span
+    place = Text("  ")
+    if span is not None:
+        place.append(f"{escape_one_line(span.file)}:{span.line}:{span.col}", "bold")
+        if (
+            place.cell_len + 2 + len(finding.name) > width
+        ):  # a long path gets its own line, so that terminals still link it
+            yield place
+            place = Text("")
+        place.append("  ")
+    yield place.append(finding.name, "dim")
+
+
+def _iter_fix_lines(run: Run, finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
+    how = FIX_OPTIONS.get(fix.applicability) if fix.edits and finding.suppressed is None else None
+    yield from wrap_labelled(
+        "fix", Text.assemble(escape_invisible(fix.title), (f" [{how}]" if how else "", "dim")), width
+    )
+    here = None if finding.location.span is None else finding.location.span.file
+    for edit in fix.edits[:MAX_RELATED]:
+        place = "" if edit.span.file == here else f"{escape_one_line(edit.span.file)}:"
+        before, after = find_attribute_around(run.sources.get(edit.span.file, ""), edit.span)
+        for sign, typed, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
+            for line in typed.strip("\r\n").splitlines():
+                shown = escape_invisible(" ".join(line.split()) if sign == "-" else line)
+                text = Text.assemble(
+                    (f"{place}{edit.span.line} {sign} {before}", "dim"), (shown, style), (after, "dim")
+                )
+                yield from wrap_labelled("", text, width)
+    if len(fix.edits) > MAX_RELATED:
+        yield from wrap_labelled("", Text(format_remainder(len(fix.edits) - MAX_RELATED, "edit"), "dim"), width)
