@@ -143,7 +143,8 @@ def test_statistics_and_quiet_say_less_and_end_alike(folder: Path, capsys: pytes
     table, brief = told("--statistics"), told("--quiet")
     assert re.search(r"^INR003 +triangle-inequality +error +1 +1 +0$", table, re.MULTILINE)
     assert "skipped" not in table + brief
-    assert "\n  1 │" in brief
+    assert re.search(r"^\S*broken\.urdf:1:\d+: error INR003 ", brief, re.MULTILINE)
+    assert table.splitlines()[-1].partition(" · 1 model")[0] == brief.splitlines()[-1].partition(" · 1 model")[0]
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "ascii"])

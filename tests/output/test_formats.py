@@ -617,9 +617,9 @@ def test_a_comment_begins_with_its_marker_and_the_verdict() -> None:
 def test_a_launch_file_alone_is_counted_as_one(name: str) -> None:
     clean = replace(a_run(), models=(), findings=(), scenes=())
     text = render(clean, name)
-    assert "in 1 file" in text
+    assert re.search(r"(in|·) 1 file\b", text)
     assert "Nothing was checked" not in text
-    assert "in 1 file" not in render(replace(clean, units=0), name), "there was none"
+    assert "1 file" not in render(replace(clean, units=0), name), "there was none"
 
 
 def test_a_comment_tells_the_worst_first_and_folds_the_rest() -> None:
