@@ -186,6 +186,15 @@ def test_in_brief_loading_a_model_as_typed_is_no_news() -> None:
     assert "= hits" not in render(run, detail=DetailLevel.BRIEF)
 
 
+def test_in_brief_the_message_stands_where_there_is_no_code() -> None:
+    nowhere = finding(location=Location("this run", None), message="a word " * 60)
+    lines = render(a_run(nowhere), detail=DetailLevel.BRIEF).splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("  --> "))
+    assert lines[at + 1].startswith("  a word")
+    assert lines[at + 2].endswith(" …")
+    assert lines[at + 3].startswith("  = ")
+
+
 def test_in_brief_a_short_message_is_the_label_of_the_code() -> None:
     text = render(a_run(finding(message="too large")), detail=DetailLevel.BRIEF)
     assert re.search(r"\^+ too large$", text, re.MULTILINE)

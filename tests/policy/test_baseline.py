@@ -52,7 +52,7 @@ def test_what_is_known_counts_no_more_and_what_is_new_does(folder: Path, capsys:
     capsys.readouterr()
     assert main([".", "--select", "JNT005"]) == FINDINGS
     shown = " ".join(capsys.readouterr().out.split())
-    assert "joint k" in shown
+    assert "JNT005 k: " in shown
     assert "joint j" not in shown
     assert "1 in the baseline" in shown
 
@@ -82,7 +82,7 @@ def test_entries_whose_finding_is_gone_are_a_warning_until_they_are_pruned(
     assert main(["baseline", "check"]) == OK
     shown = " ".join(capsys.readouterr().out.split())
     assert "URC904" in shown
-    assert "JNT005 of joint[j]/limit" in shown
+    assert '{"code": "JNT005", "subject": "joint[j]/limit"' in shown
     assert "urdfcheck-baseline.json:" in shown
     for told in ("took out 1 stale entry, ", "no entry is stale, "):
         assert main(["baseline", "prune"]) == OK

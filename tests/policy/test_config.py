@@ -587,4 +587,4 @@ def test_a_wrong_configuration_below_is_a_finding_and_a_failure_and_the_others_a
     assert "a/urdfcheck.toml:2:1" in shown
     assert "did you mean 'select'?" in shown
     assert '2 │ slect = ["ALL"]' in shown
-    assert "in 1 model" in shown
+    assert "· 1 model ·" in shown

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from rich.text import Text
 
@@ -19,8 +19,8 @@ from urdfcheck.output.text.lines import STYLES, format_finding_title, wrap_text
 _NAMED = re.compile(r"\w+\[([^\]]+)\]")
 # Places and subjects that are named.
 _MOST_PLACES, _MOST_SUBJECTS = 3, 3
-# Lines that the repair in words may take.
-_MOST_FIX_LINES = 2
+# Lines that the repair in words may take, and the message where there is no code.
+_MOST_LINES = 2
 
 
 def iter_compact_finding(run: Run, finding: Finding, width: int, told: set[tuple[str, str]]) -> Iterator[Text]:
@@ -33,6 +33,8 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: set[tuple
         yield from iter_code_frame(
             run, span, style=STYLES[finding.severity], width=width, context=0, label=label, most_lines=1
         )
+    if span is None or not run.sources.get(span.file):  # no code shows what is meant
+        yield from _cut_lines(wrap_text(Text(escape_invisible(finding.message)), width, Text("  ")), _MOST_LINES, width)
     if models := describe_models(run, finding):
         yield _format_line("in", Text(escape_one_line(models)), width)
     if arguments := run.find_variant_arguments(finding):
@@ -103,18 +105,25 @@ def _format_line(label: str, text: Text, width: int) -> Text:
     return line
 
 
+def _cut_lines(lines: Iterable[Text], most: int, width: int) -> list[Text]:
+    """Return the first lines, the last of them with an ellipsis where more follow."""
+    all_lines = list(lines)
+    kept = all_lines[:most]
+    if len(kept) < len(all_lines):
+        kept[-1].truncate(width - 2)
+        kept[-1].rstrip()
+        kept[-1].append(" …", "dim")
+    return kept
+
+
 def _iter_fix_lines(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     """Yield the repair in words, and as a line before and after where it is one edit in one line."""
     fix = finding.fix
     if fix is None:
         return
     how = FIX_OPTIONS.get(fix.applicability) if fix.edits and finding.suppressed is None else None
-    lines = list(wrap_text(Text(escape_invisible(fix.title)), width, Text.assemble("  ", ("= fix  ", "dim"))))
-    if len(lines) > _MOST_FIX_LINES:
-        lines = lines[:_MOST_FIX_LINES]
-        lines[-1].truncate(width - 2)
-        lines[-1].rstrip()
-        lines[-1].append(" …", "dim")
+    wrapped = wrap_text(Text(escape_invisible(fix.title)), width, Text.assemble("  ", ("= fix  ", "dim")))
+    lines = _cut_lines(wrapped, _MOST_LINES, width)
     if how:
         option = f" [{how}]"
         if lines[-1].cell_len + len(option) <= width:
