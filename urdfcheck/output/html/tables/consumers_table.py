@@ -54,11 +54,12 @@ def _render_launch_cell(name: str, launched: Sequence[Finding], rules: Collectio
     if not launched:
         return ""
     told = {
-        f"{render_glyph(finding.severity)} {escape_html(finding.consequences[name])} ({_render_code(finding.code, rules)})"
+        f'<p class="{finding.severity}">{render_glyph(finding.severity)} {escape_html(finding.consequences[name])} '
+        f"({_render_code(finding.code, rules)})</p>"
         for finding in launched
         if name in finding.consequences
     }
-    return f"<td>{'<br>'.join(sorted(told)) or NO_VALUE}</td>"
+    return f"<td>{''.join(sorted(told)) or NO_VALUE}</td>"
 
 
 def _render_code(code: str, rules: Collection[str]) -> str:
