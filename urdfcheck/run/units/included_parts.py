@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -103,4 +104,4 @@ def assign_parts(
 def _find_home(path: Path) -> Path:
     """Return the folder of a file's package, else the file's own."""
     folders = path.absolute().parents
-    return next((folder for folder in folders if (folder / "package.xml").is_file()), folders[0])
+    return next((folder for folder in folders if os.path.isfile(folder / "package.xml")), folders[0])
