@@ -100,6 +100,7 @@ def _build_result(run: Run, *, fail_on: str, setup: dict[str, Any]) -> dict[str,
     from urdfcheck.core import Severity
     from urdfcheck.output import text
     from urdfcheck.output.shared.verdict.not_checked import explain_unchecked
+    from urdfcheck.output.shared.wording import sort_worst_first
 
     code = compute_exit_code(run, fail_on)
     if code not in {FAILED, FINDINGS} and run.unchecked_models:
@@ -111,7 +112,7 @@ def _build_result(run: Run, *, fail_on: str, setup: dict[str, Any]) -> dict[str,
         return {"outcome": "skipped", "text": escape_for_log(f"{reason}{hint}")}
     page = text.render(run, width=setup["width"], color=setup["color"], detail=text.DetailLevel.BRIEF, fail_on=fail_on)
     # pytest's summary has room for the first line only.
-    worst = sorted((f for f in run.active_findings if f.severity > Severity.INFO), key=lambda f: -f.severity)
+    worst = sort_worst_first(f for f in run.active_findings if f.severity > Severity.INFO)
     more = f" and {len(worst) - 1} more" if len(worst) > 1 else ""
     head = f"{worst[0].code} {worst[0].headline}{more}\n" if worst else ""
     return {"outcome": {FAILED: "crashed", FINDINGS: "failed"}.get(code, "passed"), "text": head + page}

@@ -39,11 +39,6 @@ def format_place(span: Span) -> str:
 
 
 def sort_worst_first(findings: Iterable[Finding]) -> list[Finding]:
-    """Sort findings by severity; those of one severity keep their order."""
-    return sorted(findings, key=lambda finding: -finding.severity)
-
-
-def rank_findings(findings: Iterable[Finding]) -> list[Finding]:
     """Sort findings by weight: severity, how many programs refuse the model or drop a part of it, and confidence.
 
     Those of one weight keep their order.

@@ -17,7 +17,7 @@ from urdfcheck.output.shared.wording import (
     format_count,
     get_base_name,
     join_first,
-    rank_findings,
+    sort_worst_first,
 )
 from urdfcheck.output.text.full_finding import FIX_OPTIONS
 from urdfcheck.output.text.lines import STYLES, format_finding_title, format_separator, wrap_text
@@ -64,7 +64,7 @@ def iter_recap(run: Run, width: int) -> Iterator[Text]:
     if not serious or len(run.active_findings) <= RECAP_THRESHOLD:
         return
     yield format_separator(Text("errors and warnings"), width)
-    for finding in reversed(rank_findings(serious)):
+    for finding in reversed(sort_worst_first(serious)):
         span = finding.location.span
         title = format_finding_title(finding)
         place = "" if span is None else f"  {escape_one_line(span.file)}:{span.line}:{span.col}"

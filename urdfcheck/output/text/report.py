@@ -18,7 +18,7 @@ from urdfcheck.output.shared.verdict.not_checked import (
     group_unchecked,
     is_accepted,
 )
-from urdfcheck.output.shared.wording import format_concise, join_first, rank_findings
+from urdfcheck.output.shared.wording import format_concise, join_first, sort_worst_first
 from urdfcheck.output.text.closing_lines import (
     describe_fixable,
     format_glyph,
@@ -96,7 +96,7 @@ def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> 
     if run.drops and detail is not DetailLevel.QUIET:
         yield from _iter_drop_tests(run, width)
     if detail is DetailLevel.QUIET:
-        for finding in reversed(rank_findings(run.active_findings)):
+        for finding in reversed(sort_worst_first(run.active_findings)):
             if _fails_run(run, finding, fail_on):
                 yield Text(format_concise(run, finding))
     else:
@@ -126,7 +126,7 @@ def _iter_models(run: Run, *, width: int, is_full: bool, fail_on: str) -> Iterat
     """Yield the findings by model; the model with the worst one stands last, and so does the worst of each."""
     infos = {info.id: info for info in run.models}
     by_model: dict[str, list[Finding]] = {}
-    for finding in rank_findings(run.active_findings):
+    for finding in sort_worst_first(run.active_findings):
         by_model.setdefault(finding.model, []).append(finding)
     told: set[tuple[str, str]] = set()
     for model, findings in reversed(by_model.items()):
