@@ -130,7 +130,7 @@ def test_a_folder_has_a_page_for_each_model_and_one_with_a_row_for_each() -> Non
     assert rows == list(files)[:-1]
     for name in rows:
         assert any(a.get("href") == "index.html" for _, a in read(files[name]).tags)
-    assert "1 error to repair" in files["rover.html"]
+    assert "1 error: MuJoCo refuses this model" in files["rover.html"]
     assert "No errors and no warnings" in files["Rover-2.html"]
     assert "uc-app" in files["rover.html"]
     assert "uc-app" not in files["Rover-2.html"], "there is no robot to draw"

@@ -1,35 +1,5 @@
 "use strict";
-// Sorts and filters rows that are there. It reads their text and puts none of it anywhere.
-const collator = new Intl.Collator("en", { numeric: true });
-
-for (const table of document.querySelectorAll("table.sortable")) {
-  const body = table.tBodies[0];
-  const heads = [...table.tHead.rows[0].cells];
-  heads.forEach((head, column) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.append(...head.childNodes);
-    head.append(button);
-    button.addEventListener("click", () => {
-      const before = head.getAttribute("aria-sort");
-      const first = body.rows[0]?.cells[column].dataset.v === undefined ? "ascending" : "descending";
-      const now = before === null ? first : before === "ascending" ? "descending" : "ascending";
-      for (const other of heads) other.removeAttribute("aria-sort");
-      head.setAttribute("aria-sort", now);
-      const sign = now === "ascending" ? 1 : -1;
-      const rows = [...body.rows].map((row) => {
-        const cell = row.cells[column];
-        return [cell.dataset.v === undefined ? cell.textContent : Number(cell.dataset.v), row];
-      });
-      rows.sort(([a], [b]) => sign * (typeof a === "number" ? a - b : collator.compare(a, b)));
-      const sorted = document.createDocumentFragment();
-      for (const [, row] of rows) sorted.append(row);
-      body.append(sorted);
-      table.parentElement.scrollTop = 0;
-    });
-  });
-}
-
+// Filters rows that are there, and offers the command that makes the report of a model.
 const models = document.querySelector("#models tbody");
 const find = document.getElementById("find");
 const state = document.getElementById("status");

@@ -14,7 +14,7 @@ from urdfcheck.core import Rule, Run, Severity
 from urdfcheck.output.html.file_groups import LAUNCH_FILE, classify_file
 from urdfcheck.output.html.glyphs import SYMBOLS, pluralize_severity, render_glyph
 from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_number, format_whole_number, render_prose
-from urdfcheck.output.html.page_frame import read_asset, read_style_sheet, render_document_head
+from urdfcheck.output.html.page_frame import read_asset, read_index_script, read_style_sheet, render_document_head
 from urdfcheck.output.html.report_parts import ReportPart
 from urdfcheck.output.html.rule_markdown import render_inline
 from urdfcheck.output.html.sections.unused_macros import render_unused_macros
@@ -93,7 +93,7 @@ def _iter_page_pieces(
     unused_macro_files: Sequence[str],
 ) -> Iterator[str]:
     title = f"{format_whole_number(summary.kinds['model'])} model{'' if summary.kinds['model'] == 1 else 's'}"
-    style, script = read_style_sheet() + read_asset("index.css"), read_asset("index.js")
+    style, script = read_style_sheet() + read_asset("index.css"), read_index_script()
     notices = _render_failures(summary) + _render_unchecked(summary) + render_unused_macros(unused_macro_files)
     yield f"""{render_document_head(title, style, [script])}<body class="index">
 {SYMBOLS}
