@@ -6,6 +6,28 @@ const state = document.getElementById("status");
 const shown = document.getElementById("shown");
 let texts;
 
+// A button for each model without a page: the command that makes its report. Thousands of buttons would make the page slow.
+const MOST_BUTTONS = 300;
+
+function offer(rows) {
+  let room = MOST_BUTTONS;
+  for (const row of rows) {
+    if (row.hidden || row.dataset.path === undefined) continue;
+    if (!room--) return;
+    if (row.querySelector(".copy-command")) continue;
+    const button = document.createElement("button");
+    const path = /^[\w@%+=:,./-]+$/.test(row.dataset.path) ? row.dataset.path : `'${row.dataset.path.replaceAll("'", "'\\''")}'`;
+    button.type = "button";
+    button.className = "copy-command";
+    button.dataset.command = `urdfcheck ${path} -o html=report.html`;
+    button.title = button.dataset.command;
+    button.textContent = "Copy command";
+    button.setAttribute("aria-label", `Copy the command that makes the report of ${row.dataset.path}`);
+    row.cells[0].append(" ", button);
+  }
+}
+for (const body of document.querySelectorAll("#worst tbody, #models tbody")) offer(body.rows);
+
 function filter() {
   texts ??= [...models.rows].map((row) => [row, `${row.textContent} ${row.dataset.codes ?? ""}`.toLowerCase()]);
   const words = find.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -16,6 +38,7 @@ function filter() {
     count += hit;
   }
   models.closest(".scroll").scrollTop = 0;
+  offer(models.rows);
   shown.textContent = count === texts.length ? "" : `${count} of ${texts.length} shown`;
 }
 

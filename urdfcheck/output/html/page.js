@@ -8,7 +8,6 @@ const main = by("content");
 const viewer = by("viewer");
 const tell = (name, detail) => document.dispatchEvent(new CustomEvent(name, { detail }));
 const narrow = matchMedia("(max-width: 79.99rem)");
-root.dataset.js = "";
 
 // -- the findings -----------------------------------------------------------------------------------------------------
 

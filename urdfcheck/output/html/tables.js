@@ -1,5 +1,6 @@
 "use strict";
 // Sorts the tables that can be sorted, and copies. It moves rows that are there and puts none of their text anywhere.
+document.documentElement.dataset.js = "";
 {
 const collator = new Intl.Collator("en", { numeric: true });
 const superscripts = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹";
