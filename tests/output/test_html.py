@@ -301,9 +301,9 @@ def test_each_model_of_several_has_its_own_strip() -> None:
 
 def test_head_names_robot_file_counts_depth_and_version() -> None:
     head = plain(render(a_run()).split("<header")[1].split(">", 1)[1].split("</header>")[0].join(("<div>", "</div>")))
-    expected = ("rover", FILE, "2 links", "1 joint", "urdfcheck 0.1.0", "0.5283 kg", "checked: source and meshes")
+    expected = ("rover", FILE, "2 links", "1 joint", "urdfcheck 0.1.0", "0.5283 kg", "checked: source, meshes")
     assert [part for part in expected if part not in head] == []
-    assert "checked: source, meshes and dynamics" in document(a_run(tier="full")).text
+    assert "checked: source, meshes, dynamics" in document(a_run(tier="full")).text
 
 
 @pytest.mark.parametrize(

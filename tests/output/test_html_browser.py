@@ -265,7 +265,7 @@ def test_tables_are_sorted_by_their_heads(page: Any) -> None:
         "#m1-physics thead th",
         "all => all.filter((h) => h.getBoundingClientRect().right <= h.closest('.scroll').getBoundingClientRect().right).length",
     )
-    assert in_view >= 7, "mass and how far the moments are from the solid's"
+    assert in_view >= 9, "mass, density and how far the link is from its solid"
     page.evaluate("for (const s of document.querySelectorAll('.section')) s.open = false")
 
 

@@ -32,13 +32,13 @@ PROBLEMS = (Severity.ERROR, Severity.WARNING)
 def render_model(run: Run, part: ReportPart, *, is_only_model: bool) -> str:
     """Render a part of the report. ``is_only_model``: no other model is drawn, so that the toolbar links to its sections."""
     image = _render_still_image(part) if is_only_model else ""
-    head = f'<section class="model" id="{part.id}">{_render_model_head(run, part, is_only_model)}{image}'
+    head = f'<section class="model" id="{part.id}">{_render_model_head(run, part, is_only_model)}'
     problems = render_problems(run, part.cards, model_file=part.path, is_checked=part.is_checked)
     if not any(c.finding.suppressed is None and c.finding.severity in PROBLEMS for c in part.cards) and part.shared:
         problems = ""  # not the sentence that there is none
     notes = render_notes(run, part.cards, model_file=part.path, id_prefix=part.id)
     body = f'<section class="findings" id="{part.id}-findings">{problems}{_render_shared(part)}{notes}</section>'
-    return f"{head}{body}{_render_scene_sections(run, part)}</section>"
+    return f"{head}{body}{image}{_render_scene_sections(run, part)}</section>"
 
 
 def render_part_strip(run: Run, part: ReportPart) -> str:

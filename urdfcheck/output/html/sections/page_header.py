@@ -12,7 +12,7 @@ from urdfcheck.output.shared.verdict.not_checked import build_command
 from urdfcheck.output.shared.wording import format_count, get_base_name
 
 MOST_NAMES = 3
-CHECKED_DEPTHS = {"source": "the source only", "mesh": "source and meshes", "full": "source, meshes and dynamics"}
+CHECKED_DEPTHS = {"source": "source only", "mesh": "source, meshes", "full": "source, meshes, dynamics"}
 
 
 def make_report_title(run: Run) -> str:

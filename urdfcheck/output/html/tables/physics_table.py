@@ -37,8 +37,9 @@ def render_physics_table(scene: Scene, marks: Mapping[ElementKey, SeverityMark])
     )
     rows = (_render_physics_row(link, marks.get(("link", link.name))) for link in scene.links)
     solid = (
-        "<p>The solid of a link is its drawn geometry, filled uniformly with its mass. Moments are far off where they differ "
-        "from those of the solid by a factor of five or more.</p>"
+        "<p>The solid of a link is its drawn geometry, filled uniformly with its mass. "
+        f'<span class="marks warning">{render_glyph("warning")}</span> marks moments that differ from those of the solid '
+        "by a factor of five or more.</p>"
     )
     foot = _render_total_row(scene)
     return solid + render_table(
@@ -55,7 +56,9 @@ def _render_physics_row(link: SceneLink, mark: SeverityMark | None) -> str:
     density = NO_VALUE if link.density is None else _format_density(link.density)
     ratios = _compute_moment_ratios(inertial.moments, link.drawn_moments)
     far = any(not 1 / FAR_RATIO < ratio < FAR_RATIO for ratio in ratios)
-    verdict = f'<td class="warning">{render_glyph("warning")} far off</td>' if far else "<td></td>"
+    verdict = (
+        f'<td class="warning">{render_glyph("warning")}<span class="sr"> far off</span></td>' if far else "<td></td>"
+    )
     ratio_texts = [format_number(ratio, 3) for ratio in ratios] or [NO_VALUE] * 3
     has_both_coms = inertial.com and link.drawn_com
     distance = format_millimetres(math.dist(inertial.com, link.drawn_com)) if has_both_coms else NO_VALUE
