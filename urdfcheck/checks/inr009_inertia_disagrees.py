@@ -31,14 +31,14 @@ if TYPE_CHECKING:
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 
 
-# A part of a rigid body that is lighter than this share of it decides nothing about how the body moves.
+# A part of a rigid body that is lighter than this share of it hardly changes how the body moves.
 LIGHT = 0.05
-# A body may well be a thin shell, its hull or its box was the easier choice, and a piece that is only decoration was left out:
+# The body may be a thin shell, its hull or box may have been easier to compute, and a decorative piece may have been left out:
 # such causes are worth knowing and rarely harmful.
 MILD_CAUSES = frozenset({"shell", "convex_hull", "bounding_box", "one_piece"})
 # What a program gets wrong in all links of a model alike.
 UNIT_CAUSES = frozenset({"com_unit", "mass_unit", "inertia_unit"})
-# The mass may be the wrong number as well as the tensor: two edits make such an inertial agree.
+# Either the mass or the tensor may be the wrong number: two different edits make such an inertial agree.
 AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 # What typed digits and tessellation leave of equal numbers.
 DIGITS = 0.01
@@ -51,7 +51,7 @@ MIRROR_CAUSES = frozenset({"unmirrored"})
 
 
 def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
-    # Legs that were exported alike are one finding.
+    # Legs with the same mistake are one finding.
     findings = _check_each_link(model, rule, far=far, concentrated=concentrated)
     yield from merge_identical(rule, findings, "link", varying=PER_LINK_DATA)
 
@@ -96,7 +96,7 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
 def _find_disputed_units(model: Model) -> dict[str, str]:
     """Return the causes (`UNIT_CAUSES`) for which links of the model fit different units, with what fits them in words.
 
-    No program writes one link in inches and the next in centimetres: the unit is a coincidence then.
+    No program writes one link in inches and the next in centimetres, so a unit that fits one of them is a coincidence.
     """
     units: dict[str, dict[str, str]] = {}
     for name, judged in inertial_diagnoses(model).items():
@@ -160,7 +160,7 @@ def _build_cause_finding(
         edits=() if mended is None else mended.edits,
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.INFO if mild else None,
-        edit="" if mended is None else mended.text,
+        edit="" if mended is None else mended.words,
         why=_lower_first_letter(rule.causes[cause].format_map(data)),
         **data,
     )
@@ -177,7 +177,7 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
         "disagrees",
         at=tensor.element,
         edits=() if mended is None else mended.edits,
-        edit="" if mended is None else mended.text,
+        edit="" if mended is None else f"; at this mass and uniform density the drawn part has {mended.words}",
         **_collect_data(model, tensor.link, judged),
     )
 
@@ -264,16 +264,16 @@ def _describe_mismatch(
     of_tensor, of_com = mismatch
     apart = float(np.linalg.norm(numbers.com - drawn.solid.com))
     if of_com > NOTABLE:
-        differences.append(f"its centre of mass is {format_length(apart)} off")
+        differences.append(f"the COM is {format_length(apart)} off")
     times = float(moments.sum() / uniform.sum())
     if not 1 / SIMILAR < times < SIMILAR:
         size = f"{times:.3g} times too large" if times > 1 else f"{1 / times:.3g} times too small"
-        differences.append(f"its moments of inertia are {size} for this mass at uniform density")
+        differences.append(f"the moments of inertia are {size} for this mass at uniform density")
     elif of_tensor > NOTABLE:
         where = " in other directions" if np.allclose(moments, uniform, rtol=0.1) else ""
         actual, expected = join_numbers(moments, digits=3), join_numbers(uniform, digits=3)
-        differences.append(f"its principal moments are {actual} instead of {expected} kg·m²{where}")
-    return " and ".join(differences) or "it is little off"
+        differences.append(f"the principal moments are {actual} instead of {expected} kg·m²{where}")
+    return " and ".join(differences) or "the inertial is only slightly off"
 
 
 def _is_light(model: Model, link: Link) -> bool:
