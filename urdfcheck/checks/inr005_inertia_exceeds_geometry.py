@@ -45,7 +45,9 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             "exceeds",
             at=declared.element,
             edits=() if drawn is None else drawn.edits,
-            computed=f"; at uniform density: {drawn.words}" if drawn is not None and drawn.text else "",
+            computed="compute them from the mesh"
+            if drawn is None or not drawn.text
+            else f"write {drawn.words} (the drawn part at uniform density)",
             link=part.link.name,
             ratio=float(f"{excess:.3g}"),
             mass=part.mass,

@@ -19,7 +19,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
-from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry, propose_undo
+from urdfcheck.model.inertials.inertial_proposals import name_mistake, propose_from_geometry, propose_undo
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
@@ -44,6 +44,8 @@ AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 DIGITS = 0.01
 # A tenth of a radius of gyration, or of a second moment, is worth saying; so are moments that differ by a third in size.
 NOTABLE, SIMILAR = 0.1, 1.33
+# A tensor so many times farther off than its principal moments is about other axes.
+_ROTATED = 1.5
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
 PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.
@@ -215,7 +217,7 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial) -> dict[s
 
 def _describe_mistake(cause: str, detail: str) -> str:
     """Name a cause in a few words, with its detail."""
-    name = cause.replace("_", " ")
+    name = name_mistake(cause)
     return f"{name}: {detail}{' times' if cause == 'decimal_point' else ''}" if detail else name
 
 
@@ -229,14 +231,17 @@ def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None)
         return f"the two agree to within {100 * residual:.0f} %"
     if mended is None or drawn is None:
         return "the two agree better"
-    moments, _ = compute_principal_moments(mended.inertia)
-    uniform, _ = compute_principal_moments(compute_solid_inertia(drawn.solid, mended.mass))
-    mismatch = (diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch)
-    return _describe_mismatch(mended, drawn, mismatch=mismatch, moments=moments, uniform=uniform)
+    left = []
+    if diagnosis.mended_com_mismatch > NOTABLE:
+        left.append(f"the COM is {format_length(float(np.linalg.norm(mended.com - drawn.solid.com)))} off")
+    before, after = diagnosis.tensor_mismatch, diagnosis.mended_tensor_mismatch
+    if after < before - DIGITS:
+        left.append(f"the mismatch of the tensor falls from {before:.2g} to {after:.2g}")
+    return " and ".join(left) or "the two agree better"
 
 
 def _format_ruled_out(judged: DiagnosedInertial) -> str:
-    return join_names(text.replace("_", " ") for text in judged.diagnosis.ruled_out)
+    return join_names(map(name_mistake, judged.diagnosis.ruled_out))
 
 
 def _list_twins(model: Model, judged: DiagnosedInertial) -> list[Link]:
@@ -270,10 +275,16 @@ def _describe_mismatch(
         size = f"{times:.3g} times too large" if times > 1 else f"{1 / times:.3g} times too small"
         differences.append(f"the moments of inertia are {size} for this mass at uniform density")
     elif of_tensor > NOTABLE:
-        where = " in other directions" if np.allclose(moments, uniform, rtol=0.1) else ""
+        where = ", about other axes" if of_tensor > _ROTATED * _measure_shape_mismatch(moments, uniform) else ""
         actual, expected = join_numbers(moments, digits=3), join_numbers(uniform, digits=3)
         differences.append(f"the principal moments are {actual} instead of {expected} kg·m²{where}")
     return " and ".join(differences) or "the inertial is only slightly off"
+
+
+def _measure_shape_mismatch(moments: Array, uniform: Array) -> float:
+    """Return how far principal moments (3,) are from others as the mismatch of a tensor is, the axes of the two aside."""
+    first, other = (np.maximum(m.sum() / 2 - m, 1e-6 * m.sum()) for m in (moments, uniform))
+    return float(np.linalg.norm(np.log(first / other)))
 
 
 def _is_light(model: Model, link: Link) -> bool:

@@ -36,6 +36,25 @@ SMALL_EXCESS = 0.05
 
 # Causes of INR009 that the pages of INR003 and INR004 have as well.
 _SIGN_CAUSES = frozenset({"products_sign", "one_sign"})
+# Mistakes whose names say too little in a headline; the others are named by their ids.
+_MISTAKE_NAMES = {
+    "about_origin": "tensor about the origin",
+    "axes_permuted": "axes of the tensor",
+    "com_unit": "unit of the COM",
+    "diagonal_first": "order of the numbers",
+    "inertia_unit": "unit of the tensor",
+    "mass_unit": "unit of the mass",
+    "one_piece": "one piece only",
+    "one_sign": "one sign",
+    "products_sign": "signs of the products",
+    "row_major": "order of the numbers",
+    "rpy_missing": "rpy left out",
+    "rpy_twice": "rpy applied twice",
+    "slots_swapped": "swapped numbers",
+    "steiner_missing": "parallel-axis theorem left out",
+    "steiner_twice": "parallel-axis theorem applied twice",
+    "unmirrored": "not mirrored",
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,6 +70,11 @@ class InertialProposal:
     """The id of the cause on the pages of INR003 and INR004, where the numbers show one."""
     detail: str = ""
     """The parameter of the cause."""
+
+
+def name_mistake(cause: str) -> str:
+    """Return a cause of INR009 in two or three words."""
+    return _MISTAKE_NAMES.get(cause, cause.replace("_", " "))
 
 
 def propose_repair(model: Model, link: Link) -> InertialProposal:
@@ -104,7 +128,7 @@ def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None
     if not (possible.positive_definite and possible.triangle_inequality):
         return None
     reference = "the drawn part" if diagnosis.judged_by == "mesh" else f"its twin {', '.join(diagnosed.twins)}"
-    mistake = (diagnosis.cause or "").replace("_", " ")
+    mistake = name_mistake(diagnosis.cause or "")
     claim = f"undoing one mistake ({mistake}) makes the tensor possible and close to that of {reference}"
     if diagnosis.unique:
         claim = f"one edit ({mistake}) makes the tensor that of {reference}, and no other single edit does"
