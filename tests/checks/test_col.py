@@ -286,7 +286,11 @@ def test_a_wheel_may_touch_its_hub(tmp_path: Path, gap: float, overlap: bool) ->
 
 @pytest.mark.parametrize(
     ("far", "begin"),
-    [([], "at 1 joint adjacent links"), ([False], "at all 2 joints adjacent"), ([False, True], "at 2 of 3 joints adjacent")],
+    [
+        ([], "at 1 joint adjacent links"),
+        ([False], "at all 2 joints adjacent"),
+        ([False, True], "at 2 of 3 joints adjacent"),
+    ],
 )
 def test_it_says_at_how_many_joints_neighbours_overlap(tmp_path: Path, far: list[bool], begin: str) -> None:
     wheels = [
