@@ -1,4 +1,4 @@
-"""JNT006 reports limits of revolute joints that are typed in degrees."""
+"""JNT006 reports limits of revolute joints that are written in degrees."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT008 reports limits that a joint of its type lacks or never reaches."""
+"""JNT008 reports limits that have no effect: on continuous or fixed joints, and ranges of several turns."""
 
 from __future__ import annotations
 

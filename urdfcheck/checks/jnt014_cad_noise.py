@@ -1,4 +1,4 @@
-"""JNT014 reports numbers in origins and axes that are only the residue of a CAD program's arithmetic."""
+"""JNT014 reports numbers in origins and axes that are only a CAD program's rounding noise."""
 
 from __future__ import annotations
 
