@@ -20,7 +20,7 @@ FORMATS = {
     "gazebo": frozenset({"stl", "obj", "dae", "gltf", "glb"}),
 }
 NAMES = {"mujoco": "MuJoCo", "drake": "Drake", "bullet": "PyBullet", "gazebo": "Gazebo"}
-# These reject the model for a collision mesh that they cannot load; the others leave out the mesh.
+# These load collision meshes only; the others also load meshes that are only drawn.
 COLLISION_ONLY = frozenset({"mujoco", "drake"})
 MUJOCO_STL_FACES = 200_000
 

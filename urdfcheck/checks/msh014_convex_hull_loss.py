@@ -16,7 +16,7 @@ MIN_HULL_SHARE = 1e-6
 def check(model: Model, rule: Rule, *, times: float) -> Iterator[Finding]:
     ratios: list[tuple[MeshUse, float]] = []
     for uses, facts in model.meshes.list_measured():
-        # The volume of an open mesh means nothing.
+        # The volume of an open mesh is meaningless.
         if uses[0].shape.role != "collision" or not facts.closed:
             continue
         volume, hull = abs(facts.volume), facts.hull.volume
