@@ -1,4 +1,4 @@
-"""CTL003 reports control blocks where no parser looks for them, and incomplete transmissions."""
+"""CTL003 reports control blocks where no parser reads them, and incomplete transmissions."""
 
 from __future__ import annotations
 
