@@ -36,6 +36,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             largest=largest.text,
             size=abs(float(largest.text)),
             unit=unit,
+            bound=f"`{largest.text}`" + ("" if unit == "1" else f" {unit}"),
         )
         yield replace(finding, subjects=tuple(dict.fromkeys(word.location.subject for word in words)))
 
