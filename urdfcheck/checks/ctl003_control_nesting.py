@@ -113,5 +113,5 @@ def _check_missing_prefix(model: Model, rule: Rule) -> Iterator[Finding]:
             severity=Severity.INFO,
             edits={edit.span: edit for edit in edits}.values(),
             interface=interfaces[0].text.strip(),
-            count="" if len(interfaces) == 1 else f", and {len(interfaces) - 1} more",
+            count="" if len(interfaces) == 1 else f" (and {len(interfaces) - 1} more)",
         )

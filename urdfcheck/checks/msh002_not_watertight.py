@@ -95,7 +95,7 @@ def _build_collision_finding(model: Model, rule: Rule, meshes: Sequence[_OpenMes
         open_edges=open_edges,
         places=format_large_count(sum(map(len, holes.values())), "place"),
         length=holes[worst][0]["length"],
-        centre=join_numbers(holes[worst][0]["centre"], separator=" "),
+        centre=join_numbers(holes[worst][0]["centre"], digits=3, separator=" "),
         whose=f"the frame of {worst.name}" if several else "the mesh's frame",
         loops=[loop for loops in holes.values() for loop in loops[:MAX_LOOPS]],
     )

@@ -53,7 +53,10 @@ def _build_untargeted_finding(rule: Rule, unable: Mapping[str, list[tuple[MeshUs
     if heavy:
         reactions["mujoco"] = str(rule.consumers["faces"]["mujoco"])
     names = join_names([NAMES[program] for program in unable])
-    return _build_finding(rule, "any", meshes, consequences=reactions, severity=Severity.INFO, programs=names)
+    used = " or ".join(NAMES[program] for program in unable)
+    return _build_finding(
+        rule, "any", meshes, consequences=reactions, severity=Severity.INFO, programs=names, used=used
+    )
 
 
 def _collect_loaded_meshes(model: Model, target: str) -> list[tuple[MeshUse, MeshFacts]]:
