@@ -20,7 +20,7 @@ _RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT"}
 _SHORT_LEFT = re.compile(r"l|[fbrhmFBRHM]?[lL]|[lL][fbrhmFBRHM]")
 # Frames are aligned to within this rotation (entries of the matrix).
 _ALIGNMENT_TOLERANCE = 1e-3
-# Nobody types longer names, and each of their words costs a comparison.
+# No real name is longer, and each word costs a comparison.
 _MAX_NAME_LENGTH = 200
 
 
