@@ -109,7 +109,7 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
     except (ValueError, RecursionError, MemoryError):  # a zero byte, or nested too deeply
         return PythonLaunch(
             file=file,
-            syntax_problem=Problem(kind="syntax", message="it is no text or nested too deeply", location=start),
+            syntax_problem=Problem(kind="syntax", message="it is not text, or it is nested too deeply", location=start),
         )
 
 
