@@ -95,9 +95,9 @@ def test_every_format_reports_it(check: Check, output_format: str, tmp_path: Pat
 @pytest.mark.parametrize(
     ("text", "words", "says"),
     [
-        (SOUND, ["--fix"], "--fix is for files"),
-        (SOUND, ["--diff"], "--diff is for files"),
-        (SOUND, ["--watch"], "--watch is for files"),
+        (SOUND, ["--fix"], "--fix works on files"),
+        (SOUND, ["--diff"], "--diff works on files"),
+        (SOUND, ["--watch"], "--watch works on files"),
         (SOUND, ["urdf"], "is checked alone"),
         (SOUND, ["--stdin-filename", "urdf"], "name a file"),
         (SOUND, ["--stdin-filename", ""], "name a file"),
