@@ -756,5 +756,5 @@ def test_finding_type_is_the_contract() -> None:
         "related",
         "cause",
     }
-    shown |= {"consequences", "data", "fix", "model", "suppressed", "variants", "blocks_check"}
+    shown |= {"consequences", "data", "fix", "model", "suppressed", "variants", "blocks_check", "occurrences"}
     assert set(Finding.__dataclass_fields__) - shown == {"message_id", "message_ids", "blames_text"}

@@ -27,7 +27,7 @@ from urdfcheck.policy.superseding import drop_superseded
 from urdfcheck.policy.suppression import mark_suppressed
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit, UnitReport
-from urdfcheck.run.shared_findings import merge_across_models, merge_macro_lines
+from urdfcheck.run.shared_findings import merge_across_models, merge_kinds, merge_macro_lines
 from urdfcheck.source.text.suppression_comments import IgnoreComment
 from urdfcheck.source.text.xml import Element
 
@@ -126,7 +126,9 @@ def finalize_run_findings(
     findings = [*(finding for _, report in audited_units for finding in report.findings), *merge_same_text(marked)]
     findings += admit_wanted(review(findings, needed))
     findings = mark_unsafe_across_models(findings, _list_users(audited_units))
-    findings = merge_across_models(findings, [unit for unit, _ in audited_units])
+    units = [unit for unit, _ in audited_units]
+    # Last: all before is about single texts, and each occurrence stays what it was.
+    findings = merge_kinds(merge_across_models(findings, units), units)
     return tuple(sorted(findings, key=get_sort_key))
 
 

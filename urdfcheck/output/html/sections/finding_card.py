@@ -42,6 +42,7 @@ def render_card(run: Run, card: FindingCard, is_open: bool) -> str:
     finding = card.finding
     details = (
         _render_variants(run, finding),
+        _render_occurrences(finding),
         _render_subjects(card),
         _render_call_chain(run, card),
         _render_explanation(run, finding),
@@ -98,6 +99,21 @@ def _render_variants(run: Run, finding: Finding) -> str:
     return f'<p class="variants">{sentence}.</p>' if sentence else ""
 
 
+def _render_occurrences(finding: Finding) -> str:
+    """Render the places of one kind of mistake, each with what is said of it."""
+    items = [
+        "<li>"
+        + ("" if own.location.span is None else f"{_render_file_line(own.location.span)} ")
+        + f"{escape_html(own.headline)}</li>"
+        for own in finding.occurrences
+    ]
+    if not items:
+        return ""
+    head, rest = "".join(items[:MOST_SUBJECTS]), "".join(items[MOST_SUBJECTS:])
+    more = f"<details><summary>{len(items) - MOST_SUBJECTS} more</summary><ul>{rest}</ul></details>" if rest else ""
+    return f'<div class="occurrences"><h5>{len(items)} places</h5><ul>{head}</ul>{more}</div>'
+
+
 def _render_subjects(card: FindingCard) -> str:
     # Every subject has its own fingerprint and anchor; the anchor of the first is the card's.
     anchors = ["", *(f' id="{i}"' for i in card.anchors[1:])]
@@ -108,9 +124,10 @@ def _render_subjects(card: FindingCard) -> str:
     if len(items) <= MOST_SUBJECTS:
         return f'<ul class="subjects">{"".join(items)}</ul>'
     head, rest = "".join(items[:MOST_SUBJECTS]), "".join(items[MOST_SUBJECTS:])
+    source = "" if card.finding.occurrences else " places made by the same text"
     return (
-        f'<ul class="subjects">{head}</ul><details><summary>{len(items) - MOST_SUBJECTS} more places '
-        f'made by the same text</summary><ul class="subjects">{rest}</ul></details>'
+        f'<ul class="subjects">{head}</ul><details><summary>{len(items) - MOST_SUBJECTS} more{source}</summary>'
+        f'<ul class="subjects">{rest}</ul></details>'
     )
 
 
