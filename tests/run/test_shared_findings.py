@@ -197,21 +197,33 @@ class TestModels:
             "link[r]/inertial/inertia",
         ]
 
-    def test_calls_that_are_wrong_in_two_models_stay_apart(self, tmp_path: Path) -> None:
+    def test_calls_that_are_wrong_in_two_models_are_two_occurrences(self, tmp_path: Path) -> None:
         """The line is right for a small disc in the same model: the numbers of the calls are to blame."""
         macros = FORMULA.replace("${m * 0.9}", "${m * 0.9 if m > 0.5 else m * 0.1}")
         body = disc() + disc("small", "0.1") + JOINT.format("small").replace("base", "wheel")
-        assert len(find(write_robots(tmp_path, macros, a=body, b=body)).findings) == 2
+        (found,) = find(write_robots(tmp_path, macros, a=body, b=body)).findings
+        assert [(own.model, own.variants) for own in found.occurrences] == [("a.urdf.xacro", {}), ("b.urdf.xacro", {})]
+        assert list(found.variants) == ["a.urdf.xacro", "b.urdf.xacro"]
 
-    def test_what_each_model_types_itself_stays_apart(self, tmp_path: Path) -> None:
+    def test_what_each_model_types_itself_is_an_occurrence_in_each(self, tmp_path: Path) -> None:
         """The macro hands the number on: both calls are to be repaired."""
-        assert len(find(write_robots(tmp_path, PASSED, a=disc(), b=disc())).findings) == 2
+        (found,) = find(write_robots(tmp_path, PASSED, a=disc(), b=disc("other", "2"))).findings
+        assert [own.subjects for own in found.occurrences] == [
+            ("link[wheel]/inertial/inertia",),
+            ("link[other]/inertial/inertia",),
+        ]
+        assert (found.subjects, found.variants["b.urdf.xacro"]) == (
+            found.occurrences[0].subjects,
+            found.occurrences[1].subjects,
+        )
+        assert "also  b.urdf.xacro:1 other: no body can have this inertia" in text.render(find(tmp_path), width=200)
 
     def test_a_number_of_one_yaml_is_one_finding(self, tmp_path: Path) -> None:
         bodies = {name: disc(name, LOAD % key) for name, key in (("a", "x"), ("b", "x"), ("c", "y"))}
         folder = write_robots(tmp_path, PASSED, **bodies)
         (folder / "sizes.yaml").write_text("x: 1\ny: 2\n")
-        assert [list(f.subjects_by_model) for f in find(folder).findings] == [
+        (joint,) = find(folder).findings
+        assert [list(f.subjects_by_model) for f in joint.occurrences] == [
             ["a.urdf.xacro", "b.urdf.xacro"],
             ["c.urdf.xacro"],
         ]
@@ -223,7 +235,8 @@ class TestModels:
         )
         part = '<xacro:part file="file://$(dirname)/{}.stl"/>'
         folder = write_robots(tmp_path, macros, a=part.format("x"), b=part.format("x"), c=part.format("y"))
-        assert [list(f.subjects_by_model) for f in find(folder, "PKG002").findings] == [
+        (joint,) = find(folder, "PKG002").findings
+        assert [list(f.subjects_by_model) for f in joint.occurrences] == [
             ["a.urdf.xacro", "b.urdf.xacro"],
             ["c.urdf.xacro"],
         ]

@@ -139,6 +139,7 @@ def join_occurrences(group: Sequence[Finding], rules: Mapping[str, Rule]) -> Fin
     ordered = sorted((own for finding in group for own in finding.list_occurrences()), key=_get_place_key)
     first = ordered[0]
     subjects = tuple(dict.fromkeys(subject for own in ordered for subject in own.subjects))
+    variants = _join_variants(ordered)
     others = [own.location for own in ordered if own.location.span != first.location.span]
     places = {place.span: place for place in others}.values()
     hidden = sorted({code for own in ordered for code in own.data.get("hides", ())})
@@ -146,7 +147,7 @@ def join_occurrences(group: Sequence[Finding], rules: Mapping[str, Rule]) -> Fin
         first,
         headline=_join_headlines(ordered, len(set(subjects) - set(first.subjects)) or len(ordered) - 1, rules),
         severity=max(own.severity for own in ordered),
-        subjects=subjects,
+        subjects=variants.get(first.model, subjects),
         message_ids={
             subject: own.message_ids.get(subject, own.message_id)
             for own in reversed(ordered)
@@ -157,7 +158,7 @@ def join_occurrences(group: Sequence[Finding], rules: Mapping[str, Rule]) -> Fin
         consequences=_join_consequences(ordered),
         data={**first.data, **({"hides": hidden} if hidden else {})},
         fix=_join_fixes(ordered),
-        variants=_join_variants(ordered),
+        variants=variants,
         occurrences=tuple(ordered),
     )
 

@@ -123,6 +123,8 @@ def _iter_urdfcheck_cases(run: Run) -> Iterator[JUnitCase]:
 def _iter_finding_cases(run: Run, findings: Iterable[Finding], model: str = "") -> Iterator[JUnitCase]:
     """Yield a case for each subject of findings, for those of one ``model`` its own, with the numbers of its place."""
     for finding in iter_occurrences(findings):
+        if model and model not in finding.subjects_by_model:
+            continue
         text = "\n".join(_iter_detail_lines(run, finding))
         for subject in finding.subjects_by_model.get(model, finding.subjects) or ("",):
             name = f"{finding.code} {finding.headline}"

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core import Applicability, Finding, Fix, Location, Span
+from urdfcheck.core import Applicability, Finding, Fix, Location, Span, Verdict
 from urdfcheck.core.merging import merge_alike
 from urdfcheck.policy.fix_safety import ElementCounts
 from urdfcheck.rules import load_rules
@@ -183,11 +183,11 @@ def _join_calls(group: Sequence[Finding]) -> Finding:
 
 
 def merge_kinds(findings: Iterable[Finding], units: Iterable[Unit] = ()) -> list[Finding]:
-    """Merge what the same models show at several places of one file, if it is one kind of mistake: left and right, all fingers.
+    """Merge what models show in one file, if it is one kind of mistake: left and right, all fingers, each call of a macro.
 
     A kind is a rule with a cause; without a cause, with a message. Each place remains as an occurrence with its own numbers.
-    What is known, what fails the run and what can be repaired does not become one with what does not. What is about urdfcheck
-    itself, or is why a model was not checked, stays alone.
+    What is known, what fails the run, what can be repaired and what programs refuse does not become one with what does not. What
+    is about urdfcheck itself, or is why a model was not checked, stays alone.
     """
     by_id = {unit.id: unit for unit in units}
 
@@ -204,7 +204,7 @@ def merge_kinds(findings: Iterable[Finding], units: Iterable[Unit] = ()) -> list
             finding.suppressed,
             None if fix is None else (fix.applicability, bool(fix.edits)),
             span.file,
-            tuple(sorted(finding.subjects_by_model)),
+            tuple((name, Verdict.from_sentence(text)) for name, text in sorted(finding.consequences.items())),
             None if unit is None else (unit.fail_on, unit.baseline_home),
         )
 

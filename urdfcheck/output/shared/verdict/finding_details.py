@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Run, Span
+from urdfcheck.core import Finding, Run
 from urdfcheck.output.shared.verdict.not_checked import explain_block
 from urdfcheck.output.shared.wording import PROGRAM_NAMES, describe_models, format_count, get_base_name, group_by_effect
 
@@ -35,14 +35,13 @@ def iter_details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
 def describe_other_places(finding: Finding) -> list[str]:
     """Return a line for each place of a finding beside its own, with the claim there: ``arm.urdf:12 arm_2: … (2 % short)``."""
     others = finding.occurrences[1:]
-    lines = [
-        own.headline if own.location.span is None else f"{format_short_place(own.location.span)} {own.headline}"
-        for own in others[:MOST_OCCURRENCES]
-    ]
+    lines = [f"{_describe_place(own, finding)}{own.headline}" for own in others[:MOST_OCCURRENCES]]
     rest = len(others) - len(lines)
     return [*lines, f"{format_count(rest, 'more place')}"] if rest else lines
 
 
-def format_short_place(span: Span) -> str:
-    """Return ``arm.urdf:12``."""
-    return f"{get_base_name(span.file)}:{span.line}"
+def _describe_place(occurrence: Finding, finding: Finding) -> str:
+    """Return ``arm.urdf:12 ``; where a macro makes both, the place of the call."""
+    here, via = occurrence.location.span, occurrence.location.via
+    span = via[-1] if here == finding.location.span and via else here
+    return "" if span is None else f"{get_base_name(span.file)}:{span.line} "
