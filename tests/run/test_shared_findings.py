@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -128,6 +129,12 @@ class TestKinds:
     def test_a_headline_about_numbers_is_that_of_the_first(self, tmp_path: Path) -> None:
         (found,) = find(write_robots(tmp_path, "", hand=HAND), "JNT005").findings
         assert found.headline == "j_left_1: lower 1 is above upper -1 rad (+3 more)"
+
+    def test_the_brief_report_names_its_places_however_long_the_path(self, tmp_path: Path) -> None:
+        run = find(write_robots(tmp_path, "", hand=HAND))
+        for width in (60, 200):
+            brief = text.render(run, detail=text.DetailLevel.BRIEF, width=width)
+            assert len(re.findall(r"also\s+:\d+, :\d+(, :\d+| and 1 more)", brief)) == 1
 
     def test_other_causes_and_other_repairs_stay_apart(self, tmp_path: Path) -> None:
         """Of one only the zeros are missing: this can be written, the other must be computed again."""
