@@ -466,6 +466,22 @@ def test_a_card_begins_with_the_claim_the_place_the_elements_and_the_fix() -> No
     assert paragraph(by_hand, "at") == "rover.urdf:9"
 
 
+def test_a_kind_of_mistake_at_several_places_is_one_card_with_each_place() -> None:
+    left = finding(headline="left: no body can have this inertia", subjects=("link[left]",))
+    right = finding(
+        headline="right: no body can have this inertia",
+        subjects=("link[right]",),
+        location=Location("link[right]", span_of("-1")),
+    )
+    both = replace(left, headline="left and right: no body can have this inertia", occurrences=(right, left))
+    html = render(a_run(replace(both, subjects=("link[left]", "link[right]"))))
+    assert html.count("<article") == 1
+    assert paragraph(html, "at").startswith("rover.urdf:9 :7 ×2")
+    assert f'<code class="place" title="{FILE}:7:20">:7</code>' in html
+    assert "<h5>2 places</h5>" in html
+    assert "right: no body can have this inertia" in html
+
+
 def test_many_problems_are_folded_but_not_a_few_more() -> None:
     many = tuple(finding(subjects=(f"link[w{i}]",)) for i in range(40))
     html = render(a_run(*many))
@@ -837,5 +853,5 @@ def test_finding_type_is_the_contract() -> None:
         "related",
         "cause",
     }
-    shown |= {"consequences", "data", "fix", "model", "suppressed", "variants", "blocks_check"}
+    shown |= {"consequences", "data", "fix", "model", "suppressed", "variants", "blocks_check", "occurrences"}
     assert set(Finding.__dataclass_fields__) - shown == {"message_id", "message_ids", "blames_text"}

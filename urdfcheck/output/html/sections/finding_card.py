@@ -27,6 +27,8 @@ from urdfcheck.policy.consumers import get_verdict
 MOST_SUBJECTS = 6
 # Elements named in the line with the place.
 MOST_NAMES = 3
+# Other places named there.
+MOST_PLACES = 2
 MOST_EDITS = 4
 MOST_FRAMES = 8
 SHOWN_DIGITS = 8
@@ -58,6 +60,7 @@ def render_card(run: Run, card: FindingCard, *, model_file: str = "", is_first: 
     affected = f' data-programs="{" ".join(programs)}"' if programs else ""
     details = (
         f'<p class="message">{render_prose(finding.message)}</p>',
+        _render_occurrences(finding),
         _render_explanation(run, finding),
         "" if finding.fix is None else _render_fix(run, finding.fix),
         _render_evidence(run, card),
@@ -90,7 +93,7 @@ def _render_place_line(card: FindingCard, model_file: str) -> str:
     if span is not None:
         kind = classify_file(span.file, model_file)
         word = f'<span class="kind">{kind}</span> ' if kind not in ("", MODEL) else ""
-        parts.append(f"<span>{word}{_render_file_line(span)}</span>")
+        parts.append(f"<span>{word}{_render_file_line(span)}{_render_other_places(finding, span)}</span>")
     keys = list(dict.fromkeys(filter(None, map(parse_element_key, finding.subjects))))
     if finding.fix is not None and finding.fix.edits:
         parts.append(f'<span class="tag">{FIX_TAGS[str(finding.fix.applicability)]}</span>')
@@ -103,6 +106,20 @@ def _render_place_line(card: FindingCard, model_file: str) -> str:
         rest = f" and {len(keys) - MOST_NAMES} more" if len(keys) > MOST_NAMES else ""
         parts.append(f'<span class="names">{", ".join(map(render_element_name, keys[:MOST_NAMES]))}{rest}</span>')
     return f'<p class="at">{"".join(parts)}</p>' if parts else ""
+
+
+def _render_other_places(finding: Finding, first: Span) -> str:
+    """Render the other places of one kind of mistake; nothing for a finding of one place."""
+    spans = {own.location.span: None for own in finding.list_occurrences() if own.location.span is not None}
+    others = [span for span in spans if span != first]
+    if not finding.occurrences:
+        return ""
+    shown = "".join(
+        f" {_render_place_code(span, f':{span.line}') if span.file == first.file else _render_file_line(span)}"
+        for span in others[:MOST_PLACES]
+    )
+    rest = f" and {len(others) - MOST_PLACES} more" if len(others) > MOST_PLACES else ""
+    return f'{shown}{rest} <b class="times">×{len(finding.occurrences)}</b>'
 
 
 def _render_code(run: Run, finding: Finding) -> str:
@@ -167,6 +184,21 @@ def _render_variants(run: Run, finding: Finding) -> str:
     return f'<p class="variants">{sentence}.</p>' if sentence else ""
 
 
+def _render_occurrences(finding: Finding) -> str:
+    """Render the places of one kind of mistake, each with what is said of it."""
+    items = [
+        "<li>"
+        + ("" if own.location.span is None else f"{_render_file_line(own.location.span)} ")
+        + f"{escape_html(own.headline)}</li>"
+        for own in finding.occurrences
+    ]
+    if not items:
+        return ""
+    head, rest = "".join(items[:MOST_SUBJECTS]), "".join(items[MOST_SUBJECTS:])
+    more = f"<details><summary>{len(items) - MOST_SUBJECTS} more</summary><ul>{rest}</ul></details>" if rest else ""
+    return f'<div class="occurrences"><h5>{len(items)} places</h5><ul>{head}</ul>{more}</div>'
+
+
 def _render_subjects(card: FindingCard) -> str:
     # Every subject has its own fingerprint and anchor; the anchor of the first is the card's.
     anchors = ["", *(f' id="{i}"' for i in card.anchors[1:])]
@@ -177,9 +209,10 @@ def _render_subjects(card: FindingCard) -> str:
     if len(items) <= MOST_SUBJECTS:
         return f'<ul class="subjects">{"".join(items)}</ul>'
     head, rest = "".join(items[:MOST_SUBJECTS]), "".join(items[MOST_SUBJECTS:])
+    source = "" if card.finding.occurrences else " places made by the same text"
     return (
-        f'<ul class="subjects">{head}</ul><details><summary>{len(items) - MOST_SUBJECTS} more places '
-        f'made by the same text</summary><ul class="subjects">{rest}</ul></details>'
+        f'<ul class="subjects">{head}</ul><details><summary>{len(items) - MOST_SUBJECTS} more{source}</summary>'
+        f'<ul class="subjects">{rest}</ul></details>'
     )
 
 
