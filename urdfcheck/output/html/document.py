@@ -25,7 +25,12 @@ KEYS = (
     ("j, k", "next and previous finding"),
     ("Enter", "open or close it"),
     ("h", "the whole robot in 3D"),
-    ("1 to 9", "layers in 3D"),
+    ("1 to 9, 0", "3D layers in the order of their buttons: visual shapes first, ground last"),
+    ("b", "hold: the other state of a repair in 3D, before or after"),
+    (
+        "\u2190 \u2191 \u2192 \u2193, + \u2212",
+        "orbit and zoom the 3D view when it has the focus; with Shift, arrows move it",
+    ),
     ("Esc", "nothing chosen, nothing searched for"),
     ("?", "this list"),
 )
