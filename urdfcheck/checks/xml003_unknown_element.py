@@ -85,7 +85,7 @@ def _describe_consequences(parent: str, places: list[Element]) -> dict[str, str]
     drawn = not any(map(is_collision_part, places))
     return {
         "urdfdom": "drops the shape, and every visual and collision of the link after it",
-        "mujoco": "loads it without the drawn shapes" if drawn else "refuses the file",
+        "mujoco": "loads it without shapes that are only drawn" if drawn else "refuses the file",
         "drake": "refuses the file",
         "bullet": "refuses the file",
     }
