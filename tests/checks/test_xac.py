@@ -447,8 +447,8 @@ def test_unsafe_expressions_are_never_evaluated(tmp_path: Path, expression: str)
 @pytest.mark.parametrize(
     ("expression", "message", "says"),
     [
-        ("${open('/etc/passwd').read()}", "outside", "open is no function"),
-        ("${globals()}", "outside", "globals is no function"),
+        ("${open('/etc/passwd').read()}", "outside", "open is not a function"),
+        ("${globals()}", "outside", "globals is not a function"),
         ("$(eval __import__('os').system('true'))", "outside", "two underscores"),
         ("${list(map(lambda i: i * 2, [1]))}", "construct", "it contains a lambda"),
         ("${'a'.encode()}", "method", "the attribute .encode of a str"),

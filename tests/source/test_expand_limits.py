@@ -170,7 +170,7 @@ def test_what_lies_out_of_reach_is_not_opened(tmp_path: Path, body: str, line: i
 def test_what_would_be_no_xml_is_no_model(tmp_path: Path, body: str) -> None:
     problem = problem_of(tmp_path, f"\n{body}", reach=tmp_path)
     assert problem.kind == "expansion-failed"
-    assert "is no name of an element or attribute" in problem.message
+    assert "is not a valid XML name" in problem.message
 
 
 @pytest.mark.parametrize("expression", ["y.b % 1", "y.b * 300000000", "str(y.b * 900000)"])
@@ -271,8 +271,8 @@ def test_ros_and_what_is_named_is_read(tmp_path: Path, monkeypatch: pytest.Monke
         ("""<link name="a"><xacro:attribute name="value" value="${True}"/></link>""", "value of the type bool"),
         ("""<link name="a"><xacro:attribute name="value" value="${[1]}"/></link>""", "value of the type list"),
         ("""<link name="a"><xacro:attribute name="value" value="${dict(a=1)}"/></link>""", "value of the type dict"),
-        ("""<xacro:element xacro:name="1a"/>""", "no name of an element"),
-        ("""<xacro:element xacro:name="-"/>""", "no name of an element"),
+        ("""<xacro:element xacro:name="1a"/>""", "not a valid XML name"),
+        ("""<xacro:element xacro:name="-"/>""", "not a valid XML name"),
         ("""<link name="${'\\x01'}"/>""", "U+0001, which is not allowed"),
         ("""<link name="${'\\0'}"/>""", "U+0000, which is not allowed"),
         ("""<link name="a">${'\\ud800'}</link>""", "U+D800, which is not allowed"),

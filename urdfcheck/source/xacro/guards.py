@@ -459,9 +459,7 @@ class Guards:
                     return self._guard_method(value, name, found) if callable(found) else found
                 if not hasattr(kind if kind is dict else value, name):
                     return getattr(value, name)  # a key of a yaml mapping, or Python's error for a missing attribute
-                raise ExpressionRefusedError(
-                    "method", f"the attribute .{name} of a {kind.__name__} is none that robots use"
-                )
+                raise ExpressionRefusedError("method", f"robots do not use the attribute .{name} of a {kind.__name__}")
         if isinstance(value, _PLAIN) and not hasattr(type(value), name):
             return getattr(value, name)
         raise _make_attribute_error(name)
@@ -721,9 +719,7 @@ def _ensure_plain_separators(_text: Any = "", sep: Any = "", *_: Any, **__: Any)
     if isinstance(sep, str) and len(sep) > MAX_SEPARATORS:
         raise ExpressionRefusedError("too_large", f"it gives xacro.tokenize more than {MAX_SEPARATORS} separators")
     if isinstance(sep, str) and "]" in sep[1:]:
-        raise ExpressionRefusedError(
-            "unsafe", "the separators of xacro.tokenize contain a regular expression of their own"
-        )
+        raise ExpressionRefusedError("unsafe", "the separators of xacro.tokenize contain a regular expression")
 
 
 _ARGUMENT_CHECKS: Mapping[str, Callable[..., None]] = {

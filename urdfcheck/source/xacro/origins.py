@@ -105,7 +105,7 @@ def _convert_node(node: minidom.Element, parent: Element | None, defects: list[O
 
     for name in (node.tagName, *node.attributes.keys()):
         if not isinstance(name, str) or not _is_name(name):  # xacro:element and xacro:attribute take any value
-            message = f"{name!r} is no name of an element or attribute: what xacro writes is no XML"
+            message = f"{name!r} is not a valid XML name: xacro would write invalid XML"
             raise InvalidOutputError(message, locate())
     for name, value in node.attributes.items():
         attribute = element.attributes[name] = _convert_attribute(name, value, owner=element, origin=origin)

@@ -362,7 +362,7 @@ class Tracer:
                     and re.search(rf"\b{unknown.group(1)}\s*\(", expression)
                 ):
                     raise ExpressionRefusedError(
-                        "outside", f"{unknown.group(1)} is no function of xacro", expression
+                        "outside", f"{unknown.group(1)} is not a function of xacro", expression
                     ) from error
                 raise
 
