@@ -149,7 +149,7 @@ def _summarize_verdict(summary: AuditSummary) -> tuple[str, str]:
     elif summary.counts[Severity.ERROR]:
         kind, sentence = "error", "There are errors to repair"
     elif summary.counts[Severity.WARNING]:
-        kind, sentence = "warning", "No errors, but warnings to look at"
+        kind, sentence = "warning", "No errors, but warnings"
     else:
         kind, sentence = "ok", "No errors and no warnings"
     if not unread:
