@@ -178,7 +178,9 @@ def test_after_an_interrupt_the_next_run_does_the_rest(audit: Audit, tmp_path: P
     undisturbed = Audit(audit.models, tmp_path / "undisturbed")
     undisturbed()
     audit.stop_after = 2
-    with pytest.raises(UrdfcheckError, match=r"interrupted: 2 of 6 .* kept in .*; the same command goes on from there"):
+    with pytest.raises(
+        UrdfcheckError, match=r"results of 2 of 6 .* kept in .*; run the same command again to continue"
+    ):
         audit()
     with pytest.raises(UrdfcheckError, match="4 of 6"):
         audit()
@@ -406,7 +408,7 @@ def test_a_folder_has_one_audit_at_a_time(audit: Audit) -> None:
 
     request = make_request(audit.models, tier="source")
     audit_dataset(request, audit.folder, stream)
-    assert said == [f"urdfcheck: another audit is at work in {audit.folder}\n"]
+    assert said == [f"urdfcheck: another audit is running in {audit.folder}\n"]
     done = subprocess.run([*second, "--restart"], capture_output=True, text=True, cwd=REPOSITORY)
     assert (done.returncode, done.stderr) == (FINDINGS, "")
     workers[0].end()
@@ -441,7 +443,7 @@ def test_a_folder_of_something_else_is_refused_and_left_alone(audit: Audit, name
     audit.folder.mkdir()
     (audit.folder / name).write_text("mine")
     for restart in (False, True):
-        with pytest.raises(UrdfcheckError, match=r"name (a|another) folder"):
+        with pytest.raises(UrdfcheckError, match=r"name (an empty or new|another) folder"):
             audit(restart=restart)
     assert {path.name: path.read_text() for path in audit.folder.iterdir()} == {name: "mine"}
 
@@ -462,7 +464,7 @@ def test_a_pipe_in_the_place_of_the_journal_is_not_waited_for(audit: Audit) -> N
     timer = threading.Timer(5.0, lambda: os.write(writer, b"waited\n"))
     timer.start()
     try:
-        with pytest.raises(UrdfcheckError, match="no journal of an audit"):
+        with pytest.raises(UrdfcheckError, match="not the journal of an audit"):
             audit()
         assert timer.is_alive()
     finally:
@@ -639,8 +641,8 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
     out, said = process.communicate(timeout=20)
     assert process.returncode == FAILED
     assert re.fullmatch(
-        r"urdfcheck: interrupted: \d+ of 150 models and files are finished and kept in .*; the same command goes on "
-        "from there\n",
+        r"urdfcheck: interrupted: results of \d+ of 150 models and files are kept in .*; run the same command again "
+        "to continue\n",
         said,
     )
     assert out == ""

@@ -1,4 +1,4 @@
-"""INR007 reports placeholder masses and inertia tensors: round numbers that make a program accept the file."""
+"""INR007 reports placeholder masses and inertia tensors: round numbers that only make a program accept the file."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def check(model: Model, rule: Rule, *, factor: float, fraction: float, spread: f
         wrong = any(suspect.factor > factor for suspect in group)
         unknown = [suspect for suspect in group if suspect.misfit is None]
         if wrong or _count_masses(unknown) >= _FEWEST_MASSES:
-            # Among parts of all sizes with one tensor, one that the tensor nearly fits is chance.
+            # If parts of all sizes have one tensor, it nearly fits one of them by chance.
             known = [suspect for suspect in group if suspect.misfit is not None] if wrong else []
             alike = _count_masses(group) < _FEWEST_MASSES
             yield _build_tensor_finding(model, rule, known=known, unknown=[] if alike else unknown)
@@ -127,7 +127,6 @@ def _build_tensor_finding(
     names = [suspect.declared.link.name for suspect in every]
     data: dict[str, Any] = {
         "links": join_names(names),
-        "have": "has" if len(every) == 1 else "have",
         "what": every[0].description,
         "names": names,
     }
@@ -136,6 +135,7 @@ def _build_tensor_finding(
         between = f"{masses[0]:.3g} to {masses[-1]:.3g} kg"
         finding = rule.finding("shared", at=places[0], related=places[1:], masses=between, **data)
     else:
+        is_less = worst.misfit.expected < max(worst.declared.components)
         finding = rule.finding(
             "placeholder",
             at=places[0],
@@ -145,7 +145,8 @@ def _build_tensor_finding(
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),
-            less="less" if worst.misfit.expected < max(worst.declared.components) else "more",
+            less="less" if is_less else "more",
+            size="large" if is_less else "small",
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 # Numbers are the same when they agree to within this share, which a file's digits can express.
 NEGLIGIBLE_DIFFERENCE = 1e-6
 _DIGITS = 6
+# A repair of more numbers is not spelled in a sentence where a diff shows it.
+_MOST_SPELLED = 3
 _EXPONENT = re.compile(r"[+-]?([\d.]+)([eE])([+-]?)(\d+)")
 
 
@@ -38,6 +40,11 @@ class InertialRepair:
     """What the edits say, for a person: ``ixy="…" iyz="…"``."""
     places: tuple[Attribute | Element | None, ...] = ()
     """The attributes in question, or the elements that lack them."""
+
+    @property
+    def words(self) -> str:
+        """What to write, for a sentence: the text, or a reference to the diff where that shows many numbers."""
+        return self.text if not self.edits or len(self.places) <= _MOST_SPELLED else "the numbers in the diff"
 
 
 def build_inertial_repair(inertial: Inertial, expected: DeclaredInertial) -> InertialRepair:
