@@ -76,7 +76,8 @@ def words(finding: Finding) -> str:
     ("code", "file", "line", "said"), SAID, ids=lambda v: str(v) if not isinstance(v, tuple) else ""
 )
 def test_it_says(run: Run, code: str, file: str, line: int, said: tuple[str, ...]) -> None:
-    found = [f for f in run.findings if f.code == code and place(f) == (file, line)]
+    everywhere = [own for f in run.findings for own in f.list_occurrences()]
+    found = [f for f in everywhere if f.code == code and place(f) == (file, line)]
     assert found, [place(f) for f in run.findings if f.code == code]
     text = "\n".join(words(f) for f in found)
     for word in said:

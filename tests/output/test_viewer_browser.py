@@ -233,7 +233,7 @@ def test_a_finding_is_shown_where_it_is(page: Any) -> None:
 
 def test_a_link_without_shapes_shows_its_frame(page: Any) -> None:
     before = page.evaluate("urdfcheck.pixel('base')")
-    page.locator(".card .in-3d").nth(1).click()
+    page.locator(".card .in-3d:not(.name)").nth(1).click()
     assert page.evaluate("document.body.dataset.selected") == "camera_frame"
     assert page.locator(".uc-label", has_text="camera_frame").is_visible()
     assert page.locator("[data-layer=frames]").get_attribute("aria-pressed") == "true"

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Location, ModelInfo, SkippedCheck, Span, UrdfcheckError
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.rules import load_rules
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, is_below, resolve_real_path
@@ -67,14 +68,14 @@ def read_baseline(path: Path, root: Path) -> Baseline:
         text = read_regular(path, MAX_FILE_SIZE).decode("utf-8")
         found = json.loads(text)
     except OSError as error:
-        hint = "; urdfcheck baseline write makes one" if isinstance(error, FileNotFoundError) else ""
+        hint = "; urdfcheck baseline write creates one" if isinstance(error, FileNotFoundError) else ""
         raise UrdfcheckError(f"{name}: cannot read the baseline: {error.strerror or error}{hint}") from None
     except json.JSONDecodeError as error:
-        raise UrdfcheckError(f"{name}:{error.lineno}: no baseline: {error.msg}") from None
+        raise UrdfcheckError(f"{name}:{error.lineno}: not a baseline: {error.msg}") from None
     except (ValueError, RecursionError) as error:
-        raise UrdfcheckError(f"{name}: no baseline: {error}") from None
+        raise UrdfcheckError(f"{name}: not a baseline: {error}") from None
     if not isinstance(found, dict) or found.get("schema") != SCHEMA:
-        raise UrdfcheckError(f"{name}: no baseline: its schema is not {SCHEMA}")
+        raise UrdfcheckError(f"{name}: not a baseline: its schema is not {SCHEMA}")
     try:
         return Baseline(
             path=path,
@@ -83,7 +84,7 @@ def read_baseline(path: Path, root: Path) -> Baseline:
             models={model: _parse_entries(rows) for model, rows in found["models"].items()},
         )
     except (AttributeError, KeyError, TypeError, ValueError):
-        raise UrdfcheckError(f"{name}: no baseline: write it anew with urdfcheck baseline write") from None
+        raise UrdfcheckError(f"{name}: not a baseline: write it again with urdfcheck baseline write") from None
 
 
 def read_found_baseline(path: Path, root: Path) -> Baseline | None:
@@ -125,7 +126,7 @@ def render_baseline(models: Mapping[str, Mapping[EntryKey, int]]) -> str:
 def collect_entries(findings: Iterable[Finding]) -> dict[str, Counter[EntryKey]]:
     """Return the entries that accept these findings, without those that are suppressed otherwise."""
     models: dict[str, Counter[EntryKey]] = {}
-    for finding in findings:
+    for finding in iter_occurrences(findings):
         if not is_baseline_candidate(finding):
             continue
         for model, subjects in finding.subjects_by_model.items():
@@ -161,7 +162,7 @@ class BaselineView:
         return BaselineView(
             findings=[
                 replace(f, model=names[f.model], variants={names[m]: s for m, s in f.variants.items() if m in names})
-                for f in self.findings
+                for f in iter_occurrences(self.findings)
                 if f.model in names
             ],
             models=[replace(info, id=names[info.id]) for info in self.models if info.id in names],
