@@ -501,7 +501,7 @@ def test_links_of_one_model_that_fit_different_units_are_left_alone(tmp_path: Pa
     (alone,) = find_clear_messages(tmp_path, make_drawn_arm(format_inertial(inches)))
     assert alone.fix is not None
     assert alone.fix.edits
-    assert "it fits if the COM was written in inches" in alone.message
+    assert "(unit of the COM: inches)" in alone.message
 
 
 def test_another_mass_is_claimed_only_for_one_ratio_of_all_moments(tmp_path: Path) -> None:
@@ -518,9 +518,9 @@ def test_another_mass_is_claimed_only_for_one_ratio_of_all_moments(tmp_path: Pat
 
 def test_the_message_says_how_near_the_numbers_are_without_the_mistake(tmp_path: Path) -> None:
     exact = one(tmp_path / "a", make_drawn_arm(format_inertial(wrong("inertia_unit"))))
-    assert "With this undone, the two agree exactly" in exact.message
+    assert "With one mistake undone (unit of the tensor: kg·cm²), the two agree exactly" in exact.message
     lumped = replace(TRUE, com=TRUE.com + 0.2 * np.sqrt(np.trace(DRAWN.solid.covariance) / 3))
     (tmp_path / "b").mkdir()
     near = one(tmp_path / "b", make_drawn_arm(format_inertial(BY_ID["inertia_unit"](lumped, DRAWN))))
     assert "exactly" not in near.message
-    assert "With this undone, the COM is" in near.message
+    assert "With one mistake undone (unit of the tensor: kg·cm²), the tensor agrees" in near.message
