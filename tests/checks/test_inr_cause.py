@@ -250,7 +250,7 @@ def test_without_such_an_edit_the_drawn_part_s_tensor_is_offered(
     assert finding.code == code
     assert "single edit" not in finding.message
     assert finding.fix is not None
-    assert "(the drawn part at this mass and uniform density)" in finding.fix.title
+    assert "write the numbers in the diff (the drawn part at this mass and uniform density)" in finding.fix.title
     assert find_clear_messages(tmp_path / "mended", edited(text, finding.fix.edits)) == []
 
 
@@ -524,3 +524,14 @@ def test_the_message_says_how_near_the_numbers_are_without_the_mistake(tmp_path:
     near = one(tmp_path / "b", make_drawn_arm(format_inertial(BY_ID["inertia_unit"](lumped, DRAWN))))
     assert "exactly" not in near.message
     assert "With one mistake undone (unit of the tensor: kg·cm²), the tensor agrees" in near.message
+
+
+def test_signs_change_the_axes_and_not_the_principal_moments(tmp_path: Path) -> None:
+    (tmp_path / "b").mkdir()
+    exact = one(tmp_path / "a", make_drawn_arm(format_inertial(wrong("products_sign"))))
+    assert "the inertia tensor is about other axes" in exact.message
+    assert "principal moments" not in exact.message
+    larger = replace(TRUE, tensor=1.12 * TRUE.tensor)
+    near = one(tmp_path / "b", make_drawn_arm(format_inertial(BY_ID["products_sign"](larger, DRAWN))))
+    assert "the inertia tensor is about other axes" in near.message
+    assert re.search(r"the mismatch of the tensor falls from [1-9][.\d]* to 0\.\d+;", near.message)
