@@ -21,13 +21,18 @@ from urdfcheck.output.html.viewer.viewer_page import read_viewer_style, render_v
 from urdfcheck.output.shared.escaping import escape_for_html, escape_for_json
 
 # Layers of the 3D view, in the order of their keys.
-LAYERS = ("visual", "collision", "COM", "inertia", "ellipsoid", "axes", "frames", "holes", "overlaps")
+LAYERS = ("visual", "collision", "COM", "inertia", "ellipsoid", "axes", "frames", "holes", "overlaps", "ground")
 KEYS = (
     ("/", "search the findings"),
     ("j, k", "next and previous finding"),
     ("Enter", "open or close it"),
     ("h", "the whole robot in 3D"),
-    ("1 to 9", "3D layers: " + ", ".join(f"{number} {layer}" for number, layer in enumerate(LAYERS, 1))),
+    ("1 to 9, 0", "3D layers: " + ", ".join(f"{number % 10} {layer}" for number, layer in enumerate(LAYERS, 1))),
+    ("b", "hold: the other state of a repair in 3D, before or after"),
+    (
+        "\u2190 \u2191 \u2192 \u2193, + \u2212",
+        "orbit and zoom the 3D view when it has the focus; with Shift, arrows move it",
+    ),
     ("Esc", "clear selection, search and filters"),
     ("?", "this list"),
 )
