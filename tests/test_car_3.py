@@ -36,7 +36,12 @@ SAID: list[tuple[str, str, int, tuple[str, ...]]] = [
     ("XAC002", XACRO, 6, ("base_y", "0.094")),
     ("XAC005", XACRO, 3, ("M_PI", "3.14159", "6 digits")),
     ("XAC006", XACRO, 2, ("http://ros.org/wiki/xacro in 2 files", "http://www.ros.org/wiki/xacro")),
-    ("XAC009", XACRO, 46, ("only wheel_1 has pitch -0.75239", 'params="name x y"', "this drops pitch -0.75239 of wheel_1")),
+    (
+        "XAC009",
+        XACRO,
+        46,
+        ("only wheel_1 has pitch -0.75239", 'params="name x y"', "this drops pitch -0.75239 of wheel_1"),
+    ),
     ("NAM003", XACRO, 2, ("car_body",)),
     ("PKG006", "package.xml", 3, ("car-3",)),
     ("CTL002", XACRO, 2, ("wheel_1_to_base_link",)),
