@@ -299,6 +299,23 @@ def test_each_generation_of_ros_has_removed_its_own(tmp_path: Path, body: str, n
     assert [e.replacement for f in findings if f.fix is not None for e in f.fix.edits] == new
 
 
+@pytest.mark.parametrize(
+    ("body", "program", "effect"),
+    [
+        ('<node name="n" pkg="robot_state_publisher" type="state_publisher"/>', "rviz", "shows no robot"),
+        ('<node pkg="rviz" exec="rviz"/>', "rviz", "fails to start"),
+        ('<node name="n" pkg="gazebo" type="spawn_model"/>', "gazebo", "without the robot"),
+        ('<node pkg="controller_manager" exec="spawner.py"/>', "ros2_control", "without the controllers"),
+    ],
+)
+def test_a_removed_executable_affects_the_program_that_needs_it(
+    tmp_path: Path, body: str, program: str, effect: str
+) -> None:
+    (finding,) = find_in_launch(tmp_path, body, "LCH003")
+    assert list(finding.consequences) == [program]
+    assert effect in finding.consequences[program]
+
+
 def test_the_old_xacro_script(tmp_path: Path) -> None:
     body = '<param name="robot_description" command="$(find xacro)/xacro.py $(find car)/urdf/car.urdf"/>'
     (finding,) = find_in_package(tmp_path, body, "LCH003")
