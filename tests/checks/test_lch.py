@@ -265,6 +265,12 @@ def test_the_robots_own_name_is_the_missing_value(tmp_path: Path) -> None:
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("-model", "-model car")]
 
 
+def test_what_create_takes_for_the_value_may_still_spawn_a_robot(tmp_path: Path) -> None:
+    node = '<node pkg="ros_gz_sim" exec="create" args="-topic robot_description -name -z 1"/>'
+    (finding,) = find_in_launch(tmp_path, node, "LCH002")
+    assert finding.consequences == {"gazebo": "spawns it with '-z' as the value of -name, if at all"}
+
+
 @pytest.mark.parametrize(
     ("args", "title"),
     [
@@ -425,6 +431,20 @@ def transform(words: str) -> str:
 )
 def test_static_transforms_against_the_model(tmp_path: Path, words: str, messages: list[str]) -> None:
     assert [f.message_id for f in find_in_package(tmp_path, transform(words), "LCH005")] == messages
+
+
+@pytest.mark.parametrize(
+    ("words", "effect"),
+    [
+        ("0 0 0 0 0 0 odom laser", "draws laser where the last message put it"),
+        ("0 0 0 0 0 0 laser base_link", "reports lookup errors"),
+        ("0 0 0 0 0 0 bace_link camera", "leaves camera unconnected"),
+        ("0 0 0 0 0 0 1 base_link base_footprint", "once odometry publishes it"),
+    ],
+)
+def test_each_conflict_of_frames_has_its_own_effect_in_rviz(tmp_path: Path, words: str, effect: str) -> None:
+    (finding,) = find_in_package(tmp_path, transform(words), "LCH005")
+    assert effect in finding.consequences["rviz"]
 
 
 @pytest.mark.parametrize(
