@@ -313,7 +313,7 @@ class TestOutputs:
     def test_no_model_of_the_page_looks_clean(self, run: Run) -> None:
         page = html.render(run)
         assert "No findings" not in page
-        assert page.count("Shared with other models, told there") == 3
+        assert page.count("Shared with other models, listed there") == 3
 
 
 @pytest.mark.slow

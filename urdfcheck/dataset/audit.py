@@ -96,8 +96,8 @@ def audit_dataset(
                 progress(len(todo), len(todo))
             finished = len(units) - len(todo) + checked
             raise UrdfcheckError(
-                f"interrupted: {finished:,} of {len(units):,} models and files are finished and kept in {folder}; "
-                "the same command goes on from there"
+                f"interrupted: results of {finished:,} of {len(units):,} models and files are kept in {folder}; "
+                "run the same command again to continue"
             ) from None
         parts = AuditedParts(units, map(journal.read_text, keys), plan)
         plan = replace(plan, unused=(*plan.unused, *parts.unused))

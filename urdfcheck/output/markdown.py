@@ -51,7 +51,7 @@ SIGNS = {Severity.ERROR: "❌", Severity.WARNING: "⚠️", Severity.INFO: "ℹ�
 VERDICT_SIGNS = {"error": "❌", "unchecked": GLYPH, "warning": "⚠️", "ok": "✅"}
 APPLICABILITY_TEXTS = {
     Applicability.SAFE: "safe to apply as shown",
-    Applicability.UNSAFE: "review it before it is applied",
+    Applicability.UNSAFE: "review first",
 }
 # Limits of a table cell and of a diff, in characters, effects and lines: the other reports have everything.
 LONGEST_TEXT, MOST_EFFECTS, MOST_LINES = 600, 3, 30

@@ -80,7 +80,12 @@ def finalize_unit_findings(
     safe = mark_unsafe_in_model(remaining, root)
     listed, unlisted = limit_number(sorted(safe, key=get_sort_key))
     skips = [
-        SkippedCheck(code, unit.id, f"{count:,} more findings ({severity}) are not listed", is_partial=True)
+        SkippedCheck(
+            code,
+            unit.id,
+            f"{severity}s not listed: {count:,}",
+            is_partial=True,
+        )
         for (code, severity), count in unlisted.items()
     ]
     small, size = limit_size(listed, MAX_FINDINGS_SIZE)

@@ -47,9 +47,9 @@ def _render_rule_page(rule: Rule) -> str:
 
 def _render_skipped_checks(run: Run) -> str:
     if not run.skipped and run.unchecked_models:
-        text = "<p>Every check could run on the models that were checked.</p>"
+        text = "<p>All checks ran on the checked models.</p>"
     elif not run.skipped:
-        text = "<p>Every check of this run could run on every model.</p>"
+        text = "<p>All checks ran on every model.</p>"
     else:
         count = len({(s.code, s.reason) for s in run.skipped})
         text = f"<details><summary>{format_count(count, 'check')} could not run</summary>{render_skipped_table(run)}</details>"

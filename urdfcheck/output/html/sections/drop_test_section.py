@@ -43,7 +43,7 @@ def _render_outcomes_table(drop_test: DropTest) -> str:
         cells = "".join(f"<td>{escape_html(_replace_minus_sign(word(release)))}</td>" for release in runs)
         rows.append(f'<tr><th scope="row">{name}</th>{cells}</tr>')
     return render_table(
-        f"What came of it. {escape_html(describe_reference_scales(drop_test))}", f"<tr><td></td>{heads}</tr>", rows
+        f"Results. {escape_html(describe_reference_scales(drop_test))}", f"<tr><td></td>{heads}</tr>", rows
     )
 
 

@@ -76,7 +76,7 @@ def _render_shared(part: ReportPart) -> str:
         for card in part.shared
         if card.finding.suppressed is None
     )
-    return f'<h4>Shared with other models, told there</h4><ul class="subjects">{items}</ul>' if items else ""
+    return f'<h4>Shared with other models, listed there</h4><ul class="subjects">{items}</ul>' if items else ""
 
 
 def _render_status(info: ModelInfo) -> str:

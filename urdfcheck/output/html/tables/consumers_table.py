@@ -26,9 +26,7 @@ def render_consumers_table(findings: Iterable[Finding], rules: Mapping[str, Rule
         _render_consumer_row(name, outcome, rules, _render_launch_cell(name, launched, rules))
         for name, outcome in predict_outcomes(findings).items()
     )
-    return render_table(
-        "What each program does with the model, as far as these findings tell", f"<tr>{head}</tr>", rows
-    )
+    return render_table("What each program does with the model, according to these findings", f"<tr>{head}</tr>", rows)
 
 
 def _render_consumer_row(name: str, outcome: ConsumerOutcome, rules: Collection[str], launch_cell: str) -> str:
