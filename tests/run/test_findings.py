@@ -163,7 +163,7 @@ class TestRun:
 
     def test_findings_of_all_units_are_in_one_order(self) -> None:
         two = replace(UNIT, id="a.urdf", path="a.urdf")
-        first, second = inertia("x", model=UNIT.id), inertia("y", at=5, model="a.urdf")
+        first, second = inertia("x", model=UNIT.id), inertia("y", span=place(5, file="a.urdf"), model="a.urdf")
         run = self.settle((UNIT, UnitReport(findings=(first,))), (two, UnitReport(findings=(second,))))
         assert run == (second, first)
 

@@ -25,6 +25,7 @@ from urdfcheck.rules import has_check, load_rules
 from urdfcheck.run.assemble_run import collect_versions, report_foreign_libraries
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
 from urdfcheck.run.pipeline import audit_session, plan_units
+from urdfcheck.run.shared_findings import merge_kinds
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.plan import Plan
 from urdfcheck.version import __version__
@@ -135,7 +136,7 @@ def encode_unit_line(unit: Unit, report: UnitReport) -> bytes:
         unit.id,
         path,
         info=info,
-        findings=report.findings,
+        findings=merge_kinds(report.findings),
         skipped=report.skipped,
         failures=report.failures,
     )

@@ -9,6 +9,7 @@ from rich.text import Text
 from urdfcheck.core import Applicability, Finding, Fix, Run
 from urdfcheck.output.shared.code_frames import find_attribute_around
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
+from urdfcheck.output.shared.verdict.finding_details import describe_other_places
 from urdfcheck.output.shared.wording import PROGRAM_NAMES, describe_models, group_by_effect
 from urdfcheck.output.text.code_frame_lines import iter_code_frame
 from urdfcheck.output.text.lines import (
@@ -44,7 +45,10 @@ def iter_full_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     for call in reversed(finding.location.via):
         caller = f"{escape_one_line(call.file)}:{call.line}:{call.col}  {get_first_line(run, call)}"
         yield from wrap_labelled("from", caller, width)
-    related = [(place.subject, place.span) for place in finding.related if place.span is not None]
+    for other in describe_other_places(finding):
+        yield from wrap_labelled("also", escape_invisible(other), width)
+    told = {own.location.span for own in finding.occurrences}
+    related = [(place.subject, place.span) for place in finding.related if place.span and place.span not in told]
     for subject, place in related[:MAX_RELATED]:
         yield from wrap_labelled(
             "see", f"{escape_one_line(place.file)}:{place.line}  {escape_one_line(subject)}", width

@@ -38,7 +38,7 @@ def _render_rule_page(rule: Rule) -> str:
     )
     code = escape_html(rule.code)
     return (
-        f'<details class="rule"><summary><h3><span class="rule-code">{code}</span> {escape_html(rule.name)}</h3></summary>'
+        f'<details class="rule screen"><summary><h3><span class="rule-code">{code}</span> {escape_html(rule.name)}</h3></summary>'
         # A browser opens a fold whose content is the target of a link, but not a fold that is itself the target.
         f'<div id="rule-{code}"><p class="facts">{rule.severity} · {rule.confidence} · since {escape_html(rule.since)}</p>'
         f"{shown}</div></details>"
