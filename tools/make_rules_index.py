@@ -6,7 +6,7 @@ from pathlib import Path
 
 from urdfcheck.core import Applicability, Rule, Verdict
 from urdfcheck.policy.consumers import CONSUMERS
-from urdfcheck.rules import load_families, load_rules
+from urdfcheck.rules import describe_on_request, load_families, load_rules
 
 FIX = {Applicability.SAFE: "safe", Applicability.UNSAFE: "unsafe", Applicability.DISPLAY: "–"}
 
@@ -18,7 +18,8 @@ How to add one stands in [CONTRIBUTING](../CONTRIBUTING.md). This index is made 
 
 *fix*: what `--fix` repairs by itself (**safe**), what it repairs when asked (`--unsafe-fixes`: **unsafe**), and what takes a
 person (–). *programs*: what those that read the model do with the defect at worst, if it is more than loading what was typed;
-the page tells it in words.
+the page tells it in words. *Notes only on request*: they are reported with `-v`, where `--select`, `select`, `severity` or
+`options` name the rule (`ALL` names every rule), and where they matter to a target.
 """
 
 
@@ -35,7 +36,7 @@ def render_index() -> str:
             page = f"{rule.code}-{rule.name}.md"
             parts.append(
                 f"| [{rule.code}]({page}) | {rule.name} | {rule.severity} | {rule.confidence} | {FIX[rule.fix]} "
-                f"| {_escape_cell(rule.summary)} | {_list_programs(rule)} |\n"
+                f"| {_escape_cell(rule.summary)}{_format_on_request(rule)} | {_list_programs(rule)} |\n"
             )
     return "".join(parts)
 
@@ -52,6 +53,11 @@ def _list_programs(rule: Rule) -> str:
         names = [name for name in CONSUMERS if worst.get(name) is verdict]
         told.append(f"**{verdict}** {', '.join(names)}")
     return "; ".join(told) or "–"
+
+
+def _format_on_request(rule: Rule) -> str:
+    told = describe_on_request(rule)
+    return f" *({told.partition(' (')[0]})*" if told else ""
 
 
 def _escape_cell(text: str) -> str:

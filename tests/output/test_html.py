@@ -429,9 +429,11 @@ def test_many_related_places_are_named_but_not_all_quoted() -> None:
 
 
 def test_consumers_that_do_the_same_share_a_line() -> None:
-    found = document(a_run(finding(consequences={"mujoco": "refuses", "drake": "refuses", "my_sim": "loads"})))
+    effects = {"mujoco": "refuses", "drake": "refuses", "my_sim": "loads", "other_sim": "ignores"}
+    found = document(a_run(finding(consequences=effects)))
     assert "MuJoCo, Drake" in found.text
-    assert "my_sim" in found.text
+    assert "other_sim" in found.text
+    assert "my_sim" not in found.text  # it loads what was typed, like every program that is not named
 
 
 def test_a_finding_of_an_unknown_rule_links_nowhere() -> None:

@@ -133,12 +133,24 @@ def test_many_related_places_are_counted() -> None:
 
 
 def test_the_last_line_counts() -> None:
-    assert render(a_run()).splitlines()[-1] == "✖ 1 error · ▲ 1 warning · 1 note (-v) · 1 model · 0.2 s"
+    counts = "✖ 1 error · ▲ 1 warning · 1 note"
+    assert render(a_run(), detail=DetailLevel.BRIEF).splitlines()[-1] == f"{counts} (-v) · 1 model · 0.2 s"
+    assert render(a_run()).splitlines()[-1] == f"{counts} · 1 model · 0.2 s"  # they are printed
+
+
+def test_the_last_line_counts_notes_that_nobody_asked_for() -> None:
+    note = finding(severity=Severity.INFO, code="COL002")
+    shared = replace(
+        a_run(), findings=(), unrequested=(note, replace(note, model="other"), replace(note, code="MSH013"))
+    )
+    line = render(shared, detail=DetailLevel.BRIEF).splitlines()[-1]
+    assert line == "✔ no errors, no warnings (2 notes: -v) · 1 model · 0.2 s"
 
 
 def test_a_pass_looks_like_a_pass() -> None:
     notes = a_run(finding(severity=Severity.INFO), finding(severity=Severity.INFO, code="INR001"))
-    assert render(notes).splitlines()[-1] == "✔ no errors, no warnings (2 notes: -v) · 1 model · 0.2 s"
+    brief = render(notes, detail=DetailLevel.BRIEF)
+    assert brief.splitlines()[-1] == "✔ no errors, no warnings (2 notes: -v) · 1 model · 0.2 s"
     assert render(a_run()).splitlines()[-1].startswith("✖")
     assert render(replace(a_run(), findings=())).splitlines()[-1] == "✔ no errors, no warnings · 1 model · 0.2 s"
 
@@ -169,7 +181,7 @@ def test_in_brief_a_finding_is_what_is_wrong_where_who_minds_and_the_repair() ->
     at = lines.index("✖ error INR003 wheel: no body can have this inertia (12 % short)")
     assert re.match(rf"  --> {re.escape(FILE)}:\d+:\d+  \(also :\d+\)$", lines[at + 1])
     assert "^" in lines[at + 3]
-    assert lines[at + 4] == "  = hits MuJoCo: refuses to compile · Drake: replaces the inertia"
+    assert lines[at + 4] == "  = hits MuJoCo refuses to compile · Drake replaces the inertia"
     assert lines[at + 5] == "  = fix  put the point back [--fix --unsafe-fixes]"
     assert lines[at + 6].endswith('- izz="0.09"')
     assert lines[at + 7].endswith('+ izz="0.019"')

@@ -80,6 +80,8 @@ class Rule:
     """Name of its check module."""
     page: str
     """Text of its page."""
+    on_request: frozenset[str] = frozenset()
+    """Ids of the messages whose notes (infos) are reported only when somebody asks for them."""
     layers: tuple[str, ...] = ("visual",)
     """What the 3D view of the report shows for a finding: layers of its viewer."""
 

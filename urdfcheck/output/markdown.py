@@ -21,6 +21,7 @@ from urdfcheck.output.shared.escaping import (
     format_code_span,
 )
 from urdfcheck.output.shared.mermaid_chart import build_mermaid_chart
+from urdfcheck.output.shared.verdict.effects import list_effects
 from urdfcheck.output.shared.verdict.not_checked import (
     ACCEPTING_KEY,
     ACCEPTING_OPTION,
@@ -32,13 +33,11 @@ from urdfcheck.output.shared.verdict.not_checked import (
 )
 from urdfcheck.output.shared.verdict.verdict import describe_checked_units, summarize_verdict
 from urdfcheck.output.shared.wording import (
-    PROGRAM_NAMES,
     SEVERITY_ORDER,
     describe_found_arguments,
     describe_models,
     format_count,
     format_place,
-    group_by_effect,
     join_first,
     sort_worst_first,
 )
@@ -177,10 +176,10 @@ def _format_finding_row(run: Run, finding: Finding) -> str:
         format_code_span(f"{name}:={value}") for name, value in sorted(run.find_variant_arguments(finding).items())
     )
     message = escape_for_markdown(_truncate_text(finding.message))
-    effects = []
-    for effect, programs in group_by_effect(finding.consequences).items():
-        names = ", ".join(escape_for_markdown(PROGRAM_NAMES.get(program, program)) for program in programs)
-        effects.append(f"→ {names}: {escape_for_markdown(_truncate_text(effect))}")
+    effects = [
+        f"→ {escape_for_markdown(names)}: {escape_for_markdown(_truncate_text(effect))}"
+        for names, effect in list_effects(run, finding)
+    ]
     models = describe_models(run, finding)
     shared = f" in {escape_for_markdown(models)}" if models else ""
     headline = f"**{escape_for_markdown(finding.headline)}**"

@@ -413,6 +413,7 @@ class _UnitAudit:
             findings=settled.findings,
             skipped=(*self.skipped, *settled.unlisted, *undrawn),
             info=None if info is None else replace(info, seconds=round(seconds, 3)),
+            unrequested=settled.unrequested,
             findings_size=settled.size,
             scene=scene,
             scene_size=scene_size,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from urdfcheck.core import Confidence, Finding, ModelInfo, Run, Severity, Span, Verdict
 from urdfcheck.output.shared.escaping import escape_one_line
@@ -62,14 +62,6 @@ def format_concise(run: Run, finding: Finding) -> str:
     span = finding.location.span
     place = find_finding_file(run, finding) if span is None else format_place(span)
     return escape_one_line(f"{place}: {finding.severity} {finding.code} {finding.headline}")
-
-
-def group_by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
-    """Group the programs by effect: programs that do the same thing share a line."""
-    effects: dict[str, list[str]] = {}
-    for program, effect in consequences.items():
-        effects.setdefault(effect, []).append(program)
-    return effects
 
 
 def describe_found_arguments(info: ModelInfo) -> str:

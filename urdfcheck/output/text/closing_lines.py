@@ -79,8 +79,11 @@ def format_glyph(models: Sequence[ModelInfo]) -> Text:
     return Text(f"{GLYPH} ", "bold yellow" if all(map(is_accepted, models)) else "bold red")
 
 
-def format_summary(run: Run) -> Text:
-    """Format the last line: what was not checked, the findings by severity, and how much was checked in which time."""
+def format_summary(run: Run, *, is_full: bool = False) -> Text:
+    """Format the last line: what was not checked, the findings by severity, and how much was checked in which time.
+
+    ``is_full``: whether all that is known was printed; else the line says what prints the notes.
+    """
     if not run.units and not run.failures:
         return Text("nothing to check: no model, launch file or package was found there", "bold")
     unchecked = describe_not_checked(run)
@@ -95,20 +98,26 @@ def format_summary(run: Run) -> Text:
         text.append(f"{GLYPH} not finished: {format_count(len(run.failures), 'failure')} · ", "bold red")
     if unchecked:
         text.append_text(format_glyph(run.unchecked_models)).append(f"{unchecked} · ", "bold")
-    notes = counts[Severity.INFO]
+    notes = format_count(counts[Severity.INFO] + _count_unrequested(run), "note")
+    has_notes, how = not notes.startswith("0 "), "" if is_full else "-v"
     if not counts[Severity.ERROR] and not counts[Severity.WARNING]:
         if run.failures or unchecked:
-            text.append("nothing else found" if not notes else "no other errors or warnings")
+            text.append("nothing else found" if not has_notes else "no other errors or warnings")
         else:
             text.append("✔ no errors, no warnings", "bold green")
-        text.append(f" ({format_count(notes, 'note')}: -v)" if notes else "", "dim")
+        text.append(f" ({notes}{how and f': {how}'})" if has_notes else "", "dim")
         return text.append(end, "dim")
     for severity in (Severity.ERROR, Severity.WARNING):
         if counts[severity]:
             text.append(f"{GLYPHS[severity]} {format_count(counts[severity], str(severity))}", STYLES[severity])
             text.append(" · ", "dim")
-    text.append(f"{format_count(notes, 'note')} (-v) · " if notes else "", "dim")
+    text.append(f"{notes}{how and f' ({how})'} · " if has_notes else "", "dim")
     return text.append(end.removeprefix(" · "), "dim")
+
+
+def _count_unrequested(run: Run) -> int:
+    """Count the notes that nobody asked for, those of several models at one place once."""
+    return len({(f.code, f.message_id, f.location.span or f.model) for f in run.unrequested})
 
 
 def describe_fixable(run: Run) -> str:

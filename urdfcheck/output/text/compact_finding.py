@@ -8,10 +8,11 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from rich.text import Text
 
-from urdfcheck.core import Finding, Run, Verdict
+from urdfcheck.core import Finding, Run
 from urdfcheck.output.shared.code_frames import find_attribute_around
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
-from urdfcheck.output.shared.wording import PROGRAM_NAMES, describe_models, get_base_name, group_by_effect, join_first
+from urdfcheck.output.shared.verdict.effects import ToldEffects, describe_hits
+from urdfcheck.output.shared.wording import describe_models, get_base_name, join_first
 from urdfcheck.output.text.code_frame_lines import iter_code_frame
 from urdfcheck.output.text.full_finding import FIX_OPTIONS
 from urdfcheck.output.text.lines import STYLES, format_finding_title, wrap_text
@@ -21,9 +22,11 @@ _NAMED = re.compile(r"\w+\[([^\]]+)\]")
 _MOST_PLACES, _MOST_SUBJECTS = 3, 3
 # Lines that the repair in words may take, and the message where there is no code.
 _MOST_LINES = 2
+# Columns before the text of a line with a label.
+_INDENT = 9
 
 
-def iter_compact_finding(run: Run, finding: Finding, width: int, told: set[tuple[str, str]]) -> Iterator[Text]:
+def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffects) -> Iterator[Text]:
     """Yield the lines of a finding. ``told``: what programs do was said of these rules, in these words; more is added."""
     yield from wrap_text(format_finding_title(finding), width)
     yield _format_places(finding, width)
@@ -42,7 +45,7 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: set[tuple
         yield _format_line("with", Text(escape_one_line(given)), width)
     if len(names := _list_names(finding)) > 1:
         yield _format_line("for", Text(escape_one_line(join_first(names, _MOST_SUBJECTS))), width)
-    hits = describe_hits(finding)
+    hits = describe_hits(run, finding, width - _INDENT)
     if hits and (finding.code, hits) not in told:
         told.add((finding.code, hits))
         yield _format_line("hits", Text(escape_invisible(hits)), width)
@@ -63,14 +66,6 @@ def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
         yield Text.assemble(line, (more, "dim"), (place, "dim"))
     if findings:
         yield Text()
-
-
-def describe_hits(finding: Finding) -> str:
-    """Say what programs do with a defect, apart from loading it as typed; the worst first."""
-    effects = group_by_effect(finding.consequences)
-    news = {effect: names for effect, names in effects.items() if not effect.startswith("loads")}
-    worst = sorted(news.items(), key=lambda item: -Verdict.from_sentence(item[0]))
-    return " · ".join(f"{', '.join(PROGRAM_NAMES.get(n, n) for n in names)}: {effect}" for effect, names in worst)
 
 
 def _list_names(finding: Finding) -> list[str]:
@@ -129,7 +124,7 @@ def _iter_fix_lines(run: Run, finding: Finding, width: int) -> Iterator[Text]:
         if lines[-1].cell_len + len(option) <= width:
             lines[-1].append(option, "dim")
         else:
-            lines.append(Text.assemble(" " * 9, (option.strip(), "dim")))
+            lines.append(Text.assemble(" " * _INDENT, (option.strip(), "dim")))
     yield from lines
     if len(fix.edits) != 1:
         return
@@ -140,7 +135,7 @@ def _iter_fix_lines(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     for sign, text, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
         if text.strip():
             shown = Text.assemble(
-                " " * 9, (f"{sign} {before}", "dim"), (escape_invisible(text.strip()), style), (after, "dim")
+                " " * _INDENT, (f"{sign} {before}", "dim"), (escape_invisible(text.strip()), style), (after, "dim")
             )
             shown.truncate(width, overflow="ellipsis")
             yield shown

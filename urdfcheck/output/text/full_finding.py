@@ -9,7 +9,8 @@ from rich.text import Text
 from urdfcheck.core import Applicability, Finding, Fix, Run
 from urdfcheck.output.shared.code_frames import find_attribute_around
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
-from urdfcheck.output.shared.wording import PROGRAM_NAMES, describe_models, group_by_effect
+from urdfcheck.output.shared.verdict.effects import ToldEffects, list_new_effects
+from urdfcheck.output.shared.wording import describe_models
 from urdfcheck.output.text.code_frame_lines import iter_code_frame
 from urdfcheck.output.text.lines import (
     STYLES,
@@ -25,8 +26,11 @@ FIX_OPTIONS = {Applicability.SAFE: "--fix", Applicability.UNSAFE: "--fix --unsaf
 MAX_RELATED = 4
 
 
-def iter_full_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
-    """Yield the lines of a finding: headline, place, message, code, callers, related places, cause, consequences, fix."""
+def iter_full_finding(run: Run, finding: Finding, width: int, told: ToldEffects) -> Iterator[Text]:
+    """Yield the lines of a finding: headline, place, message, code, callers, related places, cause, consequences, fix.
+
+    ``told``: the consequences that the report told already; more is added.
+    """
     yield from _iter_finding_head(finding, width)
     span = finding.location.span
     yield from wrap_text(Text(escape_invisible(finding.message)), width, Text("  "))
@@ -53,9 +57,8 @@ def iter_full_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
         yield from wrap_labelled("see", format_remainder(len(related) - MAX_RELATED, "place"), width)
     if finding.cause_text is not None:
         yield from wrap_labelled("why", escape_invisible(finding.cause_text), width)
-    for effect, programs in group_by_effect(finding.consequences).items():
-        names = ", ".join(PROGRAM_NAMES.get(program, program) for program in programs)
-        yield from wrap_labelled("then", f"{names}: {escape_invisible(effect)}", width)
+    for programs, effect in list_new_effects(run, finding, told, every=True):
+        yield from wrap_labelled("then", f"{programs}: {escape_invisible(effect)}", width)
     if finding.fix is not None:
         yield from _iter_fix_lines(run, finding, finding.fix, width)
     yield Text()

@@ -10,14 +10,13 @@ from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import escape_html, render_prose
 from urdfcheck.output.html.sections.code_listing import render_code_frame, render_diff
 from urdfcheck.output.shared.anchors import FindingCard, parse_element_key
+from urdfcheck.output.shared.verdict.effects import list_effects
 from urdfcheck.output.shared.verdict.not_checked import explain_block
 from urdfcheck.output.shared.wording import (
-    PROGRAM_NAMES,
     describe_models,
     format_count,
     format_place,
     get_base_name,
-    group_by_effect,
 )
 
 MOST_SUBJECTS = 6
@@ -179,11 +178,8 @@ def _render_explanation(run: Run, finding: Finding) -> str:
         parts.append(f'<div class="why"><h5>Not checked</h5><p>{render_prose(block)}</p></div>')
     if finding.cause_text is not None:
         parts.append(f'<div class="why"><h5>Why</h5><p>{render_prose(finding.cause_text)}</p></div>')
-    if finding.consequences:
-        rows = []
-        for effect, programs in group_by_effect(finding.consequences).items():
-            names = escape_html(", ".join(PROGRAM_NAMES.get(program, program) for program in programs))
-            rows.append(f"<div><dt>{names}</dt><dd>{render_prose(effect)}</dd></div>")
+    if effects := list_effects(run, finding):
+        rows = [f"<div><dt>{escape_html(names)}</dt><dd>{render_prose(effect)}</dd></div>" for names, effect in effects]
         parts.append(f'<div class="then"><h5>What follows</h5><dl>{"".join(rows)}</dl></div>')
     hidden = finding.data.get("hides", ())
     if hidden:

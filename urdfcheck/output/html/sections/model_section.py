@@ -112,7 +112,8 @@ def _render_scene_sections(run: Run, part: ReportPart) -> str:
 
     marks = compute_severity_marks(part.all_cards, scene.frames)
     tree = render_tree(scene, marks, f"Kinematic tree of {part.title}")
-    programs = render_consumers_table((card.finding for card in part.all_cards), run.rules)
+    told = [card.finding for card in part.all_cards]
+    programs = render_consumers_table([*told, *(f for f in run.unrequested if f.model == scene.model)], run.rules)
     sections = [render_section("kinematics", "tree", f"<h3>Kinematic tree</h3>{tree}")]
     if part.drop is not None:
         sections.append(render_section("drop", "drop", render_drop_test(part.drop)))
