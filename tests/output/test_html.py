@@ -552,7 +552,7 @@ def test_later_hunks_count_the_lines_that_earlier_ones_add() -> None:
 
 def test_diff_of_a_text_that_changed_shows_old_and_new_only() -> None:
     edit = Edit(span_of("0.09"), "0.08", "0.019")
-    assert plain(render_diff({FILE: SOURCE}, [edit])) == f"{FILE}:9:40\n-0.08\n+0.019\n"
+    assert plain(render_diff({FILE: SOURCE}, [edit])) == f"{FILE}:9\n-0.08\n+0.019\n"
 
 
 def test_many_edits_are_folded() -> None:

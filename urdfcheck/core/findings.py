@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 # What ends a line for every span: str.splitlines() would also break at form feeds and Unicode separators.
 NEWLINE = re.compile(r"\r\n|\n|\r")
@@ -245,6 +245,9 @@ class Finding:
 @dataclass(frozen=True, slots=True)
 class SkippedCheck:
     """A check that could not run on a model, and why."""
+
+    TIER_REASON: ClassVar[str] = "needs --tier "
+    """What the reason of a check begins with that takes more than was to be computed."""
 
     code: str
     model: str

@@ -95,6 +95,8 @@ class Run:
     """Versions of urdfcheck, Python and libraries."""
     sources: Mapping[str, str]
     """Text of the files with findings, by name."""
+    requested: frozenset[str] = frozenset()
+    """Codes of the rules that the command line or the configuration names."""
     unrequested: tuple[Finding, ...] = ()
     """Notes that nobody asked for: no output lists them, but they tell what programs do with a model too."""
     scenes: tuple[Scene, ...] = ()

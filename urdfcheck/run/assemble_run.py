@@ -61,6 +61,7 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
     return Run(
         models=models,
         findings=findings,
+        requested=request.policy.codes - request.policy.unrequested,
         unrequested=tuple(finding for report in reports for finding in report.unrequested),
         skipped=skipped,
         rules=_select_rules(request, units, findings),

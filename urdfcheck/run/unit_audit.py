@@ -308,7 +308,7 @@ class _UnitAudit:
                 continue
             missing = _find_missing_tier(rule, self.policy.tier)
             if missing:
-                self.add_skip(rule.code, f"needs --tier {missing}")
+                self.add_skip(rule.code, f"{SkippedCheck.TIER_REASON}{missing}")
                 continue
             self.run_guarded(rule.code, partial(self.collect_findings, rule, subject, self.get_options(rule)))
 

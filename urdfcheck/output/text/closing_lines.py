@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from rich.text import Text
 
-from urdfcheck.core import Applicability, ModelInfo, Run, Severity
+from urdfcheck.core import Applicability, ModelInfo, Run, Severity, SkippedCheck
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.not_checked import GLYPH, describe_not_checked, is_accepted
 from urdfcheck.output.shared.verdict.verdict import describe_checked_units
@@ -25,6 +25,8 @@ from urdfcheck.output.text.lines import STYLES, format_finding_title, format_sep
 MAX_CODES = 8
 # A report with more findings repeats its errors and warnings at the end.
 RECAP_THRESHOLD = 8
+# Columns that a title keeps before a long place, and those of a line number.
+_LEAST_TITLE, _LINE_ROOM = 40, 7
 
 
 def iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
@@ -37,14 +39,14 @@ def iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
 def iter_skipped(run: Run, width: int, *, is_full: bool) -> Iterator[Text]:
     """Yield the skipped checks by reason, with their models unless the reason applies to all.
 
-    ``is_full``: also those that nobody asked for, which need a simulator.
+    ``is_full``: also those that nobody misses, see `_is_missed`.
     """
+    reported = {finding.code for finding in run.active_findings}
     reasons: dict[str, tuple[set[str], set[str]]] = {}
     # Of a model of which nothing is known no single check is named.
     unchecked = {info.id for info in run.unchecked_models}
     for skip in run.skipped:
-        wants_simulator = skip.code in run.rules and "simulator" in run.rules[skip.code].needs
-        if skip.model in unchecked or (wants_simulator and not is_full):
+        if skip.model in unchecked or not (is_full or _is_missed(run, skip, reported)):
             continue
         codes, models = reasons.setdefault(skip.reason, (set(), set()))
         codes.add(skip.code)
@@ -58,6 +60,16 @@ def iter_skipped(run: Run, width: int, *, is_full: bool) -> Iterator[Text]:
         yield from wrap_text(Text(line, "dim"), width)
 
 
+def _is_missed(run: Run, skip: SkippedCheck, reported: Collection[str]) -> bool:
+    """Whether a reader who asked for nothing special misses a check: not if it takes more than was to be computed, or a
+    simulator, nor if the reason is a finding of the report."""
+    if skip.code in run.requested or skip.is_partial:
+        return True
+    wants_simulator = skip.code in run.rules and "simulator" in run.rules[skip.code].needs
+    wants_tier = skip.reason.startswith(SkippedCheck.TIER_REASON)
+    return not (wants_simulator or wants_tier or any(code in skip.reason for code in reported))
+
+
 def iter_recap(run: Run, width: int) -> Iterator[Text]:
     """Repeat the errors and warnings of a long report, a line each, at the end where the reader is."""
     serious = [f for f in run.active_findings if f.severity > Severity.INFO]
@@ -69,7 +81,10 @@ def iter_recap(run: Run, width: int) -> Iterator[Text]:
         title = format_finding_title(finding)
         place = "" if span is None else f"  {escape_one_line(span.file)}:{span.line}:{span.col}"
         if title.cell_len + len(place) > width and span is not None:
-            place = f"  {escape_one_line(get_base_name(span.file))}:{span.line}"
+            name = escape_one_line(get_base_name(span.file))
+            # The place stands below the finding too; what is wrong is not cut for it.
+            place = f"  {name if title.cell_len + len(name) + _LINE_ROOM <= width else ''}:{span.line}"
+            title.truncate(max(width - len(place), _LEAST_TITLE), overflow="ellipsis")
         yield Text.assemble(title, (place, "dim"))
     yield Text()
 

@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from rich.text import Text
 
 from urdfcheck.core import Applicability, Finding, Fix, Run
-from urdfcheck.output.shared.code_frames import find_attribute_around
+from urdfcheck.output.shared.diffs import list_line_changes
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.effects import ToldEffects, list_new_effects
 from urdfcheck.output.shared.wording import describe_models
+from urdfcheck.output.text.change_lines import iter_change_lines
 from urdfcheck.output.text.code_frame_lines import iter_code_frame
 from urdfcheck.output.text.lines import (
     STYLES,
@@ -24,6 +25,8 @@ from urdfcheck.output.text.lines import (
 # The options that apply a fix.
 FIX_OPTIONS = {Applicability.SAFE: "--fix", Applicability.UNSAFE: "--fix --unsafe-fixes"}
 MAX_RELATED = 4
+# Columns before the text of a line with a label.
+_INDENT = 8
 
 
 def iter_full_finding(run: Run, finding: Finding, width: int, told: ToldEffects) -> Iterator[Text]:
@@ -85,16 +88,8 @@ def _iter_fix_lines(run: Run, finding: Finding, fix: Fix, width: int) -> Iterato
     yield from wrap_labelled(
         "fix", Text.assemble(escape_invisible(fix.title), (f" [{how}]" if how else "", "dim")), width
     )
-    here = None if finding.location.span is None else finding.location.span.file
-    for edit in fix.edits[:MAX_RELATED]:
-        place = "" if edit.span.file == here else f"{escape_one_line(edit.span.file)}:"
-        before, after = find_attribute_around(run.sources.get(edit.span.file, ""), edit.span)
-        for sign, typed, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
-            for line in typed.strip("\r\n").splitlines():
-                shown = escape_invisible(" ".join(line.split()) if sign == "-" else line)
-                text = Text.assemble(
-                    (f"{place}{edit.span.line} {sign} {before}", "dim"), (shown, style), (after, "dim")
-                )
-                yield from wrap_labelled("", text, width)
-    if len(fix.edits) > MAX_RELATED:
-        yield from wrap_labelled("", Text(format_remainder(len(fix.edits) - MAX_RELATED, "edit"), "dim"), width)
+    changes = list_line_changes(run.sources, fix.edits)
+    yield from iter_change_lines(finding, changes[:MAX_RELATED], indent=_INDENT, width=width, is_cut=False)
+    if len(changes) > MAX_RELATED:
+        more = format_remainder(len(changes) - MAX_RELATED, "changed line")
+        yield from wrap_labelled("", Text(more, "dim"), width)
