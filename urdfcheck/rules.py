@@ -36,6 +36,7 @@ _KEYS = {
     "layers",
     "depends_on_targets",
     "fix",
+    "excess",
     "on_request",
     "options",
     "messages",
@@ -135,6 +136,7 @@ def load_page(path: Path) -> Rule:
             consumers=consumers,
             stem=path.stem.lower().replace("-", "_"),
             page=text,
+            excess=str(meta.get("excess", "")),
             on_request=_parse_on_request(meta.get("on_request", ()), meta["messages"]),
             layers=tuple(meta.get("layers", family.layers)),
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -196,6 +197,8 @@ class Finding:
     """What each program does with the defect."""
     data: Mapping[str, Any] = field(default_factory=dict)
     """The values of the message and further measured ones, for programs."""
+    excess: float = -math.inf
+    """How bad it is among the findings of its rule, for their order: see `Rule.excess`."""
     fix: Fix | None = None
     model: str = ""
     """Id of the model; of several the one with the fewest arguments."""
