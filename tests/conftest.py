@@ -130,9 +130,6 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
-NUMBERS = itertools.count()
-
-
 FAILED = pytest.StashKey[bool]()
 
 
@@ -143,22 +140,50 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     return report
 
 
-@pytest.fixture
-def tmp_path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder of the test's own, and deeper than packages are looked for around a model: not among those of other tests. It
-    stays where the test failed.
+class DeepFolders:
+    """Folders for the tests of this process, one after the other, deeper than packages are looked for around a model: not
+    among those of other tests.
 
-    Made step by step, because pathlib tries the deepest first; numbered here, because pytest renews a link each time; and
-    removed here, because pytest's own removal of the last run but two comes at the end and takes ten seconds of one core.
+    The levels above a test's folder serve all tests: to make and remove them for each takes as long as most tests do. They are
+    left behind where a test failed, with its folder in them, or put something else there.
     """
-    top = folder = tmp_path_factory.getbasetemp() / f"test_{next(NUMBERS)}"
-    top.mkdir()
-    for name in "abcdefg"[: LEVELS_UP + 1]:
-        folder = folder / name
+
+    def __init__(self, top: Path) -> None:
+        self.top = top
+        self.numbers = itertools.count()
+        self.above: Path | None = None
+
+    def make(self) -> Path:
+        """Make the folder of a test."""
+        if self.above is None:
+            self.above = self.top.joinpath(f"deep_{next(self.numbers)}", *"abcdef"[: LEVELS_UP - 1])
+            self.above.mkdir(parents=True)
+        folder = self.above / f"test_{next(self.numbers)}"
         folder.mkdir()
+        return folder
+
+    def remove(self, folder: Path, *, failed: bool) -> None:
+        """Remove the folder of a test, unless it failed."""
+        if not failed:
+            shutil.rmtree(folder, ignore_errors=True)
+        if os.listdir(folder.parent):
+            self.above = None
+
+
+@pytest.fixture(scope="session")
+def deep_folders(tmp_path_factory: pytest.TempPathFactory) -> DeepFolders:
+    return DeepFolders(tmp_path_factory.getbasetemp())
+
+
+@pytest.fixture
+def tmp_path(request: pytest.FixtureRequest, deep_folders: DeepFolders) -> Iterator[Path]:
+    """A folder of the test's own. It stays where the test failed.
+
+    Removed here, because pytest's own removal of the last run but two comes at the end and takes ten seconds of one core.
+    """
+    folder = deep_folders.make()
     yield folder
-    if not request.node.stash.get(FAILED, False):
-        shutil.rmtree(top, ignore_errors=True)
+    deep_folders.remove(folder, failed=request.node.stash.get(FAILED, False))
 
 
 @pytest.fixture(autouse=True)

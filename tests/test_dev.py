@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -32,7 +33,7 @@ def checkout(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def run_page_tests(checkout: Path) -> subprocess.CompletedProcess[str]:
+def run_page_tests(checkout: Path, code: str = "NAM998") -> subprocess.CompletedProcess[str]:
     command = [
         sys.executable,
         "-m",
@@ -42,10 +43,28 @@ def run_page_tests(checkout: Path) -> subprocess.CompletedProcess[str]:
         "no:cacheprovider",
         "tests/test_rules.py",
         "-k",
-        "NAM998 or nam998",
+        f"{code} or {code.lower()}",
     ]
     environment = {"PYTHONPATH": str(checkout), "PATH": "/usr/bin:/bin", "HOME": str(checkout)}
     return subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)
+
+
+@pytest.mark.slow
+def test_the_example_of_contributing_is_a_complete_rule(checkout: Path) -> None:
+    text = (REPOSITORY / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    page = re.search(r"^````markdown\n(.*?)^````$", text, re.MULTILINE | re.DOTALL)
+    check = re.search(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    assert page is not None
+    assert check is not None
+    page_path, check_path = "rules/NAM008-dangling-underscore.md", "urdfcheck/checks/nam008_dangling_underscore.py"
+    assert page_path in text
+    assert check_path in text
+    (checkout / page_path).write_text(page[1], encoding="utf-8")
+    (checkout / check_path).write_text(check[1], encoding="utf-8")
+    done = run_page_tests(checkout, "NAM008")
+    assert done.returncode == 0, done.stdout + done.stderr
+    (checkout / check_path).write_text(check[1].replace('endswith("_")', 'endswith("-")'), encoding="utf-8")
+    assert run_page_tests(checkout, "NAM008").returncode == 1
 
 
 @pytest.mark.slow

@@ -205,7 +205,7 @@ def test_a_file_that_is_no_text_is_a_finding_when_it_is_named(checked: Checked, 
 @pytest.mark.parametrize(
     ("folder", "said"),
     # The devices are links to one, which lies outside.
-    [("special-pipe", "neither a file nor a folder"), ("special-device", "outside of the folders")],
+    [("special-pipe", "neither a file nor a folder"), ("special-device", "outside the folders")],
 )
 def test_pipes_and_devices_are_named_and_not_opened(checked: Checked, folder: str, said: str) -> None:
     names = ["model.urdf", "part.xacro", "part.stl", "start.launch"]

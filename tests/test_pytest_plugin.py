@@ -47,7 +47,9 @@ def folder(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytest
 
 
 def run(folder: pytest.Pytester, *words: str) -> pytest.RunResult:
-    return folder.runpytest_inprocess("-p", "urdfcheck.plugins.pytest_plugin", "--urdfcheck-args=--tier=source", *words)
+    # The package is imported already, so pytest cannot rewrite the plugin's assertions, and would warn.
+    plugin = ("-p", "urdfcheck.plugins.pytest_plugin", "-W", "ignore::pytest.PytestAssertRewriteWarning")
+    return folder.runpytest_inprocess(*plugin, "--urdfcheck-args=--tier=source", *words)
 
 
 def test_each_model_is_a_test_and_a_failure_reads_like_the_report(folder: pytest.Pytester) -> None:

@@ -339,7 +339,7 @@ def test_an_engine_is_given_robots_only(text: str, tmp_path: Path, capsys: pytes
     model.write_text(text.format(tmp_path / "other.xml"))
     assert cli.main(["engines", str(model), "--isolated"]) == cli.FAILED
     said = capsys.readouterr()
-    assert "what is no <robot>" in said.err
+    assert "only readable files with a <robot>" in said.err
     assert not said.out
 
 

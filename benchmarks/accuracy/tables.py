@@ -26,7 +26,9 @@ def parts(cases: Sequence[Outcome | Excluded]) -> str:
         _summary(asked, shown, hidden, nameless),
         _recall("Kinds that one link shows", sorted(shown), asked, left_out),
         _recall("Kinds that one link need not show", sorted(hidden), asked, left_out),
-        _others("Kinds that other rules name", "What the diagnosis by itself says of them", sorted(elsewhere), asked),
+        _others(
+            "Kinds that other rules name", "What the diagnosis by itself says about them", sorted(elsewhere), asked
+        ),
         _others("Mistakes without a name", "Every cause that is named is wrong", sorted(nameless), asked),
         _confusions([c for c in asked if c.kind in shown | hidden | {CLEAN}]),
         _blamed([c for c in asked if c.mode == "blamed" and c.kind in shown | hidden | nameless]),

@@ -91,7 +91,7 @@ def test_the_points_of_a_robot_are_one_finding(tmp_path: Path) -> None:
     point = geometry("collision", '<sphere radius="0"/>')
     text = robot(link("a", point, point), link("b", point), joint("j", "a", "b"))
     (finding,) = find(tmp_path, text, "GEO001")
-    assert finding.message.startswith("3 collision spheres have the radius 0, at a, b:")
+    assert finding.message.startswith("3 collision spheres have radius 0 (a, b):")
     assert (len(finding.subjects), len(finding.related)) == (3, 2)
 
 

@@ -195,7 +195,7 @@ def test_what_hangs_on_a_link_that_is_left_out_is_no_finding_of_its_own(tmp_path
     )
     (finding,) = find(tmp_path, robot(body), "GZB003")
     assert "named" in finding.message
-    assert "(2)" in finding.message
+    assert "named and 2 links below it" in finding.message
 
 
 OFF = "<turnGravityOff>true</turnGravityOff>"

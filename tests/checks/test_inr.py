@@ -9,7 +9,7 @@ import pytest
 from builders import arm_on_base, box, collision, find, inertial, joint, link, visual
 from conftest import check, check_text
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Finding, Severity, Verdict
 from urdfcheck.model import Model
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
@@ -50,7 +50,7 @@ def test_mujoco_takes_the_inertia_of_what_collides_and_leaves_out_what_is_drawn(
     (solid,) = find(tmp_path / "a", make_arm(SOLID), "INR001")
     (drawn,) = find(tmp_path / "b", make_arm(BOX), "INR001")
     (bare,) = find(tmp_path / "c", make_arm(""), "INR001")
-    assert solid.consequences["mujoco"].startswith("replaces what is missing")
+    assert solid.consequences["mujoco"].startswith("replaces the missing inertial")
     assert drawn.consequences["mujoco"] == bare.consequences["mujoco"]
     assert bare.consequences["mujoco"].startswith("refuses")
 
@@ -135,7 +135,8 @@ def test_what_programs_do_without_mass_depends_on_where_the_link_is(
     tmp_path: Path, text: str, mujoco: str, gazebo: str
 ) -> None:
     (finding,) = find(tmp_path, text, "INR002")
-    assert [finding.consequences[name].partition(" ")[0] for name in ("mujoco", "gazebo")] == [mujoco, gazebo]
+    verdicts = [str(Verdict.from_sentence(finding.consequences[name])) for name in ("mujoco", "gazebo")]
+    assert verdicts == [mujoco, gazebo]
 
 
 def test_the_smallest_positive_mass_is_a_mass(tmp_path: Path) -> None:
@@ -353,7 +354,7 @@ def test_a_negative_moment_on_a_helper_link_is_an_info(tmp_path: Path, mass: str
     (finding,) = find(tmp_path, make_arm(SOUND, more=fixed("cover", cover)), "INR004")
     assert finding.message_id == message
     assert (finding.severity == Severity.INFO) == (message == "helper")
-    assert ("together with arm" in finding.message) == (mass == "0.1" and size == "1e-5")
+    assert ("merged with arm" in finding.message) == (mass == "0.1" and size == "1e-5")
 
 
 # -- INR011 ---------------------------------------------------------------------------------------------------------
@@ -584,13 +585,13 @@ def test_a_whole_moving_body_that_is_next_to_nothing_is_one_finding(tmp_path: Pa
     assert finding.consequences["mujoco"].startswith("refuses")
 
 
-def test_a_copied_tensor_names_its_links_in_the_plural(tmp_path: Path) -> None:
+def test_a_copied_tensor_names_all_its_links(tmp_path: Path) -> None:
     inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial>'
     hand = (
         '<link name="{0}">{1}</link><joint name="to_{0}" type="fixed"><parent link="base"/><child link="{0}"/></joint>'
     )
     one = '<robot name="r"><link name="base"/>' + hand.format("a", inertial)
-    for text, named in ((one, "link a: "), (one + hand.format("b", inertial), "links a, b: ")):
+    for text, named in ((one, "a: "), (one + hand.format("b", inertial), "a, b: ")):
         (tmp_path / "r.urdf").write_text(text + "</robot>")
         (finding,) = check(tmp_path / "r.urdf", codes={"INR003"}).findings
         assert finding.message.startswith(named)

@@ -310,7 +310,7 @@ def test_all_noise_of_a_file_is_one_finding_and_is_replaced_by_zeros(tmp_path: P
     assert finding.fix is not None
     assert [e.expected for e in finding.fix.edits] == ["1e-18", "-2E-20", "1e-16", "3e-14"]
     assert {e.replacement for e in finding.fix.edits} == {"0"}
-    assert "at most `3e-14` (rad), in the origins and axes of d, j" in finding.message
+    assert "(at most `3e-14` rad), in the origins and axes of d, j" in finding.message
 
 
 @pytest.mark.parametrize(("axis", "noise"), [("6e-17 1 0", 1), ("1e-8 1 0", 0), ("0 1e-17 0", 0), ("0 1 0", 0)])

@@ -171,7 +171,7 @@ def test_one_shared_name_is_told_in_the_singular(tmp_path: Path) -> None:
     (finding,) = check_text(
         tmp_path, f'<robot name="r"><link name="a"/><link name="b"/>{joint}</robot>', codes=TREE
     ).findings
-    assert finding.message.startswith("a link and a joint share the name b:")
+    assert finding.message.startswith("a link and a joint share the name b;")
 
 
 class TestKIN008:

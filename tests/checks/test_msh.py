@@ -166,8 +166,8 @@ def test_consequences_are_told_of_programs_whose_loader_was_asked(tmp_path: Path
     }
     bad = find_broken(tmp_path, "part.obj", CORNERS + "f 1 2 9\n")
     assert bad.message_id == "refused"
-    assert "not asked" in bad.consequences["mujoco"]
-    assert "not asked" in bad.consequences["drake"]
+    assert "not tried" in bad.consequences["mujoco"]
+    assert "not tried" in bad.consequences["drake"]
 
 
 def test_a_mesh_that_we_read_and_assimp_refuses_is_an_error(tmp_path: Path) -> None:
@@ -328,7 +328,7 @@ def test_all_open_collision_meshes_of_a_robot_are_one_finding(tmp_path: Path) ->
     (finding,) = find_in_mesh(tmp_path, "MSH002", OPEN, shape("collision"), shape("collision", "other.obj"))
     assert finding.subjects == tuple(f"link[l{i}]/collision/geometry/mesh@filename" for i in range(2))
     assert finding.message.startswith(
-        "2 collision meshes are open along 6 edges, part.obj (3), other.obj (3), in 2 places"
+        "2 collision meshes are not closed: 6 open edges in 2 places (part.obj (3), other.obj (3));"
     )
     assert "in the frame of other.obj" in finding.message
 

@@ -246,7 +246,7 @@ def test_paths_of_one_machine_are_one_finding(tmp_path: Path) -> None:
     links = (make_mesh_link(f"l{n}", f"file:///usr/Ann/share/{n % 3}/{n}.mesh") for n in range(20))
     finding = only(audit(package(tmp_path), *links))
     assert finding.message.startswith(
-        "20 files are named by file:// paths of the author's machine: file:///usr/Ann/share/0/0.mesh"
+        "20 files are referenced by file:// paths of the author's machine: file:///usr/Ann/share/0/0.mesh"
     )
     assert len(finding.related) == 19
     other = (make_mesh_link("a", "file:///usr/Ann/a.mesh"), make_mesh_link("b", "file:///opt/Bob/b.mesh"))
@@ -523,7 +523,7 @@ def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, betw
     write(tmp_path / "m", {"package.xml": manifest("<depend>p</depend>", name="m")})
     write(tmp_path, {".git/HEAD": ""})
     circle, other = sorted(findings(tmp_path, "PKG007"), key=lambda finding: finding.data["names"], reverse=True)
-    assert ("a circle" in circle.message, circle.data["names"]) == (True, ["q"])
+    assert ("a cycle" in circle.message, circle.data["names"]) == (True, ["q"])
     assert circle.fix is None or not circle.fix.edits
     assert other.fix is not None
     assert [edit.replacement.strip() for edit in other.fix.edits] == ["<exec_depend>gone</exec_depend>"]
@@ -750,7 +750,7 @@ def test_a_missing_package_names_the_argument_that_gives_its_name(tmp_path: Path
     finding = only(
         audit_xacro(package(tmp_path), arguments + link("l", visual(mesh("package://$(arg where)/meshes/a.stl"))))
     )
-    assert "package nowhere is not found, which argument where (default 'nowhere') names: 1 file " in finding.message
+    assert "package nowhere is not found, named by argument where (default 'nowhere'), so 1 file " in finding.message
 
 
 # -- packages of one name --------------------------------------------------------------------------------------------------

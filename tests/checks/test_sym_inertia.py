@@ -108,7 +108,7 @@ def test_copies_that_agree_are_fine(tmp_path: Path) -> None:
         (make_lump_inertial(mass=1.1 * MASS), "mass 0.4753 kg instead of 0.4321 kg (× 1.1)", "inertial/mass@value"),
         (
             make_lump_inertial(com=COM * (1, -1, 1)),
-            "(30, -15, 8) mm instead of (30, 15, 8) mm, 30 mm away",
+            "(30, -15, 8) mm instead of (30, 15, 8) mm, 30 mm off",
             "inertial/origin@xyz",
         ),
         (
@@ -202,7 +202,7 @@ def test_of_a_pair_the_one_that_does_not_fit_the_drawn_part_is_wrong(tmp_path: P
     right, wrong = make_lump_inertial(0.4, com, fitting), make_lump_inertial(0.4, com * (1, -1, 1), fitting)
     (finding,) = find_odd_inertia(tmp_path, make_parts_on_base("mid", "top", mid=drawn() + wrong, top=drawn() + right))
     assert (finding.message_id, finding.location.subject) == ("odd", "link[mid_part]/inertial/origin@xyz")
-    assert "its like link top_part has those of the part that both draw" in finding.message
+    assert "top_part has the inertial of the part that both draw" in finding.message
 
 
 def test_points_and_impossible_bodies_are_not_compared(tmp_path: Path) -> None:
@@ -272,7 +272,7 @@ def test_a_line_that_a_macro_shares_is_not_edited(tmp_path: Path) -> None:
     assert finding.message_id == "computed"
     assert finding.fix is not None
     assert not finding.fix.edits
-    assert finding.fix.title.startswith('make rr_part have mass value="0.4321"')
+    assert finding.fix.title.startswith('give rr_part mass value="0.4321"')
 
 
 def test_a_twin_is_what_the_copies_agree_on_in_the_links_own_frame(tmp_path: Path) -> None:

@@ -107,7 +107,7 @@ def test_a_chain_of_links_ends_at_a_limit_and_is_named_at_its_last_link(
     run = check_text(tmp_path, chain(4), codes={"URC905", "XML014"})
     (finding,) = run.findings
     assert (finding.message_id, finding.location.subject) == ("chain", "link[l3]")
-    assert "4 links hang one below the other, more than 3" in finding.message
+    assert "a chain of 4 links exceeds 3" in finding.message
     assert [skip.code for skip in run.skipped] == ["XML014"]
 
 

@@ -282,7 +282,7 @@ def test_an_axis_that_is_not_the_wheels_is_replaced(tmp_path: Path, axis: tuple[
     (finding,) = find_in_car(tmp_path, "JNT015", changed(FOUR, 0, axis=axis))
     assert finding.message_id == "axis"
     assert edits(finding) == [(numbers(axis), "0 1 0")]
-    assert "as its visual and inertia tell" in finding.message
+    assert "its visual and inertia show that it is round" in finding.message
 
 
 def test_an_axis_within_five_degrees_is_a_camber(tmp_path: Path) -> None:

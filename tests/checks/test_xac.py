@@ -37,7 +37,7 @@ def only(run: Run) -> Finding:
         ('<xacro:macro name="wheel" params=""/><xacro:weel/>', "unknown-macro", "'wheel'"),
         ('<xacro:weel/>', "unknown-macro", "no file defines any macro"),
         ('<xacro:macro name="wheel" params="a bore"/><xacro:wheel a="1" bor="2"/>', "parameter-unknown", "'bore'"),
-        ('<xacro:macro name="wheel" params="a b:=2 c"/><xacro:wheel a="1"/>', "parameters-missing", "without c"),
+        ('<xacro:macro name="wheel" params="a b:=2 c"/><xacro:wheel a="1"/>', "parameters-missing", "macro wheel lacks c"),
         ('<xacro:macro name="wheel" params="*origin"/><xacro:wheel/>', "blocks", "Not enough blocks"),
         ('<xacro:macro name="wheel" params=""/><xacro:wheel><origin/></xacro:wheel>', "blocks", "Unused block"),
         ('<xacro:macro name="w" params="*origin"><xacro:insert_block name="orign"/></xacro:macro>'
@@ -46,12 +46,12 @@ def only(run: Run) -> Finding:
         ('<xacro:include filename="nothing.xacro"/>', "file-missing", "nothing.xacro does not exist"),
         ("""<link name="${xacro.load_yaml('nothing.yaml')}"/>""", "file-missing", "nothing.yaml does not exist"),
         ('<xacro:if value="maybe"><link name="a"/></xacro:if>', "condition", "neither true nor false"),
-        ('<xacro:include file="a.xacro"/>', "attribute-missing", "lacks its attribute filename"),
+        ('<xacro:include file="a.xacro"/>', "attribute-missing", "requires the attribute filename"),
         ('<xacro:property name="a" value="${b}"/><xacro:property name="b" value="${a}"/><link name="${a}"/>',
          "endless", "a -> b -> a"),
         ('<xacro:macro name="m" params=""><xacro:m/></xacro:macro><xacro:m/>', "endless", "never ends"),
-        ('<link name="${1 +}"/>', "syntax", "`1 +` is no expression"),
-        ("""<link name="${ {'a': 1}['a'] }"/>""", "syntax", "is no expression"),
+        ('<link name="${1 +}"/>', "syntax", "`1 +` is not a valid expression"),
+        ("""<link name="${ {'a': 1}['a'] }"/>""", "syntax", "is not a valid expression"),
         ('<link name="${1/0}"/>', "expression-failed", "division by zero"),
         ("""<link name="${xacro.fatal('no such type')}"/>""", "refused", "no such type"),
         ('<link name="$(env ROS_DISTRO)"/>', "environment", "ROS_DISTRO is not set"),
@@ -312,7 +312,7 @@ def test_optional_part_below_a_folder_without_package_may_read_a_property(tmp_pa
 @pytest.mark.parametrize(("value", "digits"), [("3.14159", 6), ("03.1415926e0", 8), ("3.14", 3)])
 def test_digits_of_a_rounded_constant_are_counted(tmp_path: Path, value: str, digits: int) -> None:
     text = f'<xacro:property name="M_PI" value="{value}"/><link name="l_${{M_PI}}"/>'
-    assert f"typed with {digits} digits" in only(xacro(tmp_path, text, {"XAC005"})).message
+    assert f"with only {digits} digits" in only(xacro(tmp_path, text, {"XAC005"})).message
 
 
 @pytest.mark.parametrize(
@@ -375,14 +375,14 @@ def test_macro_has_no_parameter_for_a_number_in_which_one_block_stands_alone(tmp
     assert "; only w0 has pitch -0.75, the others 0" in finding.message
     assert finding.data["parameters"] == "name x y"
     assert finding.fix is not None
-    assert "pitch -0.75 of w0 has no place there" in finding.fix.title
+    assert "pitch -0.75 of w0 is lost then" in finding.fix.title
     assert '<xacro:w name="w0" x="0.1" y="0.2"/>' in finding.fix.title
 
 
 def test_macro_derives_what_follows_from_the_side(tmp_path: Path) -> None:
     finding = only(xacro(tmp_path, corners(), {"XAC009"}))
     assert finding.fix is not None
-    assert ", with yaw `${0 if y > 0 else pi}` and axis_y `${1 if y > 0 else -1}`:" in finding.fix.title
+    assert ", with yaw `${0 if y > 0 else pi}` and axis_y `${1 if y > 0 else -1}`" in finding.fix.title
     assert "only" not in finding.message
 
 
@@ -447,8 +447,8 @@ def test_unsafe_expressions_are_never_evaluated(tmp_path: Path, expression: str)
 @pytest.mark.parametrize(
     ("expression", "message", "says"),
     [
-        ("${open('/etc/passwd').read()}", "outside", "open is no function"),
-        ("${globals()}", "outside", "globals is no function"),
+        ("${open('/etc/passwd').read()}", "outside", "open is not a function"),
+        ("${globals()}", "outside", "globals is not a function"),
         ("$(eval __import__('os').system('true'))", "outside", "two underscores"),
         ("${list(map(lambda i: i * 2, [1]))}", "construct", "it contains a lambda"),
         ("${'a'.encode()}", "method", "the attribute .encode of a str"),
@@ -500,7 +500,7 @@ def test_names_of_builtins_are_ordinary_names_of_properties(tmp_path: Path) -> N
     [
         ("", "foo is not defined, so `$(eval foo+1)` has no value", '`<xacro:arg name="foo" default="…"/>`'),
         ('<xacro:arg name="fooo" default="1"/>', "did you mean 'fooo'?", "write `fooo`"),
-        ('<xacro:property name="foo" value="1"/>', "reads arguments only", "write the expression as `${…}`"),
+        ('<xacro:property name="foo" value="1"/>', "reads only arguments", "write the expression as `${…}`"),
     ],
 )
 def test_eval_reads_arguments_and_no_properties(tmp_path: Path, text: str, says: str, repair: str) -> None:
@@ -912,7 +912,7 @@ def test_circle_is_told_at_the_include_that_closes_it(tmp_path: Path, first: str
 def test_a_folder_that_is_not_there_is_told_with_those_beside_it(tmp_path: Path) -> None:
     write(tmp_path, {"config/ur10/a.yaml": "", "config/ur20/a.yaml": ""})
     finding = only(xacro(tmp_path, """<link name="${xacro.load_yaml('config/ur5/a.yaml')}"/>""", {"XAC001"}))
-    assert finding.message.endswith("ur5/a.yaml does not exist; nor does its folder (beside it: ur10, ur20)")
+    assert finding.message.endswith("ur5/a.yaml does not exist, nor does its folder (beside it: ur10, ur20)")
 
 
 def test_circle_that_a_condition_ends_is_none(tmp_path: Path) -> None:

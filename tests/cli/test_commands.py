@@ -73,7 +73,7 @@ def test_a_path_that_does_not_exist_is_2_and_the_others_are_still_checked(folder
         (["x.urdf", "--package", "p"], "write NAME=DIR"),
         (["x.urdf", "--package", "p=/nowhere/at/all"], "is not a folder"),
         (["x.urdf", "--package", "p=FOLDER"], "write the folder of package p in its place"),
-        (["x.urdf", "--arg", "side:=…"], "write the value of side in place of …"),
+        (["x.urdf", "--arg", "side:=…"], "replace … by the value of side"),
         (["x.urdf", "--target", "gazbo"], "did you mean 'gazebo'?"),
         (["x.urdf", "--jobs", "0"], "at least 1"),
         (["x.urdf", "-o", "report.html"], "write FORMAT=FILE"),
@@ -301,7 +301,7 @@ class TestConfiguration:
             ('selct = ["INR"]\n', "urdfcheck.toml:1: unknown key 'selct'; did you mean 'select'?"),
             ('\nselect = "INR"\n', "urdfcheck.toml:2: select must be a list of strings"),
             ('fail-on = "fatal"\n', "fail-on must be one of error, warning, info, never"),
-            ('[severity]\nINR003 = "bad"\n', "urdfcheck.toml:2: 'bad' is no severity"),
+            ('[severity]\nINR003 = "bad"\n', "urdfcheck.toml:2: 'bad' is not a severity"),
             (
                 "[options.INR003]\nreltol = 1\n",
                 "urdfcheck.toml:2: INR003 has no option 'reltol'; did you mean 'rel_tol'?",

@@ -135,7 +135,7 @@ def test_a_baseline_is_not_read_through_a_link(
     (folder / "urdfcheck-baseline.json").symlink_to(elsewhere / "secret")
     done = urdfcheck(*action, ".", *QUICK, cwd=repository)
     assert done.returncode == cli.FAILED
-    assert "urdfcheck-baseline.json: it lies outside of the folders that may be read" in done.stderr
+    assert "urdfcheck-baseline.json: it is outside the folders that may be read" in done.stderr
     assert "s3cr3t" not in done.stdout + done.stderr
     if action == ["check"] and not nested:
         named = urdfcheck(".", *QUICK, "--baseline", "urdfcheck-baseline.json", cwd=repository)

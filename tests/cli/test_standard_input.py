@@ -52,7 +52,7 @@ def test_a_model_comes_through_a_pipe(check: Check, tmp_path: Path) -> None:
     assert check(SOUND).returncode == cli.OK
     done = check(TWICE, "--tier", "source")
     assert done.returncode == cli.FINDINGS
-    assert re.search(r"^✖ KIN001 two links are called .*\n  --> stdin\.urdf:1:48\b", done.stdout, re.MULTILINE)
+    assert re.search(r"^✖ KIN001 duplicate link name: .*\n  --> stdin\.urdf:1:48\b", done.stdout, re.MULTILINE)
     assert check(TWICE, "--fail-on", "never", "--tier", "source").returncode == cli.OK
     assert sorted(path.name for path in tmp_path.iterdir()) == ["package.xml", "urdf"], "nothing is written"
 
@@ -95,9 +95,9 @@ def test_every_format_reports_it(check: Check, output_format: str, tmp_path: Pat
 @pytest.mark.parametrize(
     ("text", "words", "says"),
     [
-        (SOUND, ["--fix"], "--fix is for files"),
-        (SOUND, ["--diff"], "--diff is for files"),
-        (SOUND, ["--watch"], "--watch is for files"),
+        (SOUND, ["--fix"], "--fix works on files"),
+        (SOUND, ["--diff"], "--diff works on files"),
+        (SOUND, ["--watch"], "--watch works on files"),
         (SOUND, ["urdf"], "is checked alone"),
         (SOUND, ["--stdin-filename", "urdf"], "name a file"),
         (SOUND, ["--stdin-filename", ""], "name a file"),

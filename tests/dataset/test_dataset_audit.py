@@ -406,7 +406,7 @@ def test_a_folder_has_one_audit_at_a_time(audit: Audit) -> None:
 
     request = make_request(audit.models, tier="source")
     audit_dataset(request, audit.folder, stream)
-    assert said == [f"urdfcheck: another audit is at work in {audit.folder}\n"]
+    assert said == [f"urdfcheck: another audit is running in {audit.folder}\n"]
     done = subprocess.run([*second, "--restart"], capture_output=True, text=True, cwd=REPOSITORY)
     assert (done.returncode, done.stderr) == (FINDINGS, "")
     workers[0].end()
@@ -441,7 +441,7 @@ def test_a_folder_of_something_else_is_refused_and_left_alone(audit: Audit, name
     audit.folder.mkdir()
     (audit.folder / name).write_text("mine")
     for restart in (False, True):
-        with pytest.raises(UrdfcheckError, match=r"name (a|another) folder"):
+        with pytest.raises(UrdfcheckError, match=r"name (an empty or new|another) folder"):
             audit(restart=restart)
     assert {path.name: path.read_text() for path in audit.folder.iterdir()} == {name: "mine"}
 
@@ -462,7 +462,7 @@ def test_a_pipe_in_the_place_of_the_journal_is_not_waited_for(audit: Audit) -> N
     timer = threading.Timer(5.0, lambda: os.write(writer, b"waited\n"))
     timer.start()
     try:
-        with pytest.raises(UrdfcheckError, match="no journal of an audit"):
+        with pytest.raises(UrdfcheckError, match="not the journal of an audit"):
             audit()
         assert timer.is_alive()
     finally:

@@ -190,7 +190,7 @@ def test_a_chunk_that_is_cut_off_is_truncated() -> None:
     data = glb(*scene([0, 1, 2]))
     with pytest.raises(MeshError, match="ends 1 too early"):
         decode_mesh(data[:-1], "glb")
-    with pytest.raises(MeshError, match="only glTF 2 is read"):
+    with pytest.raises(MeshError, match="only glTF 2 is supported"):
         decode_mesh(b"glTF\1" + data[5:], "glb")
 
 

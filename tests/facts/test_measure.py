@@ -678,7 +678,7 @@ def test_a_geometry_that_is_not_read_is_not_passed_over(tmp_path: Path) -> None:
     # A second geometry, whose transformation cannot be read: alone, the first would pass for the whole.
     second = '</node><node><scale>2 x 2</scale><instance_geometry url="#g"/></node>'
     content = dae(*TETRAHEDRON).replace(b"</node>", second.encode())
-    with pytest.raises(MeshError, match=r"^is read in part only: line \d+: failed to parse scale") as caught:
+    with pytest.raises(MeshError, match=r"^is only partly readable: line \d+: failed to parse scale") as caught:
         measure_mesh(content, "dae")
     assert caught.value.reason_id == "incomplete"
     path = tmp_path / "part.dae"
@@ -915,7 +915,7 @@ def test_a_broken_file_says_why(data: bytes, file_type: str, expected: str) -> N
 
 
 def test_a_truncated_stl_says_what_is_declared_and_what_is_there() -> None:
-    with pytest.raises(MeshError, match=r"declares 12 triangles \(684 bytes\) and has 11 \(683 bytes\)"):
+    with pytest.raises(MeshError, match=r"declares 12 triangles \(684 bytes\) but has 11 \(683 bytes\)"):
         measure_mesh(GOOD_STL[:-1], "stl")
 
 

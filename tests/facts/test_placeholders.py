@@ -10,10 +10,10 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 @pytest.mark.parametrize(
     ("mass", "moments", "what"),
     [
-        (1, (1, 1, 1), "1 times the identity"),
-        (0.05, (0.001, 0.001, 0.001), "0.001 times the identity"),
-        (3, (0.2, 0.2, 0.2), "0.2 times the identity"),
-        (0.1, (5e-05, 5e-05, 5e-05), "5e-05 times the identity"),
+        (1, (1, 1, 1), "1 × identity"),
+        (0.05, (0.001, 0.001, 0.001), "0.001 × identity"),
+        (3, (0.2, 0.2, 0.2), "0.2 × identity"),
+        (0.1, (5e-05, 5e-05, 5e-05), "5e-05 × identity"),
         (0.001, (1e-4, 1e-6, 1e-4), "powers of ten (0.0001, 1e-06, 0.0001)"),
         (1, (0.3, 0.3, 0.3), None),
         (1, (0.11, 0.11, 0.11), None),

@@ -493,7 +493,7 @@ def package(tmp_path: Path) -> Path:
 
 def test_a_file_of_another_package_is_not_changed(package: Path) -> None:
     found = fix(package / "robot", codes=["JNT014"], unsafe=True)
-    assert "outside of the given paths" in reasons(found)[0]
+    assert "outside the given paths" in reasons(found)[0]
     assert (package / "parts/macros.xacro").read_text() == MACROS
 
 
@@ -508,7 +508,7 @@ def test_a_tree_of_packages_that_was_named_is_not_changed(package: Path) -> None
     subprocess.run(["git", "init", "-q", str(package)], check=True)
     named = {"codes": ["JNT014"], "unsafe": True}
     found = tried(package / "robot", package_paths=(package / "parts",), **named)  # type: ignore[arg-type]
-    assert "outside of the given paths" in reasons(found)[0]
+    assert "outside the given paths" in reasons(found)[0]
     assert tried(package / "robot", package_paths=(package,), **named).fixed, "the folder around it all says nothing"  # type: ignore[arg-type]
 
 
@@ -523,7 +523,7 @@ def test_links_are_followed_to_what_may_be_changed_only(package: Path) -> None:
     link.symlink_to(macros)
     written(package, using(1), "robot/urdf/robot.urdf.xacro")
     allowed = {"codes": ["JNT014"], "allowed": (package,)}
-    assert "outside of the given paths" in reasons(fix(package / "robot", **allowed))[0]
+    assert "outside the given paths" in reasons(fix(package / "robot", **allowed))[0]
     assert fix(package / "robot", package / "parts", codes=["JNT014"]).fixed
     assert link.is_symlink()
     assert macros.read_text() == MACROS.replace("1e-17", "0")
@@ -720,7 +720,7 @@ def test_a_diff_shows_where_the_last_newline_is_missing(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("words", "says"),
-    [(("--unsafe-fixes",), "add --fix or --diff"), (("--diff", "--format", "json"), "leave out --format")],
+    [(("--unsafe-fixes",), "needs --fix or --diff"), (("--diff", "--format", "json"), "leave out --format")],
 )
 def test_options_that_make_no_sense_together(tmp_path: Path, words: tuple[str, ...], says: str) -> None:
     written(tmp_path, make_robot_on_base())

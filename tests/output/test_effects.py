@@ -10,7 +10,7 @@ import pytest
 from output.runs import a_run, finding
 
 from urdfcheck.core import Run, Severity
-from urdfcheck.output import github, gitlab, junit, rdjson, sarif, text
+from urdfcheck.output import github, gitlab, junit, markdown, rdjson, sarif, text
 from urdfcheck.output import json as json_format
 from urdfcheck.output.html import document as html
 from urdfcheck.output.shared.verdict.effects import describe_hits, list_effects, list_new_effects
@@ -82,6 +82,7 @@ def test_a_rule_tells_it_once() -> None:
 
 
 FORMATS: dict[str, Callable[[Run], str]] = {
+    "markdown": markdown.render,
     "text": lambda run: text.render(run, detail=DetailLevel.BRIEF),
     "sarif": sarif.render,
     "junit": junit.render,

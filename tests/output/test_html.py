@@ -188,7 +188,7 @@ def test_lone_surrogates_of_undecodable_file_names_can_be_written() -> None:
     ("run", "verdict"),
     [
         (a_run(), "1 error to repair"),
-        (a_run(finding(severity=Severity.WARNING)), "No errors, 1 warning to look at"),
+        (a_run(finding(severity=Severity.WARNING)), "No errors, 1 warning"),
         (a_run(finding(severity=Severity.INFO)), "No errors and no warnings"),
         (a_run(finding(suppressed=Suppression("source", "known"))), "No errors and no warnings"),
         (

@@ -84,7 +84,7 @@ def test_entries_whose_finding_is_gone_are_a_warning_until_they_are_pruned(
     assert "URC904" in shown
     assert '{"code": "JNT005", "subject": "joint[j]/limit"' in shown
     assert "urdfcheck-baseline.json:" in shown
-    for told in ("took out 1 stale entry, ", "no entry is stale, "):
+    for told in ("removed 1 stale entry, ", "no entry is stale, "):
         assert main(["baseline", "prune"]) == OK
         assert told in capsys.readouterr().out
     assert main(["baseline", "check"]) == OK
@@ -225,15 +225,15 @@ def test_isolated_runs_know_no_baseline_unless_it_is_named(folder: Path) -> None
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "no baseline"),
+        ("", "not a baseline"),
         ("[]", "its schema is not"),
-        ('{"schema": "urdfcheck-baseline/1"}', "write it anew"),
-        ('{"schema": "urdfcheck-baseline/1", "models": {"m": [{"code": "A"}]}}', "write it anew"),
+        ('{"schema": "urdfcheck-baseline/1"}', "write it again"),
+        ('{"schema": "urdfcheck-baseline/1", "models": {"m": [{"code": "A"}]}}', "write it again"),
         (
             '{"schema": "urdfcheck-baseline/1", "models": {"m": [{"code": "A", "subject": "", "message": "", "count": 0}]}}',
-            "anew",
+            "write it again",
         ),
-        ("[" * 100_000, "no baseline"),
+        ("[" * 100_000, "not a baseline"),
     ],
 )
 def test_a_broken_file_is_told_in_one_sentence(folder: Path, text: str, said: str) -> None:
@@ -378,7 +378,7 @@ def test_why_a_model_was_not_checked_never_goes_into_a_baseline(
     before = (folder / baseline.DEFAULT_NAME).read_text()
     capsys.readouterr()
     assert main(["baseline", action]) == FINDINGS
-    assert "1 of 2 models was not checked: the baseline knows nothing of what is in it" in capsys.readouterr().err
+    assert "1 of 2 models was not checked: the baseline has no entries for it" in capsys.readouterr().err
     assert (folder / baseline.DEFAULT_NAME).read_text() == before
     assert main(["."]) == FINDINGS
     assert main(["baseline", action, "--unchecked", "warning"]) == OK

@@ -136,7 +136,7 @@ class TestNearest:
         write(folder / "secret/m.stl", "solid")
         write(folder / "b/urdfcheck.toml", '[packages]\np = "../secret"\n')
         outcome = run(folder / "a", folder / "b/urdf/b.urdf")
-        assert any("packages must be folders of the repository" in failure for failure in outcome.failures)
+        assert any("packages must name folders of the repository" in failure for failure in outcome.failures)
 
     def test_a_pyproject_without_the_table_is_passed_over(self, folder: Path) -> None:
         (folder / "b/urdfcheck.toml").rename(folder / "b/kept")
@@ -347,7 +347,7 @@ MISTAKES = [
     ('target = [ # who\n "gazbo" ]\n', 2, "unknown target 'gazbo'; did you mean 'gazebo'?"),
     ('[[paths]]\nmatch = ["a"]\n[[paths]]\nmatch = ["b"]\nfail-on = "error"\n', 5, "unknown key 'fail-on'"),
     ('[[paths]]\nselect = ["INR"]\n', 1, "match must be a list of patterns"),
-    ('[[paths]]\nmatch = ["a"]\n[paths.severity]\nINR = "bad"\n', 4, "'bad' is no severity"),
+    ('[[paths]]\nmatch = ["a"]\n[paths.severity]\nINR = "bad"\n', 4, "'bad' is not a severity"),
     ('paths = [{ match = ["a"] },\n]\nmodels = 3\n', 3, "models must be tables: [[models]]"),
     ('[[models]]\npath = "r.urdf"\n[[models]]\nname = "x"\n', 3, "path is missing"),
     ('[[models]]\npath = "r.urdf"\n[models.arguments]\nok = 1\nbad = [1]\n', 5, "bad must be a text, a number"),
@@ -355,8 +355,8 @@ MISTAKES = [
     ("unchecked = true\n", 1, "unchecked must be one of error, warning"),
     ('unchecked = ["a", 1]\n', 1, "unchecked must be a list of strings"),
     ('strict-baseline = "yes"\n', 1, "strict-baseline must be true or false"),
-    ('[[models]]\npath = "none.urdf"\n', 2, "path must be a file that exists; none.urdf is none"),
-    ('[[models]]\npath = "./rr.urdf"\n', 2, "./rr.urdf is none; did you mean ./r.urdf?"),
+    ('[[models]]\npath = "none.urdf"\n', 2, "path must be a file that exists; none.urdf does not"),
+    ('[[models]]\npath = "./rr.urdf"\n', 2, "./rr.urdf does not; did you mean ./r.urdf?"),
     (
         '[[models]]\npath = "r.urdf"\n[[models]]\npath = "r.urdf"\n',
         3,
@@ -367,7 +367,7 @@ MISTAKES = [
     ('[[suppress]]\nreason = "x"\n', 1, "codes must be a list of codes"),
     ('baseline = "../b.json"\n', 1, "baseline must be a file of the repository"),
     ('[[models]]\npath = "../r.urdf"\n', 2, "path must be a file of the repository"),
-    ('[packages]\na = "."\n"b" = 1\n', 3, "b is none"),
+    ('[packages]\na = "."\n"b" = 1\n', 3, "b is not a string"),
     ("tier.x = 1\n", 1, "tier must be one of source, mesh, full"),
     ("\nexclude = [" + '"a",' * 1001 + "]\n", 2, "exclude must be at most 1,000 entries"),
     (f'exclude = ["{"**/" * 400}"]\n', 1, "exclude must be texts of at most 1,000 characters"),

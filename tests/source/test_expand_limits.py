@@ -170,7 +170,7 @@ def test_what_lies_out_of_reach_is_not_opened(tmp_path: Path, body: str, line: i
 def test_what_would_be_no_xml_is_no_model(tmp_path: Path, body: str) -> None:
     problem = problem_of(tmp_path, f"\n{body}", reach=tmp_path)
     assert problem.kind == "expansion-failed"
-    assert "is no name of an element or attribute" in problem.message
+    assert "is not a valid name of an element or attribute" in problem.message
 
 
 @pytest.mark.parametrize("expression", ["y.b % 1", "y.b * 300000000", "str(y.b * 900000)"])
@@ -212,7 +212,7 @@ def test_when_time_or_memory_is_over_the_place_is_told_and_what_went_on(
         '<xacro:macro name="m" params="n">\n<a b="${n}"/></xacro:macro>' + '\n<xacro:m n="1"/>' * 9, like_plain=False
     )
     assert x.problem.kind == kind
-    assert x.problem.message == "macro m was called over and over"
+    assert x.problem.message == "macro m was called repeatedly"
     assert x.place(x.problem.location.span) == "robot.xacro:2 ${n}"
     assert [span.line for span in x.problem.location.via] == [6]
     monkeypatch.setattr(tracer, "Guards", guards.Guards)
@@ -271,8 +271,8 @@ def test_ros_and_what_is_named_is_read(tmp_path: Path, monkeypatch: pytest.Monke
         ("""<link name="a"><xacro:attribute name="value" value="${True}"/></link>""", "value of the type bool"),
         ("""<link name="a"><xacro:attribute name="value" value="${[1]}"/></link>""", "value of the type list"),
         ("""<link name="a"><xacro:attribute name="value" value="${dict(a=1)}"/></link>""", "value of the type dict"),
-        ("""<xacro:element xacro:name="1a"/>""", "no name of an element"),
-        ("""<xacro:element xacro:name="-"/>""", "no name of an element"),
+        ("""<xacro:element xacro:name="1a"/>""", "not a valid name of an element"),
+        ("""<xacro:element xacro:name="-"/>""", "not a valid name of an element"),
         ("""<link name="${'\\x01'}"/>""", "U+0001, which is not allowed"),
         ("""<link name="${'\\0'}"/>""", "U+0000, which is not allowed"),
         ("""<link name="a">${'\\ud800'}</link>""", "U+D800, which is not allowed"),

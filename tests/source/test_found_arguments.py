@@ -214,6 +214,6 @@ class TestModels:
         model = ARM.replace('  <xacro:arg name="type" default="none"/>\n', "").replace("$(arg name)", "arm")
         make_package(tmp_path, {}, model)
         (found,) = [f for f in check(tmp_path / "arm").findings if f.code == "XAC010"]
-        assert found.message.endswith("was not given; there are large, small")
+        assert found.message.endswith("was not given, so the model cannot be expanded; there are large, small")
         assert found.fix is not None
         assert "--arg type:=large --arg prefix:=…" in found.fix.title

@@ -63,7 +63,7 @@ def test_a_pipe_a_device_and_a_socket_are_refused_at_once(tmp_path: Path) -> Non
         os.chdir(here)
         for path in (tmp_path / "pipe", tmp_path / "socket", Path("/dev/zero")):
             for read in (read_regular, lambda p: read_start(p, 9)):
-                with pytest.raises(OSError, match="Is no regular file"):
+                with pytest.raises(OSError, match="Is not a regular file"):
                     read(path)
 
 
@@ -75,7 +75,7 @@ def test_what_becomes_a_pipe_after_it_was_looked_at_is_refused_too(
     status = (tmp_path / "file").stat()
     os.mkfifo(tmp_path / "pipe")
     monkeypatch.setattr(os, "stat", lambda *_, **__: status)
-    with pytest.raises(OSError, match="Is no regular file"):
+    with pytest.raises(OSError, match="Is not a regular file"):
         read_regular(tmp_path / "pipe")
 
 

@@ -1,4 +1,4 @@
-"""COL001 reports links that overlap at rest although no joint connects them."""
+"""COL001 reports non-adjacent links that overlap at rest."""
 
 from __future__ import annotations
 
@@ -47,14 +47,14 @@ def _join_pairs(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> str:
 
 
 def _is_deep_overlap(pair: CollisionPair, contact: Contact, *, graze: float, always: float) -> bool:
-    """Whether two links more than touch, or lean on each other at the end of a joint's range."""
+    """Whether two links overlap, rather than touch or rest against each other at the end of a joint's range."""
     return not contact.touching and (contact.depth >= graze * contact.size or pair.hit_share >= 1 - always)
 
 
 def _build_up_axis_finding(
     rule: Rule, overlaps: Sequence[tuple[CollisionPair, Contact]], fallen: LyingMeshes
 ) -> Finding:
-    """Report all overlaps of meshes that lie on their sides together: their depth means nothing until the meshes are upright."""
+    """Report all overlaps of meshes that lie on their side together: their depth means nothing until the meshes are upright."""
     overlaps = sorted(overlaps, key=lambda item: -item[1].depth)
     sides = {id(shape) for shape in fallen.shapes}
     shapes = [shape for _, contact in overlaps for shape in reversed(contact.shapes) if id(shape) in sides]

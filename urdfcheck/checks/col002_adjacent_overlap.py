@@ -1,4 +1,4 @@
-"""COL002 reports neighbouring links that overlap wherever the joint between them stands."""
+"""COL002 reports adjacent links that overlap at every position of the joint between them."""
 
 from __future__ import annotations
 

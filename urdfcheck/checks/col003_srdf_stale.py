@@ -28,7 +28,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 def _check_unknown_links(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
     """Report each name that no link has."""
     if not srdf.grouped_links <= model.link_by_name.keys():
-        return  # the planning groups name unknown links too: it describes a larger variant of the robot
+        return  # the planning groups also name unknown links: it describes a larger variant of the robot
     uses: dict[str, list[Attribute]] = {}
     for pair in srdf.disabled_pairs:
         for index, name in enumerate(pair.links):
@@ -53,7 +53,7 @@ def _check_duplicate_pairs(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
     first: dict[frozenset[str], SrdfPair] = {}
     for pair in srdf.disabled_pairs:
         before = first.setdefault(pair.key, pair)
-        if before is pair or before.element.span == pair.element.span:  # one line of a macro that is called twice
+        if before is pair or before.element.span == pair.element.span:  # one line of a macro called twice
             continue
         yield rule.finding(
             "duplicate",
@@ -113,4 +113,4 @@ def _select_joints_between(model: Model, pair: CollisionPair, pose: Mapping[str,
 def _format_more_pairs(pairs: Sequence[SrdfPair]) -> str:
     if not pairs:
         return ""
-    return f"; so do {join_names((f'{p.links[0]} and {p.links[1]}' for p in pairs), most=3)}"
+    return f"; also {join_names((f'{p.links[0]} and {p.links[1]}' for p in pairs), most=3)}"

@@ -18,11 +18,11 @@ from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    # A file without groups or pairs is a part that others include, or was never filled.
+    # A file without groups or pairs is a part that others include, or is still empty.
     srdfs = [srdf for srdf in semantic_descriptions(model) if srdf.disabled_pairs or srdf.root.find_children("group")]
     if not srdfs:
         return
-    # Of several descriptions of one robot (with and without its gripper), the one for it says most about it.
+    # Of several descriptions (with and without a gripper), the one for this robot covers the most of it.
     srdf = max(srdfs, key=lambda srdf: (len(srdf.grouped_links & model.link_by_name.keys()), len(srdf.disabled_pairs)))
     moved = find_moved_links(model, srdf)
     always: list[tuple[SetupAssistantPair, float | None]] = []

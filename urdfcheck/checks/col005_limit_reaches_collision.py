@@ -23,6 +23,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _format_reached_collision(reach: JointCollision) -> str:
-    limit = "turns freely" if reach.joint.type == "continuous" else f"limit {reach.limit:.4g}"
+    limit = "continuous" if reach.joint.type == "continuous" else f"limit {reach.limit:.4g}"
     place = f"{reach.joint.name} at {reach.value:.4g} {reach.joint.position_unit}"
     return f"{place} ({limit}; {reach.links[0]} and {reach.links[1]})"

@@ -1,4 +1,4 @@
-"""CTL003 reports control blocks where no parser looks for them, and incomplete transmissions."""
+"""CTL003 reports control blocks where no parser reads them, and incomplete transmissions."""
 
 from __future__ import annotations
 
@@ -113,5 +113,5 @@ def _check_missing_prefix(model: Model, rule: Rule) -> Iterator[Finding]:
             severity=Severity.INFO,
             edits={edit.span: edit for edit in edits}.values(),
             interface=interfaces[0].text.strip(),
-            count="" if len(interfaces) == 1 else f", and {len(interfaces) - 1} more",
+            count="" if len(interfaces) == 1 else f" (and {len(interfaces) - 1} more)",
         )

@@ -66,7 +66,7 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
                 at=parameters.element,
                 severity=Severity.WARNING,
                 path=parameters.text,
-                found=f" (here it is {shown})" if parameters.path is not None else "",
+                found=f" (here {shown})" if parameters.path is not None else "",
             )
 
 

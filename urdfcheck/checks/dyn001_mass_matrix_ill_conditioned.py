@@ -1,4 +1,4 @@
-"""DYN001 reports a link with so little inertia, beside what it carries, that two joints move the same."""
+"""DYN001 reports a link with so little inertia, compared with what it carries, that two joints move the same."""
 
 from __future__ import annotations
 

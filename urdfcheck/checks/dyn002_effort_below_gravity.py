@@ -11,7 +11,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.motion.joint_loads import Overload, find_overloads, find_submersible_name
 
-# An effort that stands on so many joints or more, and on all that have one, was not taken from their drives.
+# An effort that this many joints or more have, and all that have one, does not come from their drives.
 _PLACEHOLDER_JOINTS = 3
 
 
@@ -20,7 +20,7 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
     for load in find_overloads(model):
         key = (load.joint.get_limit_value("effort") or 0.0, load.joint.type == "prismatic")
         groups.setdefault(key, []).append(load)
-    # Joints with one effort limit are one finding: it was written for all of them.
+    # Joints with the same effort limit are one finding: it was written for all of them.
     for (effort, _), loads in groups.items():
         # Equal arms stay in the file's order, whatever their last digits.
         worst_first = sorted(loads, key=lambda load: -float(f"{load.torque:.3g}"))

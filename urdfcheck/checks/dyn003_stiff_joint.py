@@ -26,7 +26,7 @@ def check(model: Model, rule: Rule, *, time_step: float) -> Iterator[Finding]:
     for joint in damped:
         if steps[joint.name] < time_step:
             groups.setdefault((read_damping(joint), joint.type == "prismatic"), []).append(joint)
-    # Joints with one damping are one finding: it was written for all of them.
+    # Joints with the same damping are one finding: it was written for all of them.
     for joints in groups.values():
         # Equal fingers stay in the file's order, whatever their last digits.
         worst_first = sorted(joints, key=lambda joint: float(f"{steps[joint.name]:.3g}"))
@@ -55,7 +55,7 @@ def _build_stiff_finding(
         stable=_format_duration(2 * inertia / value),
         robot_step=robot_step,
         step=_format_duration(time_step),
-        others=f"; so for {join_names(j.name for j in joints[1:])}" if len(joints) > 1 else "",
+        others=f"; also {join_names(j.name for j in joints[1:])}" if len(joints) > 1 else "",
         most=2 * inertia / time_step,
     )
 

@@ -55,7 +55,7 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     weights = list_link_masses(model)
     base = model.tree.list_body_links(model.tree.root)
     if not any(weight.link.name in base for weight in weights):
-        return  # the base weighs nothing: these are not the masses of a robot
+        return  # the base has no mass: these are not the masses of a robot
     points, owners = collect_robot_corners(model, wheels)
     if not len(points):
         return
@@ -127,8 +127,8 @@ def _find_tipping_link(weights: Sequence[LinkMass], now: GroundSupport) -> LinkM
 
 def _describe_outcome(model: Model, end: TipOver, owners: Indices) -> str:
     if end.last_contact is None or not math.isfinite(end.tilt):
-        return "it falls over"
-    return f"it comes to rest tilted by {math.degrees(end.tilt):.0f}°, on {model.tree.order[owners[end.last_contact]]}"
+        return "the robot falls over"
+    return f"the robot comes to rest tilted by {math.degrees(end.tilt):.0f}°, on {model.tree.order[owners[end.last_contact]]}"
 
 
 def _collect_data(weights: Sequence[LinkMass], *, worst: LinkMass, now: GroundSupport, com: Array) -> dict[str, Any]:
@@ -147,7 +147,7 @@ def _collect_data(weights: Sequence[LinkMass], *, worst: LinkMass, now: GroundSu
         "worst_mass": worst.mass,
         "worst_com": format_point(worst.com, decimals=3),
         "heaviest": heaviest.link.name,
-        "suspects": " and of ".join(dict.fromkeys((worst.link.name, heaviest.link.name))),
+        "suspects": " and ".join(dict.fromkeys((worst.link.name, heaviest.link.name))),
         "share": heaviest.mass / total,
     }
 

@@ -27,9 +27,9 @@ def check(model: Model, rule: Rule, *, gain: float, sink: float) -> Iterator[Fin
         inertial = link.inertial
         at: Located = link if inertial is None else inertial
         own = 0.0 if inertial is None else inertial.mass or 0.0
-        torques = "its joints held where they are" if release.held else "no torques"
+        torques = "its joints held" if release.held else "no torques"
         yield rule.finding(message, at=at, torques=torques, own=own, seconds=LATE_SECONDS, step=1e3 * STEP, **data)
-        return  # only the worst: a robot that gains energy or sinks in may well burst
+        return  # only the worst: a robot that bursts may also gain energy or sink in
 
 
 def _iter_drop_defects(

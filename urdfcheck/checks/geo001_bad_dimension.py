@@ -23,16 +23,16 @@ _DIMENSIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "mesh": {"scale": ("x", "y", "z")},
 }
 
-# MuJoCo's treatment of a colliding shape, of a mesh without volume, and of a visual shape.
+# MuJoCo, on a colliding shape, a mesh without volume, and a visual shape.
 REFUSED = "refuses to compile: size must be positive in geom"
 FLAT = "refuses to compile: mesh volume is too small"
-DRAWN = "loads it: it leaves out what is only drawn"
-# What a sphere of radius 0 is to Drake, and a sphere of negative radius to coal; other shapes they treat in another way.
-POINT = "loads it as a point, the way to mark where a body touches"
-INSIDE_OUT = "loads it; a sphere of negative radius has a negative volume and is touched only deep inside"
-# They read the file by urdfdom, which knows no capsule.
+DRAWN = "loads it: it does not read visuals"
+# Drake on a sphere of radius 0, and coal on one of negative radius; other shapes differ.
+POINT = "loads it as a point, which marks a contact"
+INSIDE_OUT = "the sphere has a negative volume and collides only deep inside"
+# They read the file by urdfdom, which does not know capsules.
 THROUGH_URDFDOM = ("urdfdom", "gazebo", "pinocchio")
-# Programs that load a sphere of radius 0 as what it is meant for.
+# Programs that load a sphere of radius 0 as the point that it is meant to be.
 KNOW_POINTS = frozenset({"drake", "pinocchio"})
 
 
@@ -54,7 +54,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _build_point_finding(model: Model, rule: Rule, points: Sequence[tuple[str, Attribute]]) -> Finding:
-    """Return one finding for the robot: whoever marks contacts by points marks all of them so."""
+    """Return one finding for the robot: a model that marks contacts by points does so for all of them."""
     meant = model.targets and set(model.targets) <= KNOW_POINTS
     finding = rule.finding(
         "point",
@@ -70,7 +70,7 @@ def _build_point_finding(model: Model, rule: Rule, points: Sequence[tuple[str, A
 def _check_dimensions(
     rule: Rule, shape: Shape, attribute: Attribute, *, link: str, values: dict[str, float]
 ) -> Iterator[Finding]:
-    mesh = shape.kind == "mesh"  # whose negative scale mirrors it and is not a wrong size
+    mesh = shape.kind == "mesh"  # a negative scale mirrors it and is not a wrong size
     negative = [part for part, value in values.items() if value < 0 and not mesh]
     # A capsule without a cylinder between its caps is a sphere.
     may_be_zero = shape.kind == "capsule" and attribute.name == "length"

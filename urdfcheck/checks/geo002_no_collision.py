@@ -1,4 +1,4 @@
-"""GEO002 reports moving bodies that are drawn and have no collision geometry."""
+"""GEO002 reports moving bodies with visuals but no collision geometry."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _list_drawn_links(model: Model, body: RigidLinkGroup) -> list[Link]:
 
 
 def _is_exempt(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
-    """Whether a body needs no collision geometry: it is a marker, carries wheels, or lies inside its neighbour's geometry."""
+    """Whether a body does not need collision geometry: it is a marker, carries wheels, or is inside its neighbour's geometry."""
     weighs = any(model.link_by_name[name].inertial is not None for name in body.links)
     if not weighs and any(link.inertial is not None for link in model.links):
         return True
@@ -57,7 +57,7 @@ def _is_exempt(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
 
 
 def _is_wheel_carrier(model: Model, body: RigidLinkGroup) -> bool:
-    """Whether a body moves only wheels, which move nothing further: a caster's fork, a steering knuckle, a rocker."""
+    """Whether a body moves only wheels that move nothing else: a caster's fork, a steering knuckle, a rocker."""
     tree = model.tree
     joints = [j for name in body.links for j in tree.child_joints[name] if j.type != "fixed"]
     return bool(joints) and all(

@@ -1,4 +1,4 @@
-"""GEO003 reports collision geometry that is not where the link is drawn, or not about as large."""
+"""GEO003 reports collision geometry that is not at the place of the visual, or not about as large."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def _compare_links(
 ) -> tuple[str, _BoxPair] | None:
     """Return the message about links of one body together, and their boxes; None if they agree or are not known.
 
-    Programs differ in whether they follow COLLADA's unit and up-axis (MSH008): a disagreement counts if it is there in all
+    Programs differ in whether they apply COLLADA's unit and up-axis (MSH008): a disagreement counts if it is there in all
     readings of the meshes. It is measured as RViz and Gazebo draw it.
     """
     pairs = _measure_boxes(model, links)

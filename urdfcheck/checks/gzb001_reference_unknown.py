@@ -1,4 +1,4 @@
-"""GZB001 reports `<gazebo reference>` that names neither a link nor a joint of the robot."""
+"""GZB001 reports `<gazebo reference>` values that are neither a link nor a joint of the robot."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
         "material",
         at=places[0],
         related=places[1:],
-        which=format_count(len(elements), "material has a name", "materials have names"),
+        which=format_count(len(elements), "material has a Gazebo Classic name", "materials have Gazebo Classic names"),
         names=join_names(dict.fromkeys(element.text.strip() for element in elements)),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in elements)))
@@ -92,9 +92,9 @@ def _build_plugin_finding(rule: Rule, plugins: Mapping[str, list[Attribute]]) ->
 
 
 def _describe_replacement(library: str, *, with_name: bool) -> str:
-    unknown = "a gz-sim system that does the same, there is none of that name"
+    unknown = "a gz-sim system that does the same (none has this name)"
     replacement = _REPLACEMENTS.get(library) or (_SENSOR_SYSTEM if _SENSORS.search(library) else unknown)
-    return (f"for {library} " if with_name else "") + replacement.format_map(_CONTROL)
+    return (f"for {library}: " if with_name else "") + replacement.format_map(_CONTROL)
 
 
 def _check_hardware_plugins(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.fixed_joint_lumping import (
     PRESERVE,
@@ -70,7 +70,7 @@ def _format_tags(tags: list[str]) -> str:
 def _build_lost_finding(
     model: Model, rule: Rule, message: str, *, blocks: list[Element], reduction: FixedJointReduction
 ) -> Finding:
-    """Report together all joints that are merged away with their settings."""
+    """Report together all merged joints with their settings."""
     names = [block.get("reference") for block in blocks]
     joint = model.joint_by_name[names[0]]
     lost = [child.tag for block in blocks for child in block.children if child.tag not in PRESERVE]
@@ -80,7 +80,11 @@ def _build_lost_finding(
         severity=Severity.WARNING if message == "joint" else Severity.INFO,
         related=[block.attributes["reference"] for block in blocks[1:10]],
         edits=dict.fromkeys(e for block in blocks for e in _propose_edits(model, block)) if message == "joint" else (),
-        which="joint" if len(blocks) == 1 else f"{len(blocks)} joints",
+        blocks=format_count(len(blocks), "<gazebo> block has", "<gazebo> blocks have"),
+        which="joint" if len(blocks) == 1 else "joints",
+        outcome=f"{joint.child} becomes part of {reduction.body_by_link[joint.child]}"
+        if len(blocks) == 1
+        else "the links below them become parts of other links",
         joints=join_names(dict.fromkeys(names)),
         child=joint.child,
         body=reduction.body_by_link[joint.child],
@@ -117,7 +121,7 @@ def _check_surface_settings(
 def _check_gravity_flags(
     model: Model, rule: Rule, blocks: list[Element], *, reduction: FixedJointReduction
 ) -> Iterator[Finding]:
-    """Report gravity that is switched off for a small part of a body: the whole body loses it."""
+    """Report gravity switched off for a small part of a body: the whole body loses it."""
     off: dict[str, dict[str, Element]] = {}
     for block in blocks:
         flags = [child for child in block.find_children("turnGravityOff") if is_true_flag(child)]
@@ -160,14 +164,14 @@ def _check_preserve_flag(model: Model, rule: Rule, block: Element) -> Iterator[F
             edits=edit_literal(reference, above.name) if above is not None and alone else (),
             flag=flag.tag,
             link=link.name,
-            joint=f"joint {above.name}" if above is not None and fixed else "the fixed joint that is meant",
+            joint=f"joint {above.name}" if above is not None and fixed else "the intended fixed joint",
         )
 
 
 def _check_dropped_links(
     model: Model, rule: Rule, reduction: FixedJointReduction, *, preserved: Mapping[str, Element]
 ) -> Iterator[Finding]:
-    """Report preserved joints whose link below has no mass: sdformat drops such a link with everything behind it."""
+    """Report preserved joints whose link below has no mass: sdformat drops such a link with everything below it."""
     heavy = {body for name, body in reduction.body_by_link.items() if _get_mass(model, name) > 0.0}
     above: dict[str, Joint] = {}  # the uppermost such joint of each link that is dropped
     hanging: dict[str, int] = {}
@@ -189,7 +193,7 @@ def _check_dropped_links(
             flag=preserved[name].tag,
             joint=name,
             link=model.joint_by_name[name].child,
-            others=f" and what hangs on it ({count})" if count else "",
+            others=f" and {format_count(count, 'link')} below it" if count else "",
         )
 
 

@@ -51,7 +51,7 @@ class _GazeboSensor:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _UnknownCollision:
-    """A collision that a contact sensor names and that no shape of SDF is called."""
+    """A collision that a contact sensor names but that no SDF shape has as its name."""
 
     sensor: _GazeboSensor
     element: Element
@@ -88,7 +88,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             sensor=unknown.sensor.name,
             collision=unknown.name,
             body=unknown.body,
-            names=" or ".join(names) or "there is none",
+            names=" or ".join(names) or "it has none",
         )
 
 
@@ -184,7 +184,7 @@ def _check_duplicate_names(
     for (body, name), alike in groups.items():
         if len(alike) > 1:
             links = dict.fromkeys(sensor.reference for sensor in alike)
-            merged = f" of {' and '.join(links)}, which Gazebo merges," if len(links) > 1 else ""
+            merged = f" (from {' and '.join(links)}, which Gazebo merges)" if len(links) > 1 else ""
             yield rule.finding(
                 "twice",
                 at=alike[1].element.attributes["name"],

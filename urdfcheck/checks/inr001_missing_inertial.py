@@ -11,11 +11,11 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 
 # MuJoCo's treatment of a body without mass.
-INFERS = "replaces what is missing by mass and inertia of the collision geometry at 1000 kg/m³"
+INFERS = "replaces the missing inertial by that of the collision geometry at 1000 kg/m³"
 REFUSES = "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL"
-# That of Pinocchio and Drake: the joint moves a mass behind the body, or none at all.
+# Pinocchio and Drake: the joint moves a mass behind the body, or none at all.
 LIGHT = "loads it without mass"
-NAN = "computes NaN accelerations: a joint moves what has no mass (Drake stops with an error)"
+NAN = "computes NaN accelerations: the joint moves no mass (Drake stops with an error)"
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -52,6 +52,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             },
             link=head.name,
             joint=model.tree.parent_joint[head.name].name,
+            lost=f"the link and the {format_count(behind, 'link')} behind it" if behind else "the link",
             behind=behind,
         )
 
@@ -65,13 +66,13 @@ def _check_assumed_masses(rule: Rule, moving: list[RigidLinkGroup], model: Model
             at=frames[0],
             related=frames[1:],
             links=join_names(link.name for link in frames),
-            count="one link" if len(frames) == 1 else f"{len(frames)} links",
+            count=format_count(len(frames), "link"),
             added=len(frames),
         )
 
 
 def _check_inferred_masses(rule: Rule, moving: list[RigidLinkGroup], model: Model) -> Iterator[Finding]:
-    """Report together all links to which MuJoCo gives the mass of what collides although their moving body has one."""
+    """Report together all links whose collision geometry MuJoCo gives a mass although their moving body has one."""
     links = [link for link in _list_bare_links(moving, model) if link.collisions]
     if links:
         yield build_group_finding(
@@ -80,9 +81,7 @@ def _check_inferred_masses(rule: Rule, moving: list[RigidLinkGroup], model: Mode
             links,
             severity=Severity.WARNING if "mujoco" in model.targets else Severity.INFO,
             links=join_names(link.name for link in links),
-            count=format_count(len(links), "link", "links"),
-            collide="collides" if len(links) == 1 else "collide",
-            fixed="is fixed to a moving body" if len(links) == 1 else "are fixed to moving bodies",
+            count=format_count(len(links), "link"),
         )
 
 

@@ -8,31 +8,31 @@ from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.model import DeclaredMass, Link, Model
 from urdfcheck.model.rigid_bodies import compute_body_mass
 
-# MuJoCo's mjMINVAL: consumers take less for zero.
+# MuJoCo's mjMINVAL: programs treat less as zero.
 ZERO = 1e-15
-# The fate of an inertia without mass: on a link that moves, and on one that a fixed joint merges with a mass.
+# What programs do with an inertia without mass: on a link that moves, and on one fixed to a link with mass.
 ALONE = {
     "gazebo": "drops the link and everything behind it, without a message",
     "mujoco": "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL",
 }
 FUSED = {
-    "gazebo": "loads it, merged into the link that it is fixed to",
+    "gazebo": "merges it into the link that it is fixed to",
     "mujoco": "ignores the inertia",
 }
-# That of the base, which MuJoCo welds to the world.
+# On the base, which MuJoCo welds to the world.
 BASE = {
     "gazebo": "refuses the model: the conversion to SDF leaves it without links",
-    "mujoco": "loads it, with the base welded to the world",
+    "mujoco": "welds the base to the world",
 }
-# The fate of a negative mass beside others of the body, and on the base.
+# A negative mass that others of the body outweigh, and one on the base.
 OUTWEIGHED = {"mujoco": "ignores the mass and the inertia of the link"}
 WELDED = {
-    "mujoco": "loads it, with the base welded to the world",
-    "bullet": "loads it where the base is fixed to the world; else it computes NaN accelerations",
+    "mujoco": "welds the base to the world",
+    "bullet": "loads it if the base is fixed to the world; otherwise computes NaN accelerations",
 }
-# Pinocchio's and Drake's treatment of a body without mass: it carries a mass, or none at all.
+# Pinocchio and Drake, on a body without mass: it carries a mass, or none at all.
 LIGHT = "loads it without mass"
-NAN = "computes NaN accelerations: a joint moves what has no mass (Drake stops with an error)"
+NAN = "computes NaN accelerations: the joint moves no mass (Drake stops with an error)"
 SEVERITIES = {"root": Severity.INFO, "loose": Severity.WARNING}
 
 
@@ -96,7 +96,7 @@ def _classify_massless_link(model: Model, link: Link) -> str:
 
 
 def _build_massless_inertia_finding(model: Model, rule: Rule, declared: DeclaredMass, *, largest: float) -> Finding:
-    """Report an inertia without mass: on the root it is a warning, for Bullet fixes a base of mass 0 to the world."""
+    """Report an inertia without mass; on the root it is a warning, because Bullet fixes a base of mass 0 to the world."""
     link, welded = declared.link, _is_welded(model, declared.link)
     fused = not _is_isolated(model, link)
     is_root = welded and link.name == model.tree.root
@@ -112,7 +112,7 @@ def _build_massless_inertia_finding(model: Model, rule: Rule, declared: Declared
 
 
 def _predict_negative(model: Model, link: Link) -> dict[str, str]:
-    """Return what differs from the page: programs do not ask for the mass of what does not move, nor MuJoCo where the other
+    """Return what differs from the page: programs do not use the mass of a link that does not move, nor does MuJoCo if other
     links of the body have one."""
     if _is_welded(model, link):
         return WELDED

@@ -20,7 +20,7 @@ from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
-    # A finger that was copied is one finding.
+    # Copies of one finger are one finding.
     findings = _check_each_link(model, rule, rel_tol=rel_tol, rounding=rounding)
     yield from merge_identical(rule, findings, "link", "other")
 
@@ -31,7 +31,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         if is_point_mass(declared.inertial):
             continue
         excess = -compute_triangle_excess(declared.tensor)
-        if not excess > rel_tol:  # nor a tensor whose largest moment is not positive: INR004
+        if not excess > rel_tol:  # INR004 covers a tensor whose largest moment is not positive
             continue
         whole = find_merged_body(model, declared.link)
         typed = measure_tensor_rounding(declared.texts, rel_tol)
@@ -45,7 +45,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
                 if moments[0] >= -rel_tol * moments[2]:  # else INR004
                     helpers.append(declared)
                 continue
-            data |= {"other": whole.heaviest, "whole": join_numbers(whole.moments)}
+            data |= {"other": whole.heaviest, "whole": join_numbers(whole.moments, digits=4)}
             message = "fused"
         else:
             message = "violated"
@@ -89,10 +89,11 @@ def _collect_data(declared: DeclaredTensor, excess: float, typed: TensorRounding
     moments, _ = compute_principal_moments(declared.tensor)
     # The eigenvalue solver leaves a residue of a zero, which is not a number to print.
     shown = [0.0 if abs(m) < 1e-12 * moments[2] else float(m) for m in moments]
+    digits = 4 if excess > 1e-3 else 6  # enough to show the difference
     return {
         "link": declared.link.name,
-        "moments": join_numbers(shown),
-        "sum": shown[0] + shown[1],
+        "moments": join_numbers(shown, digits=digits),
+        "sum": float(f"{shown[0] + shown[1]:.{digits}g}"),
         "excess": float(excess),
         "percent": float(excess * 100),
         "typed": typed.typed_digits,

@@ -23,11 +23,11 @@ from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, 
 
 DIAGONAL = (0, 3, 5)
 PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
-# Gazebo judges the sum of the links that fixed joints join.
+# Gazebo checks the sum of the links joined by fixed joints.
 REFUSED = "refuses the model: the link has an invalid inertia (sdformat error 18)"
-MERGED = "loads it: it merges what fixed joints join, and judges the sum"
-NAN = "computes NaN accelerations: the point lies on the axis, and nothing resists (Drake stops with an error)"
-FUSED = "; only together with {} and whatever else is fixed to it is the body a possible one"
+MERGED = "loads it: it merges links joined by fixed joints and checks the sum"
+NAN = "computes NaN accelerations: the point is on the joint's axis (Drake stops with an error)"
+FUSED = "; merged with {} and everything else fixed to it, the body is possible"
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -193,7 +193,7 @@ def _guess_cause(components: Sequence[float]) -> str | None:
 def _check_singular_links(
     model: Model, rule: Rule, message: str, *, links: Sequence[DeclaredTensor], rel_tol: float
 ) -> Iterator[Finding]:
-    """Warn of each link whose whole body is singular, and report all others together as an info."""
+    """Warn about each link whose whole body is singular, and report all others together as an info."""
     alone: list[DeclaredTensor] = []
     harmless: list[DeclaredTensor] = []
     for declared in links:
@@ -233,7 +233,7 @@ def _predict_mujoco(message: str, links: Sequence[DeclaredTensor]) -> dict[str, 
 
 
 def _is_on_joint_axis(model: Model, declared: DeclaredTensor) -> bool:
-    """Whether a joint turns the point about itself, with nothing behind it."""
+    """Whether a joint rotates the point about itself, with nothing behind it."""
     name = declared.link.name
     body = model.tree.list_body_links(name)
     joint, centre = model.tree.parent_joint[body[0]], declared.inertial.origin.xyz

@@ -1,4 +1,4 @@
-"""INR005 reports inertia tensors that would need mass farther out than anything that is drawn."""
+"""INR005 reports inertia tensors that need mass outside the drawn geometry."""
 
 from __future__ import annotations
 
@@ -45,7 +45,9 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             "exceeds",
             at=declared.element,
             edits=() if drawn is None else drawn.edits,
-            computed=f"; as uniform as it is drawn, it has {drawn.text}" if drawn is not None and drawn.text else "",
+            computed="compute them from the mesh"
+            if drawn is None or not drawn.text
+            else f"write {drawn.words} (the drawn part at uniform density)",
             link=part.link.name,
             ratio=float(f"{excess:.3g}"),
             mass=part.mass,

@@ -1,4 +1,4 @@
-"""INR006 reports centres of mass outside the drawn geometry."""
+"""INR006 reports COMs outside the drawn geometry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""INR007 reports placeholder masses and inertia tensors: round numbers that make a program accept the file."""
+"""INR007 reports placeholder masses and inertia tensors: round numbers that only make a program accept the file."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def check(model: Model, rule: Rule, *, factor: float, fraction: float, spread: f
         wrong = any(suspect.factor > factor for suspect in group)
         unknown = [suspect for suspect in group if suspect.misfit is None]
         if wrong or _count_masses(unknown) >= _FEWEST_MASSES:
-            # Among parts of all sizes with one tensor, one that the tensor nearly fits is chance.
+            # If parts of all sizes have one tensor, it nearly fits one of them by chance.
             known = [suspect for suspect in group if suspect.misfit is not None] if wrong else []
             alike = _count_masses(group) < _FEWEST_MASSES
             yield _build_tensor_finding(model, rule, known=known, unknown=[] if alike else unknown)
@@ -127,7 +127,6 @@ def _build_tensor_finding(
     names = [suspect.declared.link.name for suspect in every]
     data: dict[str, Any] = {
         "links": join_names(names),
-        "have": "has" if len(every) == 1 else "have",
         "what": every[0].description,
         "names": names,
     }

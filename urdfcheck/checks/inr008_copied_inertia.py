@@ -23,10 +23,9 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
-# Tensors that agree in this many digits are one number that was copied.
+# Tensors that agree in this many digits were copied.
 _DIGITS = 9
-# What the shapes of a role do.
-_ROLES = {"visual": "draws", "collision": "collides with"}
+_ROLES = ("visual", "collision")
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -70,7 +69,7 @@ def _compare_shapes(rule: Rule, parts: Sequence[_InertiaSignature], shape: float
     if not parts:
         return
     original = min(parts, key=lambda part: part.misfit)
-    # One part on several sides may be drawn or simplified differently, and shares its tensor by right.
+    # One part on several sides may be drawn or simplified differently, and rightly shares its tensor.
     part_name = remove_places(original.declared.link.name)
     others = [part for part in parts if remove_places(part.declared.link.name) != part_name]
     copies = [part for part in others if part.measure_shape_distance(original) > shape]
@@ -85,10 +84,9 @@ def _compare_shapes(rule: Rule, parts: Sequence[_InertiaSignature], shape: float
         at=places[0],
         related=[original.declared.element, *places[1:]],
         links=join_names([part.declared.link.name for part in copies]),
-        have="has" if len(copies) == 1 else "have",
         original=original.declared.link.name,
         worst=worst.declared.link.name,
-        does=_ROLES[original.role],
+        role=original.role,
         size=_format_equivalent_box(worst),
         original_size=_format_equivalent_box(original),
         count=len(parts),

@@ -19,7 +19,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
-from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry, propose_undo
+from urdfcheck.model.inertials.inertial_proposals import name_mistake, propose_from_geometry, propose_undo
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
@@ -31,19 +31,21 @@ if TYPE_CHECKING:
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 
 
-# A part of a rigid body that is lighter than this share of it decides nothing about how the body moves.
+# A part of a rigid body that is lighter than this share of it hardly changes how the body moves.
 LIGHT = 0.05
-# A body may well be a thin shell, its hull or its box was the easier choice, and a piece that is only decoration was left out:
+# The body may be a thin shell, its hull or box may have been easier to compute, and a decorative piece may have been left out:
 # such causes are worth knowing and rarely harmful.
 MILD_CAUSES = frozenset({"shell", "convex_hull", "bounding_box", "one_piece"})
 # What a program gets wrong in all links of a model alike.
 UNIT_CAUSES = frozenset({"com_unit", "mass_unit", "inertia_unit"})
-# The mass may be the wrong number as well as the tensor: two edits make such an inertial agree.
+# Either the mass or the tensor may be the wrong number: two different edits make such an inertial agree.
 AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 # What typed digits and tessellation leave of equal numbers.
 DIGITS = 0.01
 # A tenth of a radius of gyration, or of a second moment, is worth saying; so are moments that differ by a third in size.
 NOTABLE, SIMILAR = 0.1, 1.33
+# A tensor so many times farther off than its principal moments is about other axes.
+_ROTATED = 1.5
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
 PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.
@@ -51,7 +53,7 @@ MIRROR_CAUSES = frozenset({"unmirrored"})
 
 
 def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
-    # Legs that were exported alike are one finding.
+    # Legs with the same mistake are one finding.
     findings = _check_each_link(model, rule, far=far, concentrated=concentrated)
     yield from merge_identical(rule, findings, "link", varying=PER_LINK_DATA)
 
@@ -96,7 +98,7 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
 def _find_disputed_units(model: Model) -> dict[str, str]:
     """Return the causes (`UNIT_CAUSES`) for which links of the model fit different units, with what fits them in words.
 
-    No program writes one link in inches and the next in centimetres: the unit is a coincidence then.
+    No program writes one link in inches and the next in centimetres, so a unit that fits one of them is a coincidence.
     """
     units: dict[str, dict[str, str]] = {}
     for name, judged in inertial_diagnoses(model).items():
@@ -160,7 +162,7 @@ def _build_cause_finding(
         edits=() if mended is None else mended.edits,
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.INFO if mild else None,
-        edit="" if mended is None else mended.text,
+        edit="" if mended is None else mended.words,
         why=_lower_first_letter(rule.causes[cause].format_map(data)),
         **data,
     )
@@ -177,7 +179,7 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
         "disagrees",
         at=tensor.element,
         edits=() if mended is None else mended.edits,
-        edit="" if mended is None else mended.text,
+        edit="" if mended is None else f"; at this mass and uniform density the drawn part has {mended.words}",
         **_collect_data(model, tensor.link, judged),
     )
 
@@ -215,7 +217,7 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial) -> dict[s
 
 def _describe_mistake(cause: str, detail: str) -> str:
     """Name a cause in a few words, with its detail."""
-    name = cause.replace("_", " ")
+    name = name_mistake(cause)
     return f"{name}: {detail}{' times' if cause == 'decimal_point' else ''}" if detail else name
 
 
@@ -229,14 +231,17 @@ def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None)
         return f"the two agree to within {100 * residual:.0f} %"
     if mended is None or drawn is None:
         return "the two agree better"
-    moments, _ = compute_principal_moments(mended.inertia)
-    uniform, _ = compute_principal_moments(compute_solid_inertia(drawn.solid, mended.mass))
-    mismatch = (diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch)
-    return _describe_mismatch(mended, drawn, mismatch=mismatch, moments=moments, uniform=uniform)
+    left = []
+    if diagnosis.mended_com_mismatch > NOTABLE:
+        left.append(f"the COM is {format_length(float(np.linalg.norm(mended.com - drawn.solid.com)))} off")
+    before, after = diagnosis.tensor_mismatch, diagnosis.mended_tensor_mismatch
+    if after < before - DIGITS:
+        left.append(f"the mismatch of the tensor falls from {before:.2g} to {after:.2g}")
+    return " and ".join(left) or "the two agree better"
 
 
 def _format_ruled_out(judged: DiagnosedInertial) -> str:
-    return join_names(text.replace("_", " ") for text in judged.diagnosis.ruled_out)
+    return join_names(map(name_mistake, judged.diagnosis.ruled_out))
 
 
 def _list_twins(model: Model, judged: DiagnosedInertial) -> list[Link]:
@@ -264,16 +269,22 @@ def _describe_mismatch(
     of_tensor, of_com = mismatch
     apart = float(np.linalg.norm(numbers.com - drawn.solid.com))
     if of_com > NOTABLE:
-        differences.append(f"its centre of mass is {format_length(apart)} off")
+        differences.append(f"the COM is {format_length(apart)} off")
     times = float(moments.sum() / uniform.sum())
     if not 1 / SIMILAR < times < SIMILAR:
         size = f"{times:.3g} times too large" if times > 1 else f"{1 / times:.3g} times too small"
-        differences.append(f"its moments of inertia are {size} for this mass at uniform density")
+        differences.append(f"the moments of inertia are {size} for this mass at uniform density")
     elif of_tensor > NOTABLE:
-        where = " in other directions" if np.allclose(moments, uniform, rtol=0.1) else ""
+        where = ", about other axes" if of_tensor > _ROTATED * _measure_shape_mismatch(moments, uniform) else ""
         actual, expected = join_numbers(moments, digits=3), join_numbers(uniform, digits=3)
-        differences.append(f"its principal moments are {actual} instead of {expected} kg·m²{where}")
-    return " and ".join(differences) or "it is little off"
+        differences.append(f"the principal moments are {actual} instead of {expected} kg·m²{where}")
+    return " and ".join(differences) or "the inertial is only slightly off"
+
+
+def _measure_shape_mismatch(moments: Array, uniform: Array) -> float:
+    """Return how far principal moments (3,) are from others as the mismatch of a tensor is, the axes of the two aside."""
+    first, other = (np.maximum(m.sum() / 2 - m, 1e-6 * m.sum()) for m in (moments, uniform))
+    return float(np.linalg.norm(np.log(first / other)))
 
 
 def _is_light(model: Model, link: Link) -> bool:

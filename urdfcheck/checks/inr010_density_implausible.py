@@ -72,7 +72,7 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin
 def _check_too_light(
     model: Model, rule: Rule, body: RigidLinkGroup, *, least: float, thinnest: float
 ) -> Iterator[Finding]:
-    """Report a body that is lighter than air as a whole: how its links share the mass is arbitrary."""
+    """Report a body that is lighter than air as a whole, because how its links share the mass is arbitrary."""
     links = [model.link_by_name[name] for name in body.links]
     mass, volume = compute_body_mass(model, body.links), measure_links_volume(model, links)
     if mass is None or volume is None or not 0.0 < mass < least * volume or has_unit_ambiguity(model, body.links):
@@ -90,7 +90,7 @@ def _check_too_light(
         mass=mass,
         volume=float(f"{volume * 1e6:.3g}"),
         sheet=float(f"{mass / area * 1e3:.2g}"),
-        around="" if len(links) == 1 else ", with the links fixed to it,",
+        around="" if len(links) == 1 else " (with the links fixed to it)",
         density=describe_density(mass / volume),
         **_guess_mass_unit(mass, volume),
     )

@@ -57,7 +57,6 @@ def _build_finding(model: Model, rule: Rule, message: str, *, worst_first: list[
     """Report all joints together, at the most extreme."""
     worst, *rest = worst_first
     others = [pair.joint.name for pair in rest]
-    do = "does" if len(others) == 1 else "do"
     finding = rule.finding(
         message,
         at=worst.joint,
@@ -69,7 +68,7 @@ def _build_finding(model: Model, rule: Rule, message: str, *, worst_first: list[
         parent_mass=worst.parent_mass,
         suspects=_describe_suspects(model, worst.joint),
         times=max(worst.ratio, 1 / worst.ratio),
-        also=f" (so {do} {join_names(others)})" if others else "",
+        also=f" (also {join_names(others)})" if others else "",
     )
     return replace(finding, subjects=tuple(pair.joint.location.subject for pair in worst_first))
 

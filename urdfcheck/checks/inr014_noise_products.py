@@ -17,7 +17,7 @@ PRODUCTS = (1, 2, 4)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    # A computed residue is another mistake than a typed one, and each file has edits of its own.
+    # A computed residue is not the same mistake as a typed one, and each file needs its own edits.
     groups: dict[tuple[str, bool], list[tuple[Link, Attribute]]] = {}
     for declared in model.tensors:
         for attribute in _find_noise_products(declared):
@@ -30,7 +30,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             at=attributes[0],
             related=attributes[1:],
             edits=build_replacement_edits(attributes, "0"),
-            applicability=Applicability.SAFE,  # it turns the principal axes by less than the last digit of a moment
+            applicability=Applicability.SAFE,  # rotates the principal axes by less than the last digit of a moment
             count=len(attributes),
             links=", ".join(dict.fromkeys(link.name for link, _ in places)),
             largest=max(abs(float(a.value)) for a in attributes),
@@ -38,7 +38,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _find_noise_products(declared: DeclaredTensor) -> list[Attribute]:
-    """Return the products of inertia that are not zero and mean zero."""
+    """Return the products of inertia that are not zero but mean zero."""
     if is_point_mass(declared.inertial):
         return []
     moments, _ = compute_principal_moments(declared.tensor)

@@ -1,4 +1,4 @@
-"""INR017 reports inertia tensors that a body can have, and that are too small for MuJoCo."""
+"""INR017 reports inertia tensors that are possible but too small for MuJoCo."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         link=first.link.name,
         smallest=_compute_smallest_moment(first),
         least=MUJOCO_LEAST_MOMENT,
-        others=f"; so do those of {format_count(len(others), 'other link')} ({join_names(others)})" if others else "",
+        others=f"; also on {format_count(len(others), 'other link')} ({join_names(others)})" if others else "",
     )
 
 
 def _is_possible_body(declared: DeclaredTensor) -> bool:
-    """Whether a solid body can have the tensor; what INR003 and INR004 report says of MuJoCo what there is to say."""
+    """Whether a solid body can have the tensor; INR003 and INR004 cover the others."""
     moments = compute_principal_moments(declared.tensor)[0]
     return (
         not is_point_mass(declared.inertial)

@@ -1,4 +1,4 @@
-"""JNT006 reports limits of revolute joints that are typed in degrees."""
+"""JNT006 reports limits of revolute joints that are written in degrees."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.xml import Attribute
 
-# Such numbers mean that there is no limit, and alone are not a sign of degrees.
+# Such numbers mean "no limit", and alone do not indicate degrees.
 _PLACEHOLDERS = frozenset({1.0, 2.0, 5.0, 9.9, 9.99})
 # Numbers of turns in radians have two decimals or more.
 _ROUNDING = 0.02

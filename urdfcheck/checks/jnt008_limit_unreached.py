@@ -1,4 +1,4 @@
-"""JNT008 reports limits that a joint of its type lacks or never reaches."""
+"""JNT008 reports limits that have no effect: on continuous or fixed joints, and ranges of several turns."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
 
-# No joint reaches this number: it means that there is no limit.
+# A limit of this size means "no limit".
 _ENDLESS = 1e6
 
 

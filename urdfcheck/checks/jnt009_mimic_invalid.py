@@ -51,7 +51,7 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
 
 
 def _find_mimic_loop(model: Model, start: Joint) -> tuple[str, ...]:
-    """Return the names of the joints that follow each other in a circle through ``start``, or nothing; a fixed joint follows
+    """Return the names of the joints that follow each other in a cycle through ``start``, or nothing; a fixed joint follows
     none."""
     names: list[str] = []
     joint: Joint | None = start

@@ -1,4 +1,4 @@
-"""JNT012 reports origins whose angles are typed in degrees."""
+"""JNT012 reports origins whose angles are written in degrees."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT014 reports numbers in origins and axes that are only the residue of a CAD program's arithmetic."""
+"""JNT014 reports numbers in origins and axes that are only a CAD program's rounding noise."""
 
 from __future__ import annotations
 
@@ -36,6 +36,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             largest=largest.text,
             size=abs(float(largest.text)),
             unit=unit,
+            bound=f"`{largest.text}`" + ("" if unit == "1" else f" {unit}"),
         )
         yield replace(finding, subjects=tuple(dict.fromkeys(word.location.subject for word in words)))
 

@@ -87,7 +87,7 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
     others = [witness.kind for witness in wheel.evidence if witness not in against]
     drawn = [witness for witness in wheel.evidence if witness.shape is not None]
     if against and not others and not (drawn or against)[0].is_wheel:
-        return  # a rod, or a part that hangs beside its joint
+        return  # a rod, or a part mounted beside its joint
     if drawn and not others:
         yield _build_axis_finding(model, rule, wheel, drawn=drawn[0], limit=limit)
         return
@@ -142,7 +142,7 @@ def _build_axis_finding(
         at=joint.axis_location,
         edits=edit_numbers(attribute, _format_axis(own)),
         witnesses=" and ".join(agreeing),
-        tell="tells" if len(agreeing) == 1 else "tell",
+        tell="shows" if len(agreeing) == 1 else "show",
         angle=math.degrees(measure_line_angle(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),
         own=_format_axis(own),
         **wheel.names,

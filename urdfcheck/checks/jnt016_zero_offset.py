@@ -1,4 +1,4 @@
-"""JNT016 reports origins turned about the joint's own axis, which shifts the joint's zero."""
+"""JNT016 reports origins rotated about the joint's own axis, which shifts the joint's zero."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def check(
     for joint in model.joints:
         attribute = joint.origin.get_attribute("rpy")
         if joint.type not in {"revolute", "continuous"} or attribute is None or not attribute.literal:
-            continue  # a computed angle was meant
+            continue  # a computed angle is meant
         angle = _measure_turn_about_axis(joint, parallel)
         if angle is None or _is_round_angle(angle, round_to, round_tol) or _has_few_decimals(attribute.value, decimals):
             continue

@@ -9,8 +9,8 @@ from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 
-# MuJoCo needs the name of a joint only for references to it.
-MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the name of the second by none"}
+# MuJoCo needs a joint's name only where something refers to it.
+MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the second name by an empty one"}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

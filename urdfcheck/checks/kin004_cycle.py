@@ -14,7 +14,7 @@ _SHOWN = 12
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     children = {joint.child for joint in model.joints}
     rooted = any(link.name not in children for link in model.links)
-    loss = "drops the loop, without a message" if rooted else "refuses the file: no root link found"
+    loss = "drops the loop without a message" if rooted else "refuses the file: no root link found"
     for loop in KinematicGraph.from_model(model).find_loops():
         closing = loop[-1]
         links = [joint.parent for joint in loop]

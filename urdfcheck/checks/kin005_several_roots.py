@@ -36,7 +36,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _find_explained_links(graph: KinematicGraph) -> tuple[set[str], int]:
-    """Return the links that are apart because a joint names a wrong link, and the number of other wrong names.
+    """Return the links that are separate because a joint names a wrong link, and the number of other wrong names.
 
     KIN002, KIN006 and XML005 report those joints; each of the other names may explain one piece.
     """

@@ -16,7 +16,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     masses = [declared.mass for declared in model.masses if declared.mass >= 0]
     if len(masses) < sum(link.inertial is not None for link in model.links):
-        return  # a sum with a wrong mass in it means nothing
+        return  # a sum that includes a wrong mass is meaningless
     total = sum(masses)
     yield rule.finding(
         "ignored",

@@ -1,4 +1,4 @@
-"""KIN009 reports joint types that are missing, unknown, or unknown to some programs."""
+"""KIN009 reports joint types that are missing, unknown, or not supported by every program."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SYNONYMS = {"hinge": "revolute", "rotational": "revolute", "slide": "prismatic"
              "linear": "prismatic", "weld": "fixed", "rigid": "fixed", "free": "floating"}  # fmt: skip
 _SDF = frozenset({"ball", "screw", "universal", "revolute2", "gearbox"})
 _LIKENESS, _LONGEST = 0.6, 40
-# The targets that make a joint of several degrees of freedom a fixed one.
+# The targets that replace a joint of several degrees of freedom by a fixed one.
 _FIXED = {"floating": frozenset({"bullet", "kdl"}), "planar": frozenset({"kdl"})}
 
 

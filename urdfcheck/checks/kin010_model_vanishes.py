@@ -1,4 +1,4 @@
-"""KIN010 reports models of which Gazebo keeps nothing."""
+"""KIN010 reports models that are empty after the conversion to SDF, for Gazebo."""
 
 from __future__ import annotations
 

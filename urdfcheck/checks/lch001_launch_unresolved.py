@@ -41,7 +41,7 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
 
 
 def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterator[Finding]:
-    """Report an include that leads nowhere."""
+    """Report an include whose file or argument does not exist."""
     at, name = include.at, include.unresolved.name
     if include.unresolved.kind == "file":
         yield rule.finding("include-file", at=at, path=name, near=_suggest_file(name, launch.finder))
@@ -66,7 +66,7 @@ def _check_description(
             near = _format_suggestions(launch.finder.suggest_names(obstacle.name))
             yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near)
         else:
-            yield _build_unknown_finding(rule, at, f"package {obstacle.name!r} is not on this machine")
+            yield _build_unknown_finding(rule, at, f"package {obstacle.name!r} is not installed here")
     elif obstacle.kind == "argument":
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
         if obstacle.name not in names:
@@ -77,14 +77,14 @@ def _check_description(
         ):  # one without a default gets its value at launch, or from that other file
             yield _build_unknown_finding(rule, at, f"argument {obstacle.name!r} has no default")
     elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
-        yield _build_unknown_finding(rule, at, f"git ignores {obstacle.name}, so something makes it")
+        yield _build_unknown_finding(rule, at, f"git ignores {obstacle.name}, so it is probably generated")
     elif obstacle.kind == "file":
         yield rule.finding("file", at=at, path=obstacle.name, near=_suggest_file(obstacle.name, launch.finder))
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
     else:
         typed = textwrap.shorten(description.file, _SHOWN, placeholder=" …")
-        yield _build_unknown_finding(rule, at, f"`{typed}` is computed then")
+        yield _build_unknown_finding(rule, at, f"it computes `{typed}`")
 
 
 def _is_generated(name: str, launch: Path) -> bool:
@@ -123,7 +123,7 @@ def _check_python_launch(python: PythonLaunch, finder: PackageFinder, rule: Rule
     if python.description_location is not None and not (
         python.models or python.missing_models or python.unknown_models
     ):
-        yield _build_unknown_finding(rule, python.description_location, "the file names no model that is found")
+        yield _build_unknown_finding(rule, python.description_location, "no model that the file names was found")
 
 
 def _find_launch_file(description: DescriptionSource, launch: Launch) -> Path:
@@ -150,5 +150,5 @@ def _suggest_file(path: str, finder: PackageFinder) -> str:
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
-        return f"; the folder {folder.as_posix()} is not there either"
+        return f"; the folder {folder.as_posix()} does not exist either"
     return format_name_hint(Path(path).name, names)

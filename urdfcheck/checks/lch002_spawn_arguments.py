@@ -28,7 +28,7 @@ class _SpawnerTool:
     """What the program does if another word follows in place of a value."""
 
 
-_REFUSES = "{tool} stops with «argument {option}: expected one argument» and the robot never spawns"
+_REFUSES = '{tool} stops with "argument {option}: expected one argument", and the robot never spawns'
 _TOOLS = {
     "spawn_model": _SpawnerTool(
         value_options=_PLACE
@@ -107,7 +107,7 @@ def _build_valueless_finding(
         option=option.text,
         following="" if following is None else following.text,
         outcome=tool.outcome_template.format(tool=executable, option=option.text),
-        taken=f" and would call the robot {following.text!r}" if names_robot and following is not None else "",
+        taken=f" and would name the robot {following.text!r}" if names_robot and following is not None else "",
         value=_quote_robot_name(robot) if names_robot else "a value",
     )
 

@@ -1,4 +1,4 @@
-"""LCH004 reports launch arguments that nothing reads, or that are read and have no value."""
+"""LCH004 reports launch arguments that are never read, or that are read but have no value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MSH001 reports mesh files that cannot be read or hold no triangles."""
+"""MSH001 reports mesh files that cannot be read or have no triangles."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 
 CAUSES = {"html": "web_page", "truncated": "incomplete", "wrong-size": "incomplete"}
 REPAIRS = {
-    "html": "download the raw file: the link to its content, not to the page that shows it",
-    "entities": "export the mesh again, or write the text of the entities where they are used and delete the <!DOCTYPE",
+    "html": "download the raw file, not the page that shows it",
+    "entities": "export the mesh again, or replace the entities by their text and delete the <!DOCTYPE",
     "no-triangles": "export the part as a surface of triangles",
-    "missing-buffer": "put the file there (with the name that the glTF file gives it), or export the mesh as one file: .glb",
+    "missing-buffer": "put the file there under the name that the glTF file uses, or export the mesh as one .glb file",
 }
 DEFAULT_REPAIR = "export or download the file again"
-# What is no mesh to any program.
+# Files that no program can load as a mesh.
 NO_MESH = frozenset({"empty", "html"})
 # PKG009 and URC905 report these.
 REPORTED_ELSEWHERE = frozenset({"lfs-pointer", "too-large"})
-# The formats for which programs have loaders of their own, which may read what ours and Assimp refuse. MuJoCo's for STL does not:
-# it reads binary files of exactly the declared size, as ours does.
+# Formats for which programs have their own loaders, which may read files that ours and Assimp refuse. MuJoCo's loader for STL is
+# not among them: like ours it only reads binary files of exactly the declared size.
 OWN_LOADERS = {"mujoco": frozenset({"obj"}), "drake": frozenset({"obj", "gltf"}), "rviz": frozenset({"stl"})}
-NOT_ASKED = "has a loader of its own for this format, which was not asked"
+NOT_TRIED = "uses its own loader for this format, which was not tried"
 # Older versions of Assimp read beyond the array in this case, without a message.
 NEWER_ASSIMP = dict.fromkeys(("rviz", "moveit"), "drops the shape with newer versions of Assimp")
-# trimesh and yourdfpy read COLLADA as we do, by pycollada.
+# trimesh and yourdfpy read COLLADA with pycollada, like urdfcheck.
 PYCOLLADA = ("trimesh", "yourdfpy")
 
 
@@ -77,8 +77,8 @@ def _describe_consequences(rule: Rule, uses: Sequence[MeshUse], message: str, re
     file_type = uses[0].name.rpartition(".")[2].lower()
     described = describe_unreadable_mesh(use.shape.element for use in uses)
     if message != "unreadable":
-        described.update({program: NOT_ASKED for program, own in OWN_LOADERS.items() if file_type in own})
-        described.update(dict.fromkeys(PYCOLLADA if file_type != "dae" else (), NOT_ASKED))
+        described.update({program: NOT_TRIED for program, own in OWN_LOADERS.items() if file_type in own})
+        described.update(dict.fromkeys(PYCOLLADA if file_type != "dae" else (), NOT_TRIED))
     if reason_id == "flaw":
         described.update(NEWER_ASSIMP)
     return {program: sentence for program, sentence in described.items() if program in rule.consumers[message]}

@@ -19,7 +19,7 @@ from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 # A report draws the longest rims, each thinned to this many points.
 MAX_LOOPS, MAX_POINTS = 16, 64
-# Holes of this part of the surface, on a round body, change its volume by the same part (see the page).
+# On a round body, holes of this share of the surface change its volume by the same share (see the page).
 SMALL_SHARE = 1e-3
 
 
@@ -90,12 +90,12 @@ def _build_collision_finding(model: Model, rule: Rule, meshes: Sequence[_OpenMes
         at=at,
         related=related,
         meshes=f"{len(meshes)} collision meshes are" if several else f"collision mesh {worst.filename.value} is",
-        edges=format_large_count(open_edges, "edge")
-        + (f", {join_names(mesh.label for mesh in meshes)}," if several else ""),
+        edges=format_large_count(open_edges, "open edge"),
+        files=f" ({join_names(mesh.label for mesh in meshes)})" if several else "",
         open_edges=open_edges,
         places=format_large_count(sum(map(len, holes.values())), "place"),
         length=holes[worst][0]["length"],
-        centre=join_numbers(holes[worst][0]["centre"], separator=" "),
+        centre=join_numbers(holes[worst][0]["centre"], digits=3, separator=" "),
         whose=f"the frame of {worst.name}" if several else "the mesh's frame",
         loops=[loop for loops in holes.values() for loop in loops[:MAX_LOOPS]],
     )

@@ -17,7 +17,7 @@ from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
-# A report draws so many meshes, and so many triangles of each.
+# A report draws at most this many meshes, and triangles of each.
 MAX_MESHES, MAX_TRIANGLES = 8, 32
 
 
@@ -47,12 +47,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _format_face_counts(facts: MeshFacts) -> str:
-    counts = [(facts.degenerate_faces, "without area"), (facts.duplicate_faces, "repeated")]
+    counts = [(facts.degenerate_faces, "without area"), (facts.duplicate_faces, "duplicate")]
     return ", ".join(f"{n:,} {what}" for n, what in counts if n)
 
 
 def _find_bad_triangles(facts: MeshFacts) -> Array:
-    """Return the corners (n, 3, 3) of the triangles without area, or repeated, that the welded mesh still has."""
+    """Return the corners (n, 3, 3) of the triangles without area, or duplicate, that the welded mesh still has."""
     corners = facts.vertices[facts.faces]
     sides = corners - np.roll(corners, 1, axis=1)
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)

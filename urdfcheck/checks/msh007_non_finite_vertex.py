@@ -10,7 +10,7 @@ from urdfcheck.model import Model
 
 # MuJoCo's reaction to such a mesh that collides, and to one that is only drawn.
 MUJOCO_REFUSES = "refuses to compile: vertex coordinate is not finite"
-MUJOCO_SKIPS = "loads it: it leaves out what is only drawn"
+MUJOCO_SKIPS = "loads it without shapes that are only drawn"
 # Bullet's reaction to a binary STL that collides.
 BULLET_CRASHES = "refuses the file by crashing"
 

@@ -127,7 +127,7 @@ def _check_sizes(model: Model, rule: Rule, *, sizes: _SizeLimits, meshes: Iterab
             in_file=_measure_size_in_file(model, use),
             scale=join_numbers(use.shape.size or (), separator=" "),
             reach=sizes.reach,
-            readings=", ".join(f"as {unit_name} {size * unit:.2g} m" for unit_name, unit in units.items()),
+            readings=" or ".join(f"{size * unit:.2g} m in {unit_name}" for unit_name, unit in units.items()),
         )
         yield _set_all_subjects(finding, uses)
 
@@ -165,7 +165,7 @@ def _propose_edits(model: Model, uses: list[MeshUse], units: list[float] | None)
 
 
 def _set_all_subjects(finding: Finding, uses: Iterable[MeshUse]) -> Finding:
-    """Make every element that uses the meshes a subject: consequences of their size are then not reported separately."""
+    """Make every element that uses the meshes a subject: other rules then do not report consequences of their size."""
     return replace(finding, subjects=tuple(dict.fromkeys(use.filename.location.subject for use in uses)))
 
 
@@ -180,8 +180,8 @@ def _build_unit_finding(rule: Rule, sizes: _SizeLimits, *, unit: float, meshes: 
     drawn = meshes[0].size
     plain = drawn / unit
     right = {
-        (True, False): "it looks right in RViz and is wrong where the unit is passed over",
-        (False, True): "it is wrong in RViz and right where the unit is passed over",
+        (True, False): "it looks right in RViz and is wrong where the unit is ignored",
+        (False, True): "it is wrong in RViz and right where the unit is ignored",
     }.get((sizes.is_plausible(drawn), sizes.is_plausible(plain)), "one of them is wrong")
     names = list(dict.fromkeys(use.name for use in uses))
     finding = rule.finding(

@@ -1,4 +1,4 @@
-"""MSH010 reports collision meshes that their scale mirrors."""
+"""MSH010 reports collision meshes that are mirrored by a negative scale."""
 
 from __future__ import annotations
 
@@ -25,5 +25,5 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[use.filename for use in mirrored[1:]],
             count=len(mirrored),
             meshes=join_names(names),
-            shapes=format_count(len(mirrored), "collision shape"),
+            shapes=format_count(len(mirrored), "collision shape mirrors", "collision shapes mirror"),
         )

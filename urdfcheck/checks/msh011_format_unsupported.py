@@ -20,7 +20,7 @@ FORMATS = {
     "gazebo": frozenset({"stl", "obj", "dae", "gltf", "glb"}),
 }
 NAMES = {"mujoco": "MuJoCo", "drake": "Drake", "bullet": "PyBullet", "gazebo": "Gazebo"}
-# These reject the model for a collision mesh that they cannot load; the others leave out the mesh.
+# These load collision meshes only; the others also load meshes that are only drawn.
 COLLISION_ONLY = frozenset({"mujoco", "drake"})
 MUJOCO_STL_FACES = 200_000
 
@@ -53,7 +53,10 @@ def _build_untargeted_finding(rule: Rule, unable: Mapping[str, list[tuple[MeshUs
     if heavy:
         reactions["mujoco"] = str(rule.consumers["faces"]["mujoco"])
     names = join_names([NAMES[program] for program in unable])
-    return _build_finding(rule, "any", meshes, consequences=reactions, severity=Severity.INFO, programs=names)
+    used = " or ".join(NAMES[program] for program in unable)
+    return _build_finding(
+        rule, "any", meshes, consequences=reactions, severity=Severity.INFO, programs=names, used=used
+    )
 
 
 def _collect_loaded_meshes(model: Model, target: str) -> list[tuple[MeshUse, MeshFacts]]:

@@ -16,7 +16,7 @@ MIN_HULL_SHARE = 1e-6
 def check(model: Model, rule: Rule, *, times: float) -> Iterator[Finding]:
     ratios: list[tuple[MeshUse, float]] = []
     for uses, facts in model.meshes.list_measured():
-        # The volume of an open mesh means nothing.
+        # The volume of an open mesh is meaningless.
         if uses[0].shape.role != "collision" or not facts.closed:
             continue
         volume, hull = abs(facts.volume), facts.hull.volume
@@ -29,6 +29,6 @@ def check(model: Model, rule: Rule, *, times: float) -> Iterator[Finding]:
             at=ratios[0][0].filename,
             related=[use.filename for use, _ in ratios[1:]],
             count=len(ratios),
-            meshes=join_names(f"{use.name} ({ratio:.3g} times)" for use, ratio in ratios),
+            meshes=join_names(f"{use.name} ({ratio:.2g}×)" for use, ratio in ratios),
             most=ratios[0][1],
         )

@@ -18,9 +18,9 @@ from urdfcheck.model.meshes import MeshUse
 LEAST_VOLUME = 1e-15
 # A convex hull has four corners.
 LEAST_CORNERS = 4
-# MuJoCo reads coordinates in single precision: each is off by so much of itself at most.
+# MuJoCo reads coordinates in single precision: the largest relative error of each.
 ROUNDING = 2.0**-24
-# Other formats it refuses whatever they contain (MSH011).
+# MuJoCo refuses other formats whatever they contain (MSH011).
 FORMATS = ("stl", "obj")
 
 

@@ -1,4 +1,4 @@
-"""NAM001 reports names of links and joints that a program refuses, changes or takes apart."""
+"""NAM001 reports names of links and joints that a program refuses, changes or splits."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def _has_space(name: str) -> bool:
     return any(c.isspace() for c in name)
 
 
-# Each kind of mistake: its message, its severity, and whether a name makes it (the flag: the name of a link, not a joint).
+# Each kind of mistake: its message, its severity, and whether a name has it (the flag: the name of a link, not a joint).
 _KINDS: tuple[tuple[str, Severity, Callable[[str, bool], bool]], ...] = (
     ("empty", Severity.WARNING, lambda name, _: not name.strip()),
     ("break", Severity.WARNING, lambda name, _: bool(name.strip()) and _has_break(name)),

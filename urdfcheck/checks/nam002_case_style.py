@@ -12,7 +12,7 @@ from urdfcheck.model import Joint, Link, Model
 from urdfcheck.source.text.xml import Attribute
 
 _CAMEL = re.compile(r"[a-z][A-Z]")
-# REP 105 and REP 199 fix the spelling of these, whatever the robot's own style is.
+# Names whose spelling REP 105 and REP 199 fix, whatever the robot's style.
 _STANDARD = frozenset({"world", "map", "odom", "base_footprint", "base_link", "base", "flange", "tool0"})
 
 

@@ -14,7 +14,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.source.text.tokens import build_replacement_edits
 
-# The frames above a base_link: the fixed world, the frames that localisation moves, and the footprint (REP 105, REP 120).
+# Frames allowed above base_link: the fixed world, frames that localisation moves, and the footprint (REP 105, REP 120).
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
 # x to the right, y down, z forward, seen from a camera link with x forward and z up (REP 103).
 _OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])

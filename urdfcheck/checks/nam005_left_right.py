@@ -20,7 +20,7 @@ _RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT"}
 _SHORT_LEFT = re.compile(r"l|[fbrhmFBRHM]?[lL]|[lL][fbrhmFBRHM]")
 # Frames are aligned to within this rotation (entries of the matrix).
 _ALIGNMENT_TOLERANCE = 1e-3
-# Nobody types longer names, and each of their words costs a comparison.
+# No real name is longer, and each word costs a comparison.
 _MAX_NAME_LENGTH = 200
 
 
@@ -80,7 +80,7 @@ def _find_limb_pairs(model: Model, apart: float) -> Iterator[_LimbPair]:
 def _can_tell_sides(body: Array, left: Joint, right: Joint) -> bool:
     """Whether left and right can only be those of the robot.
 
-    Not on a body that is turned against the root, not for the fingers of a gripper, which can be mounted either way, and not
+    Not on a body that is rotated against the root, not for the fingers of a gripper, which can be mounted either way, and not
     for fixed parts that face backwards or upside down.
     """
     if np.abs(body[:3, :3] - np.eye(3)).max() > _ALIGNMENT_TOLERANCE or left.type == right.type == "prismatic":

@@ -1,4 +1,4 @@
-"""PKG001 reports packages that a model names and that are not found."""
+"""PKG001 reports packages that a model uses and that are not found."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _explain_by_argument(
     places = (place for place in related if isinstance(place, Location))
     arguments = list_path_arguments(source, read if uses else places)
     named = [argument for argument in arguments if package and argument.value == package]
-    return (f", which argument {named[0]} names", [named[0].location]) if len(named) == 1 else ("", [])
+    return (f", named by argument {named[0]}", [named[0].location]) if len(named) == 1 else ("", [])
 
 
 def _get_path_in_package(text: str, package: str) -> str:

@@ -1,4 +1,4 @@
-"""PKG002 reports mesh files that a model names and that do not exist."""
+"""PKG002 reports mesh files of a model that do not exist."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from urdfcheck.source.text.xml import flatten_definitions
 
 @dataclass(slots=True, eq=False)
 class _MissingFiles:
-    """The files that are missing for one cause: one file, or all files below a folder that does not exist."""
+    """The files that are missing for one reason: one file, or all files below a folder that does not exist."""
 
     path: Path
     """The first missing file."""
@@ -54,7 +54,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         else:
             missing.append((use, path))
     for path, uses in special.items():
-        what = "a folder" if path.is_dir() else "no regular file (a pipe, a socket or a device)"
+        what = "a folder" if path.is_dir() else "a pipe, a socket or a device"
         consequences = describe_missing_mesh(use.attribute.owner for use in uses)
         yield rule.finding(
             "kind", at=uses[0], related=uses[1:], consequences=consequences, path=format_path(path), what=what

@@ -15,7 +15,7 @@ from urdfcheck.source.text.tokens import build_replacement_edits
 
 @dataclass(slots=True, eq=False)
 class _MachinePath:
-    """A text with the path of one machine, or texts with paths into one folder of it, and the files that are named by them."""
+    """A text with the path of one machine, or texts with paths into one folder of it, and the files that they name."""
 
     location: Location
     uses: list[ResourceUse] = field(default_factory=list)

@@ -33,10 +33,10 @@ class _EscapingPath:
 
 @dataclass(slots=True)
 class _EscapeTarget:
-    """The target of several paths: another package, or a folder outside of all packages."""
+    """The target of several paths: another package, or a folder outside all packages."""
 
     package: str
-    """Empty for a folder outside of all packages."""
+    """Empty for a folder outside all packages."""
     folder: Path
     escapes: list[_EscapingPath] = field(default_factory=list)
 

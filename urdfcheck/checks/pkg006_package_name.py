@@ -1,4 +1,4 @@
-"""PKG006 reports package names that not all of ROS accepts."""
+"""PKG006 reports package names that some ROS tools refuse."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
 
 def _explain_illegal_name(name: str) -> str:
     if not name:
-        return "it is empty"
+        return "is empty"
     if not name[0].isalpha() or not name[0].isascii():
-        return f"it begins with {name[0]!r}"
+        return f"begins with {name[0]!r}"
     if name != name.lower():
-        return "it has capital letters"
+        return "has capital letters"
     odd = sorted(set(re.findall(r"[^a-z0-9_-]", name)))
-    return "it holds " + ", ".join(repr(c) for c in odd)
+    return "contains " + ", ".join(repr(c) for c in odd)
 
 
 def _suggest_name(name: str) -> str:

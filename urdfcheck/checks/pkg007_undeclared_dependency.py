@@ -1,4 +1,4 @@
-"""PKG007 reports packages that a package names and does not declare as dependencies."""
+"""PKG007 reports packages that a package uses but does not declare as dependencies."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def _needs_declaration(name: str, uses: list[PackageMention], package: Package) 
 
 
 def _propose_edits(root: Element, file: SourceFile, *, tags: Mapping[str, str]) -> list[Edit]:
-    """Insert the missing lines, each behind the last dependency of its kind, else of any kind, else behind the last element.
+    """Insert the missing lines, each after the last dependency of its kind, else of any kind, else after the last element.
 
     ``tags``: the kind of each.
     """

@@ -1,4 +1,4 @@
-"""PKG008 reports folders that models and launch files read and that a ROS 2 package does not install."""
+"""PKG008 reports folders that models and launch files read but that a ROS 2 package does not install."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PKG009 reports mesh files that are only the pointers of Git LFS."""
+"""PKG009 reports mesh files that are only Git LFS pointers."""
 
 from __future__ import annotations
 

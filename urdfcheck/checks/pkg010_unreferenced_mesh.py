@@ -1,4 +1,4 @@
-"""PKG010 reports mesh files of a package that nothing names."""
+"""PKG010 reports mesh files of a package that no text mentions."""
 
 from __future__ import annotations
 

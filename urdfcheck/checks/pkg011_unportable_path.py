@@ -97,7 +97,7 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         plain=problem.suggestion or "",
         hint=f" (did you mean {problem.suggestion!r}?)" if problem.suggestion and problem.message == "scheme" else "",
         more=f", and {join_names(files[1:], 2)}" if len(files) > 1 else "",
-        lost=": the file is there and is not found under this name" if exists else "",
+        lost="; the file exists but is not found under this name" if exists else "",
     )
 
 

@@ -1,4 +1,4 @@
-"""PKG012 reports files that a model names outside of the folders that may be read."""
+"""PKG012 reports files of a model that are outside the folders that may be read."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
                 "mesh",
                 at=uses[0],
                 related={u.attribute.span: u for u in uses[1:]}.values(),
-                amount=format_count(len(files), "file lies", "files lie"),
+                amount=format_count(len(files), "file is", "files are"),
                 files=files,
                 listed=join_names(files, 3),
                 folder=_name_folder(uses[0].resource.path),

@@ -1,4 +1,4 @@
-"""PKG013 reports packages of one name."""
+"""PKG013 reports packages with the same name."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
 
 
 def _is_told_elsewhere(own: Path, rivals: list[Path], namesakes: list[Path]) -> bool:
-    """Whether the finding is told with another of them: in a folder that is checked whole, the first known one tells it."""
+    """Whether another of them reports the finding: in a folder that is checked as a whole, the first known one does."""
     return own not in namesakes or any(namesakes.index(rival) < namesakes.index(own) for rival in rivals)
 
 

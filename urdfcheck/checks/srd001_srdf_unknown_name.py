@@ -16,8 +16,8 @@ from urdfcheck.source.ros.srdf import Srdf, has_derived_model, is_about_model, i
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
 
-# In a description that may be for a variant of the robot, a name this much like an unused one is a slip of it. Left and right
-# fingers have a likeness of 0.79.
+# In a description that may be for a variant of the robot, a name this similar to an unused one is a misspelling of it. Left and
+# right fingers have a similarity of 0.79.
 MIN_SIMILARITY_ELSEWHERE = 0.85
 # Each suggestion compares all names.
 MAX_HINTS = 100
@@ -60,7 +60,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             continue
         srdfs.append(srdf)
         yield from _check_unknown_names(model, rule, srdf=srdf, missing=missing, elsewhere=elsewhere)
-        if not missing or not has_derived_model(srdf, model.source):  # else they are told of the derived model
+        if not missing or not has_derived_model(srdf, model.source):  # else they are reported for the derived model
             yield from _check_unknown_groups(rule, srdf)
             yield from _check_group_cycles(rule, srdf)
     for srdf in srdfs:
@@ -100,7 +100,7 @@ def _find_missing_names(model: Model, srdf: Srdf) -> _Uses:
 def _fits_another_robot(model: Model, srdf: Srdf, *, missing: _Uses, elsewhere: PackageNames) -> bool:
     """Whether a description that does not fit the model is for another robot of this name.
 
-    That is what the Setup Assistant noted, or a robot of its own package, or one of the model's package.
+    That is: for the file that the Setup Assistant noted, for a robot of its own package, or for one of the model's package.
     """
     if is_set_up_for_another(srdf, model.source):
         return True

@@ -1,4 +1,4 @@
-"""SRD004 reports joints that the SRDF calls passive and that a controller commands."""
+"""SRD004 reports joints that the SRDF declares passive but a controller commands."""
 
 from __future__ import annotations
 

@@ -93,7 +93,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for name in (*outliers, *pairs):
         before = {joint.name for joint in model.tree.find_path_to(model.joint_by_name[name].child)} - {name}
         if before & (outliers.keys() | pairs.keys()):
-            continue  # the joint before it turns it
+            continue  # the joint before it rotates it
         yield (
             _build_finding(model, rule, outliers[name]) if name in outliers else _build_pair_finding(rule, pairs[name])
         )
@@ -110,7 +110,7 @@ def _build_outlier(group: Sequence[Joint], odd: OddFrame, base: Array) -> _Orien
         angle=odd.angle,
         expected=base[:3, :3] @ odd.expected_frame,
         pattern=odd.pattern,
-        why=f"its {count} like siblings ({names}) follow one pattern of frames ({odd.pattern})",
+        why=f"its {count} siblings ({names}) follow one pattern ({odd.pattern})",
     )
 
 
@@ -134,7 +134,7 @@ def _is_reported_as_mirror(model: Model, group: Sequence[Joint], suspects: Suspe
 def _pick_outlier_by_angles(
     model: Model, group: Sequence[Joint], suspects: SuspectFrames
 ) -> _OrientationOutlier | None:
-    """Return the suspect with an angle that nobody chooses, if the joints it is compared with have round ones."""
+    """Return the suspect with an implausible angle, if the joints it is compared with have round ones."""
     name = find_common_base(model, group)
     base = model.frames[name][:3, :3]
     for index, angle, expected in zip(suspects.members, suspects.angles, suspects.expected_frames, strict=True):
@@ -147,8 +147,8 @@ def _pick_outlier_by_angles(
             few = "sibling" if len(others) == 1 else "siblings"
             have = "has" if len(others) == 1 else "have"
             why = (
-                f"its like {few} {_join_joint_names(others)} ({suspects.pattern}) {have} round angles, "
-                f"and this one's `{typed[0]}` is none that anybody chooses"
+                f"its {few} {_join_joint_names(others)} ({suspects.pattern}) {have} round angles, "
+                f"but `{typed[0]}` is implausible"
             )
             return _OrientationOutlier(
                 joint=group[index],
@@ -167,7 +167,7 @@ def _collect_unround_rpys(model: Model, joint: Joint, base: str) -> list[str]:
 
 
 def _get_unround_rpy(joint: Joint) -> str | None:
-    """Return the typed rpy of a joint if one of its angles is neither round nor short, as nobody types by hand; else None."""
+    """Return the typed rpy of a joint if one of its angles is neither round nor short, unlike those typed by hand; else None."""
     attribute = joint.origin.get_attribute("rpy")
     if attribute is None or not attribute.literal:
         return None
@@ -267,10 +267,10 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
 def _find_rotation_correction(
     model: Model, joint: Joint, others: Sequence[Joint], *, expected: Array
 ) -> _RotationCorrection | None:
-    """Return the joint of a chain whose rpy has to change: turned as in a sibling's chain, it restores the pattern.
+    """Return the joint of a chain whose rpy has to change: rotated as in a sibling's chain, it restores the pattern.
 
     None if that holds for no joint or for several, if the chains have different lengths, or if the line to change
-    makes the siblings as well.
+    also makes the siblings.
     """
     base = find_common_base(model, (joint, *others))
     chain = trace_fixed_chain(model, joint, base)
@@ -325,13 +325,13 @@ def _choose_message(model: Model, joint: Joint, odd: _OrientationOutlier) -> tup
 
 
 def _describe_com_offset(model: Model, joint: Joint) -> str:
-    """Mention the COM of the child, which turns as well, if it is off the axis."""
+    """Mention the COM of the child, which is also rotated, if it is off the axis."""
     inertial = model.link_by_name[joint.child].inertial
     if inertial is None or inertial.origin.xyz is None or joint.axis is None:
         return ""
     com, axis = np.array(inertial.origin.xyz), np.array(joint.axis) / np.linalg.norm(joint.axis)
     distance = float(np.linalg.norm(com - (com @ axis) * axis))
-    return f", its centre of mass ({format_length(distance, micrometres=True)} off the axis)" if distance > 1e-9 else ""
+    return f", its COM ({format_length(distance, micrometres=True)} off the axis)" if distance > 1e-9 else ""
 
 
 def _snap_angle(angle: float) -> float:

@@ -121,7 +121,7 @@ def _build_finding(model: Model, rule: Rule, *, group: Sequence[Joint], misplace
     off = model.frames[joint.child][:3, 3] - (base[:3, :3] @ misplaced.expected + base[:3, 3])
     corrections = _find_position_corrections(model, joint, others, off=off)
     if not corrections:
-        return None  # the joint is correct on its parent, which is turned
+        return None  # the joint is correct on its parent, which is rotated
     correction = corrections[0]
     delta = model.frames[correction.joint.parent][:3, :3].T @ off
     data: dict[str, Any] = {
@@ -188,12 +188,12 @@ def _find_position_corrections(
 
 
 def _describe_offset(joint: Joint, off: Array) -> str:
-    """Return ``3 mm too high`` for a wheel that is displaced along z, else ``3 mm beside it``."""
+    """Return ``3 mm too high`` for a wheel that is displaced along z, else ``3 mm off``."""
     distance = float(np.linalg.norm(off))
     upright = (
         bool(WHEEL_NAME.search(f"{joint.name} {joint.child}")) and abs(float(off[2])) > MIN_VERTICAL_COSINE * distance
     )
-    side = ("too high" if off[2] > 0 else "too low") if upright else "beside it"
+    side = ("too high" if off[2] > 0 else "too low") if upright else "off"
     return f"{distance * 1e3:.4g} mm {side}"
 
 

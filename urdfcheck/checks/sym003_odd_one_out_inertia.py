@@ -30,7 +30,7 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
         if diagnosed is not None and diagnosed.diagnosis.judged_by == "twin" and not diagnosed.diagnosis.at_fault:
             continue  # its numbers fit its drawing: all others may have the same mistake
         names = join_names(link.name for link in odd.by)
-        why = f"{len(odd.by)} like links that draw the same part ({names}) agree on theirs"
+        why = f"{len(odd.by)} links that draw the same part ({names}) agree with each other"
         yield _build_outlier_finding(model, rule, odd, why=why, differ=differ, note=note)
     sides = {frozenset((pair.one, pair.other)) for pair in mirror_pairs(model)}
     for pair in find_differing_pairs(model, note, excluded=sides):
@@ -38,7 +38,7 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
         if wrong is None:
             yield _build_pair_finding(model, rule, pair, note=note)
         else:
-            why = f"its like link {wrong.by[0].name} has those of the part that both draw"
+            why = f"{wrong.by[0].name} has the inertial of the part that both draw"
             yield _build_outlier_finding(model, rule, wrong, why=why, differ=differ, note=note)
 
 
@@ -55,7 +55,7 @@ def _build_outlier_finding(
         related=[locate_difference(other, odd.deviation, note) for other in others],
         edits=() if shared else repair.edits,
         severity=None if odd.deviation.worst >= differ else Severity.INFO,
-        numbers=repair.text,
+        numbers=repair.text if shared else repair.words,
         why=why,
         siblings=join_names(link.name for link in odd.by),
         **_collect_data(odd, note),

@@ -48,12 +48,12 @@ UNMIRRORED = "unmirrored"
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
     "mirrored": "the mirror image of {}",
-    "both": "the same part as {}, mirrored or turned",
+    "both": "the same part as {}, mirrored or rotated",
     "copied": "the same part as {}",
 }
 BOTH_SIDES_RELATIONS = {
     "mirrored": "mirror images of each other",
-    "both": "one part twice, mirrored or turned",
+    "both": "one part twice, mirrored or rotated",
     "copied": "one part twice",
 }
 
@@ -105,7 +105,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     deviation, cause = side.deviation, find_cause(pair, side, note)
     if cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
         return None
-    parts = (("centre of mass", deviation.com_offset), ("inertia tensor", deviation.spread))
+    parts = (("COM", deviation.com_offset), ("inertia tensor", deviation.spread))
     differences = describe_differences(side.actual, side.expected, deviation=deviation, threshold=note)
     data: dict[str, Any] = {
         "one": both[0].link.name,
@@ -116,7 +116,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
             side.twin.name
         ),
         "differences": ", ".join(differences),
-        "what": " and the ".join(word for word, share in parts if share > note),
+        "what": " and ".join(word for word, share in parts if share > note),
         "signs": join_names(find_wrong_signs(side.actual, side.expected, note), 9),
         "share": deviation.worst,
         "between": _list_subjects(both[0].link, both[1].link),

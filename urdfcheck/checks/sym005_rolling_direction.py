@@ -44,7 +44,7 @@ def _pick_outliers(
     """
     if len(one) != len(other):
         return (one, other) if len(one) < len(other) else (other, one)
-    # A wheel under the robot that turns about +y rolls towards +x; one that turns about -x rolls towards +y.
+    # A wheel under the robot that rotates about +y rolls towards +x; one that rotates about -x rolls towards +y.
     axis = one[0].axis
     forward = axis[1] > 0 if abs(axis[1]) > abs(axis[0]) else axis[0] < 0
     return (other, one) if forward else (one, other)

@@ -127,17 +127,17 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
     if failure.expression.startswith("$(eval "):
         return _explain_undefined_argument(failure, name, arguments)
     if name in arguments:
-        why, repair = f"; an argument has this name, and arguments are read as $(arg {name})", f"write `$(arg {name})`"
+        why, repair = f"; an argument has this name, which is read as $(arg {name})", f"write `$(arg {name})`"
     elif name in defined:
         place = defined[name][0]
         where = "" if place.span is None else f" (line {place.span.line} of {place.span.file})"
-        why = f"; the property of this name{where} comes later, or belongs to another macro or branch"
-        repair = "define the property before its first use and outside of macros, or hand the value over as a parameter"
+        why = f"; the property with this name{where} comes later, or belongs to another macro or branch"
+        repair = "define the property before its first use and outside macros, or pass the value as a parameter"
         conditions = find_conditions(trees, name, failure.problem.location.span)
         if conditions:
             why = f"; it is only defined {' or '.join(map(str, conditions))}"
             options = _choose_values(failure.source, conditions)
-            repair = "define it in all other cases too"
+            repair = "define it in all other cases"
             repair = f"give a value for which it is defined: `{options}`; or {repair}" if options else repair
         extra = tuple(a.location for a in defined[name])
     else:
@@ -168,14 +168,14 @@ def _choose_values(source: Source, conditions: Iterable[Condition]) -> str:
 
 
 def _explain_undefined_argument(failure: _ExpansionFailure, name: str, declared: Iterable[str]) -> _FailureReport:
-    """Explain a name in ``$(eval …)``, which reads arguments and no properties."""
+    """Explain a name in ``$(eval …)``, which reads arguments but not properties."""
     define = f'declare it before this line: `<xacro:arg name="{name}" default="…"/>`'
     defined = collect_properties(failure.source.trees).get(name, ())
     if defined:
-        why = "; a property has this name, and `$(eval …)` reads arguments only"
+        why = "; a property has this name, but `$(eval …)` reads only arguments"
         repair = "write the expression as `${…}`, which reads properties"
     elif name in declared:
-        why, repair = "; the argument of this name is declared later, or in another branch", define
+        why, repair = "; the argument with this name is declared later, or in another branch", define
     else:
         near = _find_built_in_name(name) or find_nearest_name(name, declared)
         why = f" (did you mean {near!r}?)" if near else ""
@@ -261,7 +261,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     near = (
         format_name_hint(path.name, beside)
         if beside
-        else f"; nor does its folder{_describe_sibling_folders(failure.source, path)}"
+        else f", nor does its folder{_describe_sibling_folders(failure.source, path)}"
     )
     package = failure.source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
     elsewhere = None if package is None else find_uninstalled_file(path, package, index_files([package.path]))

@@ -1,4 +1,4 @@
-"""XAC002 reports properties in a model's own files that nothing reads."""
+"""XAC002 reports properties in a model's own files that are never read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XAC003 reports macros in a model's own files that nothing calls."""
+"""XAC003 reports macros in a model's own files that are never called."""
 
 from __future__ import annotations
 

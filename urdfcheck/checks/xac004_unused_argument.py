@@ -1,4 +1,4 @@
-"""XAC004 reports arguments in a model's own files that nothing reads."""
+"""XAC004 reports arguments in a model's own files that are never read."""
 
 from __future__ import annotations
 

@@ -16,13 +16,13 @@ from urdfcheck.source.package.file_kinds import is_xacro
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
 
-# CAD exports of one part differ by so much, which is rounding.
+# CAD exports of one part differ by this much, through rounding.
 _TOLERANCES = {"rel_tol": 1e-6, "abs_tol": 1e-12}
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _LinkBlock:
-    """A link and the joint that carries it."""
+    """A link and the joint above it."""
 
     link: Element
     name: str
@@ -70,7 +70,7 @@ def _build_finding(group: Sequence[_LinkBlock], rule: Rule) -> Finding:
         count=len(group),
         links=[b.name for b in group],
         listed=join_names((b.name for b in group), 4),
-        what="links and the joints that carry them" if with_joint else "links",
+        what="links with their joints" if with_joint else "links",
         differences=differing,
         differ=join_names(differing) or "nothing",
         macro=macro,
@@ -82,7 +82,7 @@ def _build_finding(group: Sequence[_LinkBlock], rule: Rule) -> Finding:
         ),
         derived=", with " * bool(varies.derived) + " and ".join(f"{name} `{e}`" for name, e in varies.derived),
         refused="".join(
-            f"; {c.name} {c.words[i]} of {group[i].name} has no place there: if it is meant, add `{c.name}:={rest}` to the params"
+            f"; {c.name} {c.words[i]} of {group[i].name} is lost then; if it is meant, add `{c.name}:={rest}` to the params"
             for c, i, rest in varies.outliers
         ),
     )

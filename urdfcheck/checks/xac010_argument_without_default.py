@@ -19,7 +19,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         at = locate_expression(source, problem, f"$(arg {name})")
         declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
         missing = [name, *(n for n in _find_undeclared_arguments(source) if n != name)]
-        from urdfcheck.source.xacro.argument_values import find_argument_choices  # only what is missing asks for it
+        from urdfcheck.source.xacro.argument_values import (
+            find_argument_choices,
+        )  # loaded only if an argument is missing
 
         known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
         options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)

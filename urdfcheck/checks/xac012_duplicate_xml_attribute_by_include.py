@@ -15,7 +15,7 @@ from urdfcheck.source.text.xml import Attribute, Element
 _NEWER_FEATURES: Mapping[str, tuple[tuple[int, int], str, frozenset[str]]] = {
     "origin": ((1, 1), "quat_xyzw", frozenset({"quat_xyzw"})),
     "capsule": ((1, 1), "<capsule>", frozenset()),
-    "limit": ((1, 2), "acceleration, deceleration or jerk", frozenset({"acceleration", "deceleration", "jerk"})),
+    "limit": ((1, 2), "acceleration, deceleration or jerk limits", frozenset({"acceleration", "deceleration", "jerk"})),
 }
 _REDEFINED = re.compile(r"inconsistent namespace redefinitions for (\S+): old: (\S*) new: (\S*) \(")
 
@@ -46,7 +46,7 @@ def _check_versions(model: Model, rule: Rule) -> Iterator[Finding]:
                 at=declared,
                 related=[main, *lost[:5]],
                 version=declared.value,
-                own=main.get("version") or "1.0, which counts where none is given",
+                own=main.get("version") or "1.0, the default",
                 what=" and ".join(sorted({_NEWER_FEATURES[e.tag][1] for e in lost})),
                 file=name,
                 main=source.name,

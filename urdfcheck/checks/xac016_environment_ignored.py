@@ -1,4 +1,4 @@
-"""XAC016 reports that the model depends on the environment: on variables that were not read, and on those that decide."""
+"""XAC016 reports that the model depends on the environment: on variables not read, and on those that change the model."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     yield from _check_ignored(source, rule)
     decisions = source.find_problems("environment-decides")
     if decisions:
-        # It loads the expansion, and few models decide by one.
+        # This import loads the expansion, and few models need it.
         from urdfcheck.source.other_environments import get_variable
 
         names = sorted({str(p.data["variable"]) for p in decisions})
@@ -27,7 +27,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         yield rule.finding("place", at=first, related=others[:9], severity=Severity.ERROR)
     orders = source.find_problems("order-decides")
     if orders:
-        from urdfcheck.source.other_environments import depends_on_set_order  # the same
+        from urdfcheck.source.other_environments import depends_on_set_order  # likewise
 
         first, *others = dict.fromkeys(p.location for p in orders)
         if depends_on_set_order(source):
@@ -48,7 +48,7 @@ def _check_ignored(source: Source, rule: Rule) -> Iterator[Finding]:
         at=place[first],
         related=[place[span] for span in others],
         variables=names,
-        amount=format_count(len(names), "variable"),
+        amount=format_count(len(names), "environment variable"),
         was="was" if len(names) == 1 else "were",
         listed=join_names(names, 5),
         options=" ".join(f"--env {shlex.quote(name)}" for name in names[:5]) + (" …" if len(names) > 5 else ""),

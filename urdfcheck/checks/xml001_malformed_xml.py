@@ -18,9 +18,9 @@ _KINDS = (
     *("instruction-copied", "xacro-line-break"),
     "unreadable",
 )
-# The reference parser reads another name than programs that heed the declaration.
+# urdfdom reads another name than programs that follow the declaration.
 _MISREAD = ("misdeclared", "undecoded")
-_REPAIR_OF_COMPANION = "mend the XML at this place, or just before it, and save the file as UTF-8"
+_REPAIR_OF_COMPANION = "fix the XML here or just before it, and save the file as UTF-8"
 # How a file that was never XML begins, and the cause.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
 # We reject this, and ROS may read it.

@@ -36,8 +36,8 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         return
     name = root.attributes.get("name")
     if name is None:
-        # A file without a name that others include is a part of theirs; a xacro that none includes here may be one for other
-        # packages. Of one that cannot be expanded nobody knows whether it is a model.
+        # A file without a name that others include is a part; a xacro that no file here includes may be a part for other
+        # packages. Whether a file that cannot be expanded is a model is unknown.
         if not source.is_part and source.root is not None:
             yield rule.finding("unnamed", at=root, severity=Severity.WARNING if source.is_xacro else None)
     elif not name.value.strip():
@@ -48,6 +48,6 @@ def _describe_consequences(tag: str) -> dict[str, str]:
     """Return the reactions of MuJoCo and Gazebo, each of which has its own format."""
     is_own_format = {"mujoco": tag == "mujoco", "gazebo": tag == "sdf"}
     return {
-        name: "loads it: this is its own format" if reads else "refuses the file"
+        name: "loads it; this is its own format" if reads else "refuses the file"
         for name, reads in is_own_format.items()
     }

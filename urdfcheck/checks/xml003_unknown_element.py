@@ -1,4 +1,4 @@
-"""XML003 reports elements that nothing reads where they are."""
+"""XML003 reports elements where no parser reads them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from urdfcheck.source.text.grammar import CHILDREN, guess_element_tag, iter_urdf
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import Element
 
-# Elements that a program other than urdfdom reads here, or that are an extension with its own name.
+# Elements that a program other than urdfdom reads here, and extensions with their own names.
 _EXTENSIONS: dict[str, frozenset[str]] = {
     "robot": frozenset(
         {
@@ -43,7 +43,7 @@ _EXTENSIONS: dict[str, frozenset[str]] = {
     "collision": frozenset({"verbose", "material", "contact_coefficients"}),
     "geometry": frozenset({"plane", "cdf"}),  # Bullet
 }
-# Elements of a link, a collision or a joint in SDF: in a URDF they count only inside <gazebo>.
+# Elements of a link, a collision or a joint in SDF; in a URDF they have an effect only inside <gazebo>.
 _SDF = frozenset({
     "gravity", "kinematic", "self_collide", "surface", "enable_wind", "velocity_decay", "must_be_base_link",
     "laser_retro", "max_contacts", "selfCollide", "turnGravityOff", "dampingFactor", "maxContacts", "mu1", "mu2",
@@ -84,8 +84,8 @@ def _describe_consequences(parent: str, places: list[Element]) -> dict[str, str]
         return dict.fromkeys(("urdfdom", "mujoco", "drake", "bullet"), "ignores it without a message")
     drawn = not any(map(is_collision_part, places))
     return {
-        "urdfdom": "drops the shape, and every visual and collision of the link that it has not read yet",
-        "mujoco": "loads it: it leaves out what is only drawn" if drawn else "refuses the file",
+        "urdfdom": "drops the shape, and every visual and collision of the link after it",
+        "mujoco": "loads it without shapes that are only drawn" if drawn else "refuses the file",
         "drake": "refuses the file",
         "bullet": "refuses the file",
     }
@@ -97,7 +97,7 @@ def _is_unknown_element(parent: str, child: Element) -> bool:
 
 
 def _classify_element(parent: str, child: Element) -> tuple[str, Severity, dict[str, Any]] | None:
-    """Return the message, its severity and its data for an unknown element, or None for an extension of the robot."""
+    """Return the message, its severity and its data for an unknown element, or None for an extension."""
     near = guess_element_tag(parent, child)
     if near is not None:
         return "misspelt", Severity.ERROR if parent == "geometry" else Severity.WARNING, {"near": near}

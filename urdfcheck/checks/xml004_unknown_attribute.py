@@ -1,4 +1,4 @@
-"""XML004 reports attributes that nothing reads where they are."""
+"""XML004 reports attributes where no parser reads them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from urdfcheck.source.text.tokens import find_name_span
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile
 
-# Labels and notes, which nothing is expected to read.
+# Labels and notes for people.
 _LABELS = frozenset({"name", "id", "comment", "description"})
 # Bullet reads group, mask and concave; a link had a type before URDF 1.0.
 _EXTENSIONS: Mapping[str, frozenset[str]] = {
@@ -36,7 +36,7 @@ _WITHOUT_AXIS = frozenset({"fixed", "floating"})
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _UnreadAttribute:
-    """An attribute that nothing reads, and the contents of its finding."""
+    """An attribute that no parser reads, and the contents of its finding."""
 
     attribute: Attribute
     message: str

@@ -27,7 +27,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _find_repeated_children(element: Element) -> Iterator[list[Element]]:
-    """Return the groups of children of which only one may exist: of one tag, or all shapes of a geometry."""
+    """Return the groups of children of which only one is allowed: children with one tag, or all shapes of a geometry."""
     groups: dict[str, list[Element]] = {}
     for child in element.children:
         if child.tag in CHILDREN.get(element.tag, frozenset()) - _REPEATABLE:
@@ -60,8 +60,8 @@ def _describe_mujoco_behaviour(element: Element, second: Element) -> str:
     if second.tag in _UNSEEN_BY_MUJOCO:
         return "ignores all of them"
     if element.tag == "visual" and second.tag != "material":
-        return 'ignores visuals, unless discardvisual is "false": then it refuses the file'
-    return "refuses the file: repeated element"
+        return 'ignores visuals; with discardvisual="false" it refuses the file'
+    return "refuses the file (repeated element)"
 
 
 def _build_content_key(element: Element) -> tuple[object, ...]:

@@ -84,7 +84,7 @@ def _propose_edits(attribute: Attribute, word: str, better: str | None) -> list[
 
 
 def _classify_value(value: str, count: int) -> tuple[str, str, str | None] | None:
-    """Return the message for a value with a malformed number, the malformed word and its correction, or None if all is well."""
+    """Return the message for a value with a malformed number, the word and its correction, or None if it is well-formed."""
     words = value.split()
     if not words:
         return "empty", value, None

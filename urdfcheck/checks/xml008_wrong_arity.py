@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core.text import format_count
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.engine_reactions import describe_loss
@@ -35,6 +36,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 value=" ".join(words) if len(words) <= 8 else " ".join(words[:8]) + " …",
                 found=len(words),
                 expected=count,
+                needed=format_count(count, "number"),
             )
 
 

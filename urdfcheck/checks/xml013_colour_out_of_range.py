@@ -38,7 +38,7 @@ def _build_finding(rule: Rule, rgba: tuple[float, ...], attributes: list[Attribu
         related=[a for span, a in places.items() if span != attributes[0].span],
         edits=[edit for attribute in places.values() if text for edit in edit_numbers(attribute, text)],
         rgba=join_numbers(rgba, separator=" "),
-        better=text or "each part between 0 and 1",
+        better=text or "each component between 0 and 1",
         times=format_repetition(len(attributes)),
     )
     return replace(finding, subjects=tuple(a.location.subject for a in attributes))

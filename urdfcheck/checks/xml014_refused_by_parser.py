@@ -1,4 +1,4 @@
-"""XML014 reports what the reference parser says when it loads the model."""
+"""XML014 reports what urdfdom and Pinocchio report when they load the model."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.motion.pinocchio_model import parser_verdict
 
-# Every loader prints these about the root of a model; other rules say more.
+# Every loader prints these about the root of a model; other rules give details.
 _EXPLAINED = ("root link", "has an inertia specified in the URDF")
 
 

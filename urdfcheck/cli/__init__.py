@@ -58,7 +58,8 @@ def main(argv: Sequence[str] | None = None, *, working_folders: Sequence[str] = 
     except MemoryError:
         erase_progress()
         print(
-            "urdfcheck: the reports on all models take more memory than there is: name fewer of them", file=sys.stderr
+            "urdfcheck: the reports of all models need more memory than is available: check fewer at once",
+            file=sys.stderr,
         )
     except KeyboardInterrupt:
         erase_progress()
@@ -70,7 +71,7 @@ def _run_command(words: list[str]) -> int:
     for word in words[: words.index("--") if "--" in words else None]:
         # An untrusted file name may come from a shell pattern or from pre-commit: -ohtml=… would write where it says.
         if word.startswith("-") and os.path.lexists(word):
-            raise UrdfcheckError(f"{word} is a file of this name, and would be taken for an option: write ./{word}")
+            raise UrdfcheckError(f"{word} is the name of a file, but reads like an option: write ./{word}")
     name = words[0] if words else ""
     if name in RESERVED:
         raise UrdfcheckError(f"the command {name!r} does not exist yet; to check a file of this name write ./{name}")

@@ -80,37 +80,41 @@ _OPTIONS = (
         "--fail-on",
         _DROPPING,
         choices=("error", "warning", "info", "never"),
-        help="exit 1 for findings of this severity or above (default: error)",
+        help="exit 1 for findings at or above this severity (default: error)",
     ),
     _make_option(
         "--unchecked",
         _ALL,
         choices=("error", "warning"),
-        help="severity of a model that cannot be checked (default: error; warning accepts it)",
+        help="severity of a model that could not be checked (default: error; warning accepts it)",
     ),
     _make_option("--arg", _ALL, **_REPEATED, metavar="NAME:=VALUE", help="xacro argument, for all models (repeatable)"),
     _make_option("--package", _ALL, **_REPEATED, metavar="NAME=DIR", help="where a ROS package is (repeatable)"),
     _make_option("--package-path", _ALL, **_REPEATED, metavar="DIR", help="folder that holds packages (repeatable)"),
     _make_option(
-        "--allow-read", _ALL, **_REPEATED, metavar="DIR", help="another folder whose files may be opened (repeatable)"
+        "--allow-read", _ALL, **_REPEATED, metavar="DIR", help="additional folder whose files may be read (repeatable)"
     ),
     _make_option(
-        "--env", _ALL, **_REPEATED, metavar="NAME", help="another environment variable that xacro may read (repeatable)"
+        "--env",
+        _ALL,
+        **_REPEATED,
+        metavar="NAME",
+        help="additional environment variable that xacro may read (repeatable)",
     ),
     _make_option(
         "--isolated",
         _ALL,
         action="store_true",
-        help="ignore configurations, comments and baselines of the repository (for gates: a stranger may have written them)",
+        help="ignore the repository's configuration, comments and baseline (for untrusted changes)",
     ),
     _make_option("--no-cache", _ALL, action="store_true", help="neither read nor write the cache"),
     _make_option("--timeout", _ALL, type=float, metavar="SECONDS", help="limit for one model (default: 300; 0: none)"),
-    _make_option("--memory", _ALL, type=int, metavar="MIB", help="limit for one model (default: 4096)"),
+    _make_option("--memory", _ALL, type=int, metavar="MIB", help="memory limit for one model (default: 4096)"),
     _make_option(
         "--all-args",
         _DROPPING,
         action="store_true",
-        help="check each xacro with all values that its files offer for its arguments",
+        help="check each xacro with every argument value that its files offer",
     ),
     _make_option(
         "--target",
@@ -227,5 +231,5 @@ def _split_pair(text: str, separator: str, option: str, *, value: str = "VALUE")
     if not assigned or not name:
         raise UrdfcheckError(f"{option} {text}: write NAME{separator}{value}")
     if rest == TO_FILL_IN:  # a command that a report proposes
-        raise UrdfcheckError(f"{option} {text}: write the value of {name} in place of {TO_FILL_IN}")
+        raise UrdfcheckError(f"{option} {text}: replace {TO_FILL_IN} by the value of {name}")
     return name, rest

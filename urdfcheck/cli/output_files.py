@@ -59,9 +59,7 @@ def parse_outputs(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str,
         if real in text_by_path:
             raise UrdfcheckError(f"--output {text}: {text_by_path[real]} goes into the same file")
         if (real in inputs and os.path.isfile(real)) or file.suffix.lower() in MODELS:
-            raise UrdfcheckError(
-                f"--output {text}: that is the file of a model, and a report would be put in its place"
-            )
+            raise UrdfcheckError(f"--output {text}: that is the file of a model, and a report would replace it")
         text_by_path[real] = text
     return outputs
 
@@ -174,4 +172,4 @@ def write_report(run: Run, output_format: str, file: Path, *, checked: CheckedFo
         if output_format == "html" and len(text) > LARGEST:
             many = not as_pages and len(run.models) > 1
             advice = "-o html=FOLDER/ gives each model a page" if many else "fewer rules (--select) make it smaller"
-            say(f"{path}: {len(text) / 1e6:.1f} MB, browsers will be slow with it; {advice}", sys.stderr)
+            say(f"{path}: {len(text) / 1e6:.1f} MB, browsers will open it slowly; {advice}", sys.stderr)

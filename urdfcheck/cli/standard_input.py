@@ -31,7 +31,7 @@ def read_given_file(options: argparse.Namespace) -> dict[str, bytes]:
     if len(data) > MAX_TEXT:
         raise UrdfcheckError(f"standard input has more than {MAX_TEXT:,} bytes, the limit for a file")
     if not data.strip():
-        raise UrdfcheckError("standard input is empty; what wrote to it has probably failed")
+        raise UrdfcheckError("standard input is empty; the command that writes to it has probably failed")
     uses_xacro = b"<xacro:" in data or (b"xmlns:xacro" in data and b"${" in data)
     name = options.stdin_filename or (_XACRO_NAME if uses_xacro else _NAME)
     options.paths = [name]

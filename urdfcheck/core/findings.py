@@ -35,7 +35,7 @@ class Severity(IntEnum):
         try:
             return cls[text.upper()]
         except KeyError:
-            raise ValueError(f"{text!r} is no severity: error, warning or info") from None
+            raise ValueError(f"{text!r} is not a severity: error, warning or info") from None
 
 
 class Confidence(str, Enum):

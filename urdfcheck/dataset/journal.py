@@ -198,13 +198,13 @@ def _open_journal(folder: Path) -> int:
     except FileNotFoundError:
         if any(not name.startswith(TEMPORARY) for name in os.listdir(folder)):
             raise UrdfcheckError(
-                f"{folder} holds something else than an audit: name a folder that is empty or does not exist (-o)"
+                f"{folder} holds something other than an audit: name an empty or new folder (-o)"
             ) from None
         return os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666)
     begins = os.read(descriptor, len(_FIRST)) if stat.S_ISREG(os.fstat(descriptor).st_mode) else None
     if begins is None or not _FIRST.startswith(begins):
         os.close(descriptor)
-        raise UrdfcheckError(f"{path} is no journal of an audit: name another folder (-o)")
+        raise UrdfcheckError(f"{path} is not the journal of an audit: name another folder (-o)")
     return descriptor
 
 
@@ -217,7 +217,7 @@ def _lock_journal(descriptor: int, folder: Path) -> None:
         # Workers do not inherit this lock, and they may outlive a killed audit. Closing any descriptor of the file releases it.
         fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except (BlockingIOError, PermissionError):
-        raise UrdfcheckError(f"another audit is at work in {folder}") from None
+        raise UrdfcheckError(f"another audit is running in {folder}") from None
     except OSError:  # the file system has no locks
         return
 

@@ -31,6 +31,7 @@ def run_rule_tests(code: str) -> int:
             "no:cacheprovider",
             "tests/test_rules.py",
             "tests/test_simulators.py",
+            "tests/test_prose.py",
             "-k",
             f"{code} or {rule.stem}",
         ]

@@ -114,8 +114,8 @@ def _format_pair_groups(found: LinkPairs) -> Iterator[str]:
         (
             [pair for pair in found.pairs if pair.reason == "Default"],
             "Default: collide in the default state (every joint at zero, or in the middle of a range without zero).\n"
-            "Their collisions in other states are not seen either: better mend the model where it is wrong, or begin\n"
-            "in another state and delete these lines.",
+            "MoveIt then misses their collisions in other states: correct the model where it is wrong, or begin in\n"
+            "another state and delete these lines.",
         ),
         (
             [pair for pair in found.pairs if pair.reason == "Always"],

@@ -54,7 +54,7 @@ class EditableFiles:
         """
         real = resolve_real_path(path)
         if real is None or not self._is_own(real):
-            raise EditRefusedError("it lies outside of the given paths and of their repository or package")
+            raise EditRefusedError("it is outside the given paths and their repository or package")
         if any((folder / name).exists() for folder in Path(real).parents for name in _INSTALLED):
             raise EditRefusedError("it is an installed file: its source is elsewhere")
         try:
@@ -62,7 +62,7 @@ class EditableFiles:
         except OSError as error:
             raise EditRefusedError(error.strerror or str(error)) from None
         if not stat.S_ISREG(status.st_mode):
-            raise EditRefusedError("it is no regular file")
+            raise EditRefusedError("it is not a regular file")
         if status.st_nlink > 1:
             raise EditRefusedError("it has more than one name (hard links), and only one of them would be changed")
         if not self.are_written:

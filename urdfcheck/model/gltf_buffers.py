@@ -81,7 +81,7 @@ def _find_buffer(uri: str, document: Path, finder: PackageFinder) -> Path | Mesh
 
     shown = repr(uri[:200])
     if _NOT_RELATIVE.match(uri):
-        return MeshError("external-buffer", f"keeps its geometry in {shown}, and glTF allows relative paths only")
+        return MeshError("external-buffer", f"keeps its geometry in {shown}, but glTF only allows relative paths")
     resource = finder.resolve_resource(unquote(uri), document.parent)
     if not resource.allowed:
         return MeshError("external-buffer", f"keeps its geometry in {shown}, and {OUT_OF_REACH}")

@@ -95,7 +95,7 @@ class TreeTooDeepError(FactUnavailableError):
     """A chain of ``levels`` links, down to ``link``; ``limit`` would be followed."""
 
     def __init__(self, levels: int, link: str) -> None:
-        super().__init__(f"{levels:,} links hang one below the other, more than {MOST_LEVELS:,} (URC905)")
+        super().__init__(f"a chain of {levels:,} links exceeds {MOST_LEVELS:,} (URC905)")
         self.levels, self.limit = levels, MOST_LEVELS
         self.link = link
 

@@ -67,14 +67,14 @@ def read_baseline(path: Path, root: Path) -> Baseline:
         text = read_regular(path, MAX_FILE_SIZE).decode("utf-8")
         found = json.loads(text)
     except OSError as error:
-        hint = "; urdfcheck baseline write makes one" if isinstance(error, FileNotFoundError) else ""
+        hint = "; urdfcheck baseline write creates one" if isinstance(error, FileNotFoundError) else ""
         raise UrdfcheckError(f"{name}: cannot read the baseline: {error.strerror or error}{hint}") from None
     except json.JSONDecodeError as error:
-        raise UrdfcheckError(f"{name}:{error.lineno}: no baseline: {error.msg}") from None
+        raise UrdfcheckError(f"{name}:{error.lineno}: not a baseline: {error.msg}") from None
     except (ValueError, RecursionError) as error:
-        raise UrdfcheckError(f"{name}: no baseline: {error}") from None
+        raise UrdfcheckError(f"{name}: not a baseline: {error}") from None
     if not isinstance(found, dict) or found.get("schema") != SCHEMA:
-        raise UrdfcheckError(f"{name}: no baseline: its schema is not {SCHEMA}")
+        raise UrdfcheckError(f"{name}: not a baseline: its schema is not {SCHEMA}")
     try:
         return Baseline(
             path=path,
@@ -83,7 +83,7 @@ def read_baseline(path: Path, root: Path) -> Baseline:
             models={model: _parse_entries(rows) for model, rows in found["models"].items()},
         )
     except (AttributeError, KeyError, TypeError, ValueError):
-        raise UrdfcheckError(f"{name}: no baseline: write it anew with urdfcheck baseline write") from None
+        raise UrdfcheckError(f"{name}: not a baseline: write it again with urdfcheck baseline write") from None
 
 
 def read_found_baseline(path: Path, root: Path) -> Baseline | None:

@@ -378,7 +378,7 @@ def _parse_models(reader: _TableReader) -> tuple[NamedModel, ...]:
         if not FileReach.from_paths([entry.path], []).can_open(path):
             raise entry.make_type_error("path", "a file of the repository")
         if not path.is_file():
-            raise entry.make_type_error("path", f"a file that exists; {typed} is none{_suggest_file(path, typed)}")
+            raise entry.make_type_error("path", f"a file that exists; {typed} does not{_suggest_file(path, typed)}")
         arguments = entry.read_arguments()
         key, same = ("name", "this name") if name is not None else ("arguments", "these arguments")
         alike = (os.path.realpath(path), name if name is not None else str(sorted(arguments.items())))
@@ -518,7 +518,7 @@ class _TableReader:
             raise self.make_type_error(key, "a table of strings")
         for name, inner in value.items():
             if not isinstance(inner, str):
-                raise self.make_error((key, name), f"{key} must be a table of strings; {name} is none")
+                raise self.make_error((key, name), f"{key} must be a table of strings; {name} is not a string")
         self.ensure_bounded(key, value)
         return dict(value)
 
@@ -539,10 +539,10 @@ class _TableReader:
         around = FileReach.from_paths([self.path], [])
         if not around.can_open(self.path.parent / folder):  # the file may be a stranger's like all beside it
             raise self.make_error(
-                place, f"{key} must be folders of the repository; {folder} is none (name it on the command line)"
+                place, f"{key} must name folders of the repository; {folder} is not in it (name it on the command line)"
             )
         if not (self.path.parent / folder).is_dir():
-            raise self.make_error(place, f"{key} must be folders that exist; {folder} is none")
+            raise self.make_error(place, f"{key} must name existing folders; {folder} does not exist")
 
     def select_rules(self, key: Key, word: str) -> set[str]:
         try:

@@ -134,9 +134,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
         if execution.on_progress is not None:
             execution.on_progress(len(units), len(units))  # nothing else will be finished
         count = len(units) - len(spared)
-        reason = (
-            f"interrupted: {len(reports)} of {count} models and files were checked, and nothing is known of the others"
-        )
+        reason = f"interrupted: {len(reports)} of {count} models and files were checked, the others were not"
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
     outcome = strip_volatile_values(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
     return AuditedRun(request=request, units=units, reports=reports, outcome=outcome)
@@ -437,7 +435,7 @@ def _is_stopped(report: UnitReport) -> bool:
 def _describe_exit(exit_code: int | None) -> str:
     """Return how a process ended, in words."""
     if exit_code is None:
-        return "sent something that is no report"
+        return "sent something that is not a report"
     if exit_code >= 0:
         return f"died (exit code {exit_code})"
     try:

@@ -230,7 +230,9 @@ def _resolve_limits(options: RunOptions) -> ResourceLimits:
     if seconds is not None and not 0 <= seconds < 1e9:
         raise UrdfcheckError(f"{options.spell('timeout')} {seconds:g}: a number of seconds, 0 for no limit")
     if memory is not None and memory < MIN_MEMORY:
-        raise UrdfcheckError(f"{options.spell('memory')} {memory}: at least {MIN_MEMORY} MiB, which the libraries take")
+        raise UrdfcheckError(
+            f"{options.spell('memory')} {memory}: at least {MIN_MEMORY} MiB, the footprint of the libraries"
+        )
     return ResourceLimits(default.seconds if seconds is None else seconds, default.memory if memory is None else memory)
 
 

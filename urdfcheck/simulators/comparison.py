@@ -63,7 +63,7 @@ def compare_engines(request: Request) -> EngineComparison:
         ((_, robot),) = map_in_processes(_read_input, [(unit, settings)], 1)
         if not isinstance(robot, EngineInput) or report.info is None:
             raise ModelNotCheckedError(
-                f"{unit.id}: no engine is given what is no <robot>, or cannot be read (urdfcheck check says why)"
+                f"{unit.id}: only readable files with a <robot> are given to engines (urdfcheck check says what is wrong)"
             )
         at_once = max(1, request.jobs)
         done = dict(

@@ -94,7 +94,7 @@ def _describe_ending(died: WorkerDiedError, limits: ResourceLimits) -> str:
     if died.exit_code is not None and died.exit_code < 0:
         with contextlib.suppress(ValueError):
             return f"crashes ({signal.Signals(-died.exit_code).name})"
-    return "ends its process" if died.exit_code is not None else "sends what is no answer"
+    return "ends its process" if died.exit_code is not None else "sends an invalid answer"
 
 
 def _load_in_engine(

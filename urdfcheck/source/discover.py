@@ -253,13 +253,13 @@ class _Planner:
             known = FORMATS_BY_ROOT[root.tag]
             self.missing.append((format_path(path), f"this is {known}; urdfcheck reads URDF and xacro"))
         else:
-            self.missing.append((format_path(path), "is no model, launch file, mesh, yaml file or folder"))
+            self.missing.append((format_path(path), "is not a model, launch file, mesh, yaml file or folder"))
 
     def add_srdf(self, path: Path) -> None:
         """Add the models of a semantic description, and the file itself where it is a robot that is called so."""
         file = self.budget.read_file(path)
         if file is None or file.root is None:
-            self.missing.append((format_path(path), "is no XML that can be read, so that nobody knows whose it is"))
+            self.missing.append((format_path(path), "is not readable XML, so its robot is not known"))
             return
         users = self.find_users(path, lambda folder, _: folder.find_models_of_srdf(path))
         if file.makes_robot:

@@ -155,7 +155,7 @@ def _find_plain_text_problems(file: SourceFile, root: Element, *, is_xacro: bool
         except XmlError as error:
             problems.append(Problem.from_read_error(error, root.subject, file.name))
     if file.instruction is not None and not for_xacro:
-        message = "a processing instruction (<?…?>) does not stand first"
+        message = "a processing instruction (<?…?>) is not first in the file"
         at = Location(root.subject, file.instruction)
         problems.append(Problem(kind="instruction", message=message, location=at))
     unbound = None if is_xacro else find_unbound_prefix(root)
@@ -167,7 +167,7 @@ def _find_plain_text_problems(file: SourceFile, root: Element, *, is_xacro: bool
 
 
 def _find_misread_values(file: SourceFile, root: Element) -> list[Problem]:
-    """Return the values that are one text in the encoding that the file declares, and another for parsers that heed none."""
+    """Return the values that are one text in the encoding that the file declares, and another for parsers that ignore it."""
     if not file.declared or file.text.isascii():
         return []
     misread = [a for e in root.walk() for a in e.attributes.values() if not a.value.isascii()]
@@ -183,7 +183,7 @@ def _find_misread_values(file: SourceFile, root: Element) -> list[Problem]:
 
 
 def has_unbound_xacro(source: Source) -> bool:
-    """Whether a plain URDF holds xacro whose prefix nothing declares: nobody can expand it as it is."""
+    """Whether a plain URDF holds xacro whose prefix nothing declares: it cannot be expanded as it is."""
     unbound = None if source.main_tree is None or source.is_xacro else find_unbound_prefix(source.main_tree)
     return unbound is not None and unbound[1] == "xacro"
 

@@ -99,7 +99,7 @@ def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool) 
     if defines_macros(source.main_tree) and not root.children:
         return LIBRARY
     tag = truncate_text(root.tag, _LONGEST_NAME)
-    return ModelRole("part", f"its root is <{tag}>, and not <robot>") if is_part else MODEL
+    return ModelRole("part", f"its root is <{tag}>, not <robot>") if is_part else MODEL
 
 
 def _explain_incompleteness(root: Element, elsewhere: str) -> str:

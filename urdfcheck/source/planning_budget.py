@@ -56,6 +56,6 @@ class PlanningBudget:
         except (OSError, UrdfcheckError):
             raise
         except Exception as error:
-            reason = f"is not checked: looking at it crashed ({type(error).__name__})"
+            reason = f"is not checked: reading it crashed ({type(error).__name__})"
         self.unread.append((format_path(path), reason))
         return None

@@ -17,7 +17,7 @@ _TEMPORARY = ("/tmp", "/var/tmp", "/dev/shm")
 # The one hidden file that belongs to a robot: what the MoveIt Setup Assistant was told.
 _VISIBLE = f"{os.sep}.setup_assistant"
 # The message about a file that is not opened.
-OUT_OF_REACH = "it lies outside of the folders that may be read (--allow-read)"
+OUT_OF_REACH = "it is outside the folders that may be read (--allow-read)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,7 @@ def explain_unreachable(path: Path) -> str:
     """Return why a path given by the user is not opened."""
     place = _find_place(path)
     if os.path.isdir(place) and not os.path.islink(place) and is_shared_by_all(place):
-        what = "the root of the disk" if place.parent == place else "a folder for all files of a user or of everybody"
+        what = "the root of the disk" if place.parent == place else "a folder for all files of one user or of all users"
         shown = Path(os.path.relpath(path)).as_posix()
         return f"it is {what}: name the folders of the robots in it, or allow all of it with --allow-read {shown}"
     return OUT_OF_REACH

@@ -165,7 +165,7 @@ def _decode(data: bytes, encoding: str) -> str:
 
 def _refuse_declared(found: re.Match[str]) -> UnreadableEncodingError:
     known = bool(_look_up(found[1]))
-    reason = "in which its bytes are another text than in UTF-8" if known else "which is not known"
+    reason = "in which its bytes are a different text than in UTF-8" if known else "which is not known"
     message = f"it declares the encoding {_show(found[1])}, {reason}"
     return UnreadableEncodingError(message, before=found.string[: found.start(1)], wrong=found[1])
 

@@ -121,7 +121,7 @@ def _open_regular(path: Path, *, follows_link: bool = True) -> Iterator[tuple[Bi
         _ensure_regular(os.stat(path, follow_symlinks=follows_link), path)
         descriptor = os.open(path, _FLAGS if follows_link else _FLAGS | getattr(os, "O_NOFOLLOW", 0))
     except ValueError:  # a NUL, or a character that the file system's encoding lacks
-        raise OSError(errno.EINVAL, "Is no name of a file", str(path)) from None
+        raise OSError(errno.EINVAL, "Is not a valid file name", str(path)) from None
     except OSError:
         note_lookup(path)  # a missing file may be created later
         raise
@@ -179,4 +179,4 @@ def _ensure_regular(status: os.stat_result, path: Path) -> None:
     if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not stat.S_ISREG(status.st_mode):
-        raise OSError(errno.EINVAL, "Is no regular file", str(path))
+        raise OSError(errno.EINVAL, "Is not a regular file", str(path))

@@ -35,6 +35,11 @@ def prefer_own_folders() -> None:
 
 def find_foreign_libraries() -> dict[str, str]:
     """Find the libraries that Python would import from outside of its own environment, with the path of each."""
+    return dict(_find_foreign_libraries(tuple(sys.path)))
+
+
+@functools.cache
+def _find_foreign_libraries(_python_path: tuple[str, ...]) -> dict[str, str]:
     own = list_own_folders()
     origins: dict[str, str] = {}
     for name in TRACED:

@@ -88,7 +88,7 @@ def _get_enum_member(kind: object, name: object) -> Enum:
     """
     if isinstance(kind, type) and issubclass(kind, Enum) and name in kind.__members__:
         return kind.__members__[str(name)]
-    raise pickle.UnpicklingError("a worker sent builtins.getattr, which is no data")
+    raise pickle.UnpicklingError("a worker sent builtins.getattr, which is not data")
 
 
 class _PlainUnpickler(pickle.Unpickler):
@@ -142,7 +142,7 @@ class _PlainUnpickler(pickle.Unpickler):
             or value.__module__ != module
             or not (is_dataclass(value) or issubclass(value, Enum))
         ):
-            raise pickle.UnpicklingError(f"a worker sent {module}.{name}, which is no data")
+            raise pickle.UnpicklingError(f"a worker sent {module}.{name}, which is not data")
         return value
 
 

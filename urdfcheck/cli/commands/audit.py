@@ -18,24 +18,24 @@ def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck audit``."""
     p = CommandParser(
         prog="urdfcheck audit",
-        description="Audit many models: a line of JSON for each, a summary, a page; what was finished is kept.",
+        description="Audit many models: a line of JSON each, a summary and a page. Interrupted runs resume.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    p.add_argument("paths", nargs="*", metavar="DATASET", help="folder of models, or whatever check takes")
+    p.add_argument("paths", nargs="*", metavar="DATASET", help="folder of models, or any path that check takes")
     p.add_argument(
         *("-o", "--output"),
         type=Path,
         default=Path("urdfcheck-audit"),
         metavar="FOLDER",
-        help="where the lines and the page go, and what the next run needs (default: urdfcheck-audit)",
+        help="folder for the results and for what the next run needs (default: urdfcheck-audit)",
     )
-    p.add_argument("--restart", action="store_true", help="forget what the folder holds, and check everything")
+    p.add_argument("--restart", action="store_true", help="discard what the folder holds and check everything again")
     p.add_argument(
         "--backend",
         default="local",
         metavar="local|dask=ADDRESS|ray[=ADDRESS]",
-        help="where the work is done: here, or on a cluster that is there already (pip install urdfcheck[cluster])",
+        help="run here (default) or on a running cluster (pip install urdfcheck[cluster])",
     )
     add_options(p, "audit")
     return p

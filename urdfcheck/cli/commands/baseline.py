@@ -34,15 +34,15 @@ def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck baseline``."""
     p = CommandParser(
         prog="urdfcheck baseline",
-        description="Write down the findings of today, so that a check shows only those that are new.",
+        description="Record today's findings, so that a check reports only new ones.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     p.add_argument(
         "action",
         choices=("write", "check", "prune"),
-        help="write: all findings are known from now on; check: like urdfcheck check, with a baseline that must be there; "
-        "prune: take out what is gone",
+        help="write: accept all current findings; check: like urdfcheck check, with a baseline that must exist; "
+        "prune: remove stale entries",
     )
     p.add_argument("paths", nargs="*", default=["."], metavar="PATH", help="what check takes (default: this folder)")
     add_options(p, "baseline")
@@ -66,7 +66,7 @@ def main(words: Sequence[str]) -> int:
     for failure in outcome.failures:
         say(f"not checked: {failure}", sys.stderr)
     if outcome.partial:
-        raise UrdfcheckError("interrupted: the baseline is as it was")
+        raise UrdfcheckError("interrupted: the baseline was not changed")
     if not outcome.units:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
@@ -88,7 +88,7 @@ def _report_unchecked(outcome: Run) -> int:
 
     if outcome.unchecked_models:
         them = "it" if len(outcome.unchecked_models) == 1 else "them"
-        text = f"{GLYPH} {describe_unchecked_models(outcome)}: the baseline knows nothing of what is in {them}"
+        text = f"{GLYPH} {describe_unchecked_models(outcome)}: the baseline has no entries for {them}"
         say(text, sys.stderr)
     is_error = any(info.unchecked_severity == Severity.ERROR for info in outcome.models)
     return FINDINGS if is_error else OK
@@ -105,12 +105,12 @@ def _add_previous_baseline(options: argparse.Namespace, request: Request, settin
 
     file = find_baseline_file(read_options(options, options.paths), settings)
     if options.action == "check" and options.isolated and options.baseline is None:
-        raise UrdfcheckError("--isolated heeds no baseline that lies in the repository: name one with --baseline")
+        raise UrdfcheckError("--isolated ignores the baseline of the repository: name one with --baseline")
     if request.baseline is None and file.is_file():
         read = read_found_baseline if options.baseline is None else read_baseline
         request = replace(request, baseline=read(file, settings.root))
     if request.baseline is None and options.action != "write":
-        raise UrdfcheckError(f"{format_path(file)}: there is no baseline; urdfcheck baseline write makes one")
+        raise UrdfcheckError(f"{format_path(file)}: there is no baseline; urdfcheck baseline write creates one")
     return file, request
 
 
@@ -144,7 +144,7 @@ def _renew_baseline(old: Baseline, view: BaselineView, checked: CheckedFolders) 
 
     write_file(baseline.render_baseline(baseline.renew_entries(old, view)), old.path, checked)
     count = sum(baseline.is_baseline_candidate(finding) for finding in view.findings)
-    say(f"{format_path(old.path)}: {count:,} {'finding is' if count == 1 else 'findings are'} known from now on")
+    say(f"{format_path(old.path)}: {count:,} {'finding' if count == 1 else 'findings'} accepted")
 
 
 def _prune_baseline(old: Baseline, view: BaselineView, checked: CheckedFolders) -> None:
@@ -155,7 +155,7 @@ def _prune_baseline(old: Baseline, view: BaselineView, checked: CheckedFolders) 
     stale = baseline.find_stale_entries(old, view)
     write_file(baseline.render_baseline(baseline.remove_stale_entries(old, stale)), old.path, checked)
     count = sum(sum(entries.values()) for entries in stale.values())
-    done = f"took out {_format_entry_count(count, 'stale ')}" if count else "no entry is stale"
+    done = f"removed {_format_entry_count(count, 'stale ')}" if count else "no entry is stale"
     rest = old.size - count
     say(f"{format_path(old.path)}: {done}, {_format_entry_count(rest)} remain{'s' * (rest == 1)}")
 

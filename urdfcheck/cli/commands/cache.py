@@ -12,8 +12,8 @@ from urdfcheck.core.errors import UrdfcheckError
 
 def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck cache``."""
-    p = CommandParser(prog="urdfcheck cache", description="The measurements that are kept between runs.")
-    p.add_argument("action", choices=("info", "clear"), help="say where they are and how large, or delete them")
+    p = CommandParser(prog="urdfcheck cache", description="Show or delete the measurements kept between runs.")
+    p.add_argument("action", choices=("info", "clear"), help="print the location and size, or delete everything")
     return p
 
 

@@ -107,7 +107,7 @@ def _add_detail_options(parser: argparse.ArgumentParser) -> None:
     """Add the options for how much of the findings is printed."""
     detail = parser.add_mutually_exclusive_group()
     detail.add_argument(
-        "-v", "--verbose", action="store_true", help="print everything about each finding, infos in full too"
+        "-v", "--verbose", action="store_true", help="print everything about each finding, also about infos"
     )
     detail.add_argument(
         "-q", "--quiet", action="store_true", help="a line for each error and warning, failures and the last line only"
@@ -151,19 +151,19 @@ def _validate_options(options: argparse.Namespace) -> None:
     :raises UrdfcheckError: for the first contradiction.
     """
     if options.unsafe_fixes and not (options.fix or options.diff):
-        raise UrdfcheckError("--unsafe-fixes says which fixes are meant: add --fix or --diff")
+        raise UrdfcheckError("--unsafe-fixes needs --fix or --diff")
     if options.diff and (options.format != "text" or options.output):
         raise UrdfcheckError("--diff prints changes and no report: leave out --format and --output")
     if options.diff and options.statistics:
         raise UrdfcheckError("--diff prints changes and no report: leave out --statistics")
     if options.watch and (options.fix or options.diff):
-        raise UrdfcheckError("--watch only looks: leave out --fix and --diff")
+        raise UrdfcheckError("--watch only reports: leave out --fix and --diff")
     if options.format != "text" and (options.watch or options.statistics):
         option = "--watch" if options.watch else "--statistics"
         raise UrdfcheckError(f"{option} prints text: write -o {options.format}=FILE instead of --format")
     if STDIN in options.paths and (options.fix or options.diff or options.watch):
         option = "--fix" if options.fix else "--diff" if options.diff else "--watch"
-        raise UrdfcheckError(f"{option} is for files, and standard input (-) is none: leave it out")
+        raise UrdfcheckError(f"{option} works on files, not on standard input (-): leave it out")
     if options.stdin_filename is not None and STDIN not in options.paths:
         raise UrdfcheckError("--stdin-filename names what is read from standard input: add - as the path")
     if options.watch and not any(map(os.path.lexists, options.paths)):

@@ -66,13 +66,13 @@ def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck completion``."""
     p = CommandParser(
         prog="urdfcheck completion",
-        description="Print a script that completes the words of this command in a shell.",
+        description="Print a completion script for a shell.",
         epilog="bash:  urdfcheck completion bash > ~/.local/share/bash-completion/completions/urdfcheck\n"
         "zsh:   urdfcheck completion zsh > a/folder/of/your/fpath/_urdfcheck\n"
         "fish:  urdfcheck completion fish > ~/.config/fish/completions/urdfcheck.fish",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    p.add_argument("shell", choices=tuple(SHELLS), help="the shell that will read it")
+    p.add_argument("shell", choices=tuple(SHELLS), help="the shell")
     return p
 
 

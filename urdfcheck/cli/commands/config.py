@@ -74,7 +74,7 @@ def build_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     p.add_argument("path", nargs="?", default=".", metavar="PATH", help="a model or a folder (default: this one)")
-    p.add_argument("--format", choices=("text", "json"), default="text", help="how it is printed")
+    p.add_argument("--format", choices=("text", "json"), default="text", help="output format (default: text)")
     add_options(p, "config")
     return p
 
@@ -254,7 +254,9 @@ def _print_report(report: ConfigReport) -> None:
 
     lines = [Text.assemble((escape_one_line(report.path), "bold"))]
     lines.append(
-        Text.assemble("  configured by ", (escape_one_line(report.file or "no file: the defaults hold"), "cyan"))
+        Text.assemble(
+            "  configured by ", (escape_one_line(report.file or "no configuration file: the defaults apply"), "cyan")
+        )
     )
     lines.append(Text.assemble("  models are named from ", (escape_one_line(report.root), "")))
     lines.append(Text())

@@ -24,17 +24,19 @@ def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck drop``."""
     p = CommandParser(
         prog="urdfcheck drop",
-        description="Set a robot on a plane in MuJoCo, let go for two seconds, and look at what comes of it.",
-        epilog="exit codes: 0 nothing at or above --fail-on, 1 findings (DYN005 is a warning), 2 it could not be dropped",
+        description="Set a robot on the ground in MuJoCo, let go for two seconds, and report how it moves.",
+        epilog="exit codes: 0 nothing at or above --fail-on, 1 findings (DYN005 is a warning), 2 the robot could not be dropped",
     )
-    p.add_argument("paths", nargs=1, metavar="MODEL", help="a model, or a launch file, package or folder with some")
+    p.add_argument(
+        "paths", nargs=1, metavar="MODEL", help="a model, or a launch file, package or folder that has models"
+    )
     p.add_argument("--format", choices=("text", "json", "html"), default="text", help="what goes to standard output")
     p.add_argument(
         *("-o", "--output"),
         action="append",
         default=[],
         metavar="FORMAT=FILE",
-        help="also write it to a file (repeatable); html is the whole report of the model",
+        help="also write the result to a file (repeatable); html writes the model's whole report",
     )
     add_options(p, "drop")
     p.add_argument(
@@ -97,4 +99,4 @@ def _explain_no_drop(outcome: Run) -> str:
         if finding.severity == Severity.ERROR or finding.blocks_check:
             place = "" if span is None else f" ({span.file}:{span.line}:{span.col})"
             return f"{finding.message}{place}"
-    return reasons[0] if reasons else "it could not be set down"
+    return reasons[0] if reasons else "the robot could not be set down"

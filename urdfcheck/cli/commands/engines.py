@@ -25,11 +25,11 @@ def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck engines``."""
     p = CommandParser(
         prog="urdfcheck engines",
-        description="Load a model for real in every engine that is installed, and compare what they make of it.",
-        epilog="exit codes: 0 all load it that should, 1 one does not, 2 urdfcheck or its configuration failed",
+        description="Load a model in every installed simulator, and compare the results.",
+        epilog="exit codes: 0 every engine that should load it does, 1 one does not, 2 urdfcheck or its configuration failed",
     )
     p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
-    p.add_argument("--format", choices=("text", "json"), default="text", help="how to print it (default: text)")
+    p.add_argument("--format", choices=("text", "json"), default="text", help="output format (default: text)")
     add_options(p, "engines")
     return p
 

@@ -27,10 +27,10 @@ _WHAT_TO_INSTALL = "the address of urdfcheck, or the absolute path of a checkout
 
 CONFIGURATION = """\
 # What holds for the models below this folder: urdfcheck config PATH shows it, urdfcheck rule lists the rules.
-{table}fail-on = "error"                  # the exit code is 1 from here on: error, warning, info, never
+{table}fail-on = "error"                  # exit 1 at this severity or above: error, warning, info, never
 # ignore = ["cad-noise"]           # codes, prefixes, names and tags of rules
 # target = ["gazebo", "moveit"]    # who will read the models
-# exclude = ["third_party"]        # not looked at when a folder is checked
+# exclude = ["third_party"]        # skipped when a folder is checked
 
 # [{prefix}severity]
 # INR010 = "info"
@@ -157,7 +157,7 @@ def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck init``."""
     p = CommandParser(
         prog="urdfcheck init",
-        description="Write a configuration, a pre-commit entry and a CI job for the models of a folder. Nothing that is there is "
+        description="Write a configuration, a pre-commit entry and a CI job for the models in a folder. Nothing that is there is "
         "overwritten: text is added to it, or it is left as it is.",
     )
     p.add_argument(
@@ -172,7 +172,7 @@ def main(words: Sequence[str]) -> int:
     options = build_parser().parse_args(words)
     folder = Path(options.folder)
     if not folder.is_dir():
-        raise UrdfcheckError(f"{folder} is no folder")
+        raise UrdfcheckError(f"{folder} is not a folder")
 
     outcome = _expand_models(folder)
     if not outcome.models:
@@ -494,7 +494,7 @@ def _run_step(step: SetupStep, root: Path, *, dry: bool) -> None:
     real = Path(os.path.realpath(step.path))
     if text is not None and (step.path.is_symlink() or not real.is_relative_to(root)):
         text = None
-        step = SetupStep(path=step.path, verb="kept", reason="it is a link, or lies outside of the repository")
+        step = SetupStep(path=step.path, verb="kept", reason="it is a link, or outside the repository")
     if text is None:
         say(f"  kept      {name}: {step.reason}")
         if step.added:
@@ -536,7 +536,7 @@ def _report_next_steps(steps: Sequence[SetupStep], needing: Mapping[Path, object
     if hooks.text is not None:
         steps_left.append("pre-commit install           the hook runs at each commit")
     steps_left.append("urdfcheck .                  what is wrong today")
-    steps_left.append("urdfcheck baseline write     from then on only what is new is told")
+    steps_left.append("urdfcheck baseline write     after that, only new findings are reported")
     say("next")
     for line in steps_left:
         say(f"  {line}")

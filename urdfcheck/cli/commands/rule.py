@@ -12,7 +12,7 @@ from urdfcheck.cli.terminal import OK, say
 def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck rule``."""
     p = CommandParser(prog="urdfcheck rule", description="List the rules, or explain one.")
-    p.add_argument("code", nargs="?", metavar="CODE", help="a code or a name")
+    p.add_argument("code", nargs="?", metavar="CODE", help="code or name of a rule; without it, all rules are listed")
     return p
 
 

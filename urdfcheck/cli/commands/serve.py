@@ -71,8 +71,8 @@ def _iter_answers(setup: dict[str, Any]) -> Iterator[dict[str, Any]]:
             for place, report in stream_reports([units[i] for i in indices], audit_settings, jobs=request.jobs):
                 unit = units[indices[place]]
                 if report.role != MODEL:
-                    reason = report.role.reason or "it makes neither link nor joint"
-                    result = {"outcome": "skipped", "text": escape_for_log(f"it is no model: {reason}")}
+                    reason = report.role.reason or "it defines no link and no joint"
+                    result = {"outcome": "skipped", "text": escape_for_log(f"it is not a model: {reason}")}
                 else:
                     own_plan = replace(plan, unused=(), config_errors=(), macro_files=())
                     run = build_run(request, own_plan, audited_units=[(unit, report)], seconds=0.0)

@@ -23,7 +23,9 @@ def build_parser() -> argparse.ArgumentParser:
     )
     p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
     p.add_argument("-o", "--output", type=Path, metavar="FILE", help="write to a file instead of standard output")
-    p.add_argument("--thorough", action="store_true", help=f"look at {THOROUGH:,} configurations, not at {SAMPLES:,}")
+    p.add_argument(
+        "--thorough", action="store_true", help=f"sample {THOROUGH:,} joint configurations instead of {SAMPLES:,}"
+    )
     add_options(p, "srdf")
     return p
 
@@ -36,7 +38,7 @@ def main(words: Sequence[str]) -> int:
     path = Path(options.model)
     if options.output is not None and has_foreign_content(options.output):
         raise UrdfcheckError(
-            f"{options.output} was not written by urdfcheck srdf alone: what else it says would be lost"
+            f"{options.output} was not written by urdfcheck srdf alone: its other content would be lost"
         )
 
     from dataclasses import replace

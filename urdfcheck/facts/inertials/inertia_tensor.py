@@ -337,7 +337,7 @@ def _parse_decimal(text: str) -> Decimal:
     try:
         value = Decimal(text.strip())
     except InvalidOperation:
-        raise ValueError(f"{text!r} is no number") from None
+        raise ValueError(f"{text!r} is not a number") from None
     if not value.is_finite():
         raise ValueError(f"{text!r} is not finite")
     return value if float(value) else Decimal(0)  # programs read a number too small for a double as zero

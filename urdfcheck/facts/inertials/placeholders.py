@@ -1,4 +1,4 @@
-"""Placeholder inertia tensors: the round numbers that are typed so that a program accepts the file."""
+"""Placeholder inertia tensors: the round numbers typed only to make a program accept the file."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def describe_placeholder(mass: float, components: Sequence[float]) -> str | None
     if max(moments) <= mass * _POINT**2:
         return None
     if ixx == iyy == izz and is_round(ixx):
-        return f"{ixx:g} times the identity"
+        return f"{ixx:g} × identity"
     if all(_extract_significand(m) == 1.0 for m in moments):
         return f"powers of ten ({ixx:g}, {iyy:g}, {izz:g})"
     return None

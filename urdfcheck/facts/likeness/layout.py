@@ -183,7 +183,7 @@ def _describe_layout(place: Array, row: bool) -> str:
         return f"the corners of a rectangle of {_format_length(float(sides[1]))} by {_format_length(float(sides[0]))}"
     if ring and np.ptp(apart[:, 0]) < 4 * _EXACT * size and np.ptp(apart[:, 1]) < 4 * _EXACT * size:
         return f"a ring of {len(place)} with a radius of {_format_length(float(reach.mean()))}"
-    return "places that mirror or repeat each other"
+    return "positions that mirror or repeat each other"
 
 
 def _format_length(metres: float) -> str:

@@ -133,7 +133,7 @@ def _read_scene(content: bytes, flaw: str | None) -> ColladaScene:
     if bare is None or not (bare.n_triangles or whole):
         raise _make_error(errors, left)
     if left and bare.n_triangles and any(_is_geometry_error(error) for error in left):
-        raise MeshError("incomplete", f"is read in part only: {_describe_error(_pick_error(errors, left))}")
+        raise MeshError("incomplete", f"is only partly readable: {_describe_error(_pick_error(errors, left))}")
     if whole is not None and whole.n_triangles == bare.n_triangles:
         if not whole.n_triangles and left:
             raise _make_error(errors, left)
@@ -319,7 +319,7 @@ def _count_triangles(primitive: Any) -> int:
     if kind in {"triangles", "polylist", "polygons"} and declared.isdecimal() and present < int(declared):
         at = getattr(primitive.xmlnode, "sourceline", None)
         where = "" if at is None else f"line {at}: "
-        raise MeshError("truncated", f"is truncated: {where}it declares {int(declared):,} {kind} and has {present:,}")
+        raise MeshError("truncated", f"is truncated: {where}it declares {int(declared):,} {kind} but has {present:,}")
     return len(primitive.index)
 
 

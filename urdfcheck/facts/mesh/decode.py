@@ -94,7 +94,7 @@ def decode_mesh(data: bytes, file_type: str, files: Mapping[str, bytes | MeshErr
         raise MeshError("malformed", f"cannot be read as {file_type}: {type(error).__name__}: {text}") from error
     if not mesh.n_triangles:
         # Other formats may hold what another program makes a shape of: points, lines, several scenes.
-        raise MeshError("empty" if file_type == "stl" else "no-triangles", "holds no triangles")
+        raise MeshError("empty" if file_type == "stl" else "no-triangles", "has no triangles")
     return mesh
 
 
@@ -109,10 +109,11 @@ def _refuse_impostors(data: bytes, file_type: str) -> None:
     if start[:14].lower().startswith((b"<!doctype html", b"<html")):
         raise MeshError("html", "is a web page, not a mesh: the download saved an error or a preview page")
     if file_type not in _FORMATS:
-        raise MeshError("unsupported", f"has the format {file_type or '(none)'!r}; known are {', '.join(_FORMATS)}")
+        known = ", ".join(_FORMATS)
+        raise MeshError("unsupported", f"has the unsupported format {file_type or '(none)'!r}; supported are {known}")
     for name, signatures in _SIGNATURES.items():
         if name != file_type and start.startswith(signatures):
-            raise MeshError("malformed", f"is named {file_type} and begins as a {name} file does")
+            raise MeshError("malformed", f"is named {file_type} but begins like a {name} file")
 
 
 def _decode_stl(data: bytes) -> RawMesh:
@@ -129,17 +130,17 @@ def _decode_stl(data: bytes) -> RawMesh:
     if solid and b"\0" not in text:
         return _decode_ascii_stl(text)
     if len(data) < _STL_HEADER:
-        raise MeshError("truncated", f"is truncated: {len(data)} bytes, and a binary STL's header alone has 84")
+        raise MeshError("truncated", f"is truncated: {len(data)} bytes, while a binary STL's header alone has 84")
     present = (len(data) - _STL_HEADER) // _STL_FACET.itemsize
     if len(data) < expected:
         raise MeshError(
             "truncated",
-            f"is truncated: it declares {declared:,} triangles ({expected:,} bytes) and has {present:,} "
+            f"is truncated: it declares {declared:,} triangles ({expected:,} bytes) but has {present:,} "
             f"({len(data):,} bytes)",
         )
     raise MeshError(
         "wrong-size",
-        f"declares {declared:,} triangles ({expected:,} bytes) and has {len(data) - expected:,} bytes more, "
+        f"declares {declared:,} triangles ({expected:,} bytes) but has {len(data) - expected:,} more bytes, "
         f"room for {present:,} triangles",
     )
 
@@ -150,7 +151,7 @@ def _decode_ascii_stl(data: bytes) -> RawMesh:
     corners = np.flatnonzero(text.match_word(b"vertex"))
     facets = int(np.count_nonzero(text.match_word(b"facet")))
     if len(ends) < facets:
-        raise MeshError("truncated", f"is truncated: {facets:,} facets begin and {len(ends):,} are complete")
+        raise MeshError("truncated", f"is truncated: {facets:,} facets begin but only {len(ends):,} are complete")
     # Some writers omit "endsolid", of which `_strip_solid_names` keeps "end". Nothing else follows the last facet.
     closing = text.match_word(b"end")
     if facets and not closing[ends[-1] :].any() and not text.match_word(b"endfacet")[-1]:
@@ -158,11 +159,11 @@ def _decode_ascii_stl(data: bytes) -> RawMesh:
             "truncated", f"is truncated: it ends with {text.get_token(len(text) - 1)[:80].decode(errors='replace')!r}"
         )
     if len(begins) != len(ends):
-        raise MeshError("malformed", f"has {len(begins):,} times 'outer loop' and {len(ends):,} times 'endloop'")
+        raise MeshError("malformed", f"has 'outer loop' {len(begins):,} times but 'endloop' {len(ends):,} times")
     ensure_size_limits(facets)
     counts = np.searchsorted(corners, ends) - np.searchsorted(corners, begins)
     for number in np.flatnonzero(counts != 3)[:1]:
-        raise MeshError("malformed", f"has {counts[number]} vertices in facet {number + 1}, where a triangle has 3")
+        raise MeshError("malformed", f"has {counts[number]} vertices in facet {number + 1}, instead of 3")
     inside = corners[np.searchsorted(begins, corners) > np.searchsorted(ends, corners)]
     vertices = _parse_numbers(text, inside[:, None] + (1, 2, 3), "stl")
     return RawMesh(format="stl-ascii", vertices=vertices, faces=None)
@@ -183,7 +184,7 @@ def _strip_solid_names(data: bytes) -> bytes:
 
 def _decode_obj(data: bytes) -> RawMesh:
     if b"\0" in data:
-        raise MeshError("malformed", "holds binary data, and OBJ is text")
+        raise MeshError("malformed", "contains binary data, but OBJ is text")
     if b"\\" in data:
         data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").replace(b"\\\r", b" ")
     text = TokenizedText(_COMMENT.sub(b"", data.removeprefix(_BOM)))
@@ -204,7 +205,7 @@ def _decode_off(data: bytes) -> RawMesh:
     starts = text.find_line_starts()
     header = text.get_token(0) if len(text) else b""
     if not re.fullmatch(rb"(ST)?C?N?OFF", header):
-        raise MeshError("malformed", "does not begin as an off file does")
+        raise MeshError("malformed", "does not begin like an off file")
     # The counts are beside the header word or on a separate line.
     beside = len(starts) == 1 or starts[1] > 1
     n_vertices, n_faces = map(int, _parse_indices(text, np.array((0, 1)) + (1 if beside else starts[1]), "off"))
@@ -284,7 +285,7 @@ def _build_checked_mesh(name: str, vertices: Array, faces: Indices) -> RawMesh:
 def _refuse_bad_indices(faces: Indices, n_vertices: int) -> None:
     if faces.size and (faces.min() < 0 or faces.max() >= n_vertices):
         outside = ((faces < 0) | (faces >= n_vertices)).any(axis=1)
-        raise MeshError("malformed", f"has {int(outside.sum()):,} faces that name a vertex it lacks")
+        raise MeshError("malformed", f"has {int(outside.sum()):,} faces that refer to a missing vertex")
 
 
 def _decode_dae(data: bytes) -> RawMesh:
@@ -309,7 +310,7 @@ def _decode_ply(data: bytes) -> RawMesh:
     present = len(data) - len(header) - len(end)
     if sum(declared.values()) > present:  # each takes at least one byte
         claims = " and ".join(f"{count:,} {name[:20].decode(errors='replace')}" for name, count in declared.items())
-        raise MeshError("truncated", f"is truncated: it declares {claims}, and has {present:,} bytes of them")
+        raise MeshError("truncated", f"is truncated: it declares {claims}, but has {present:,} bytes of them")
     ensure_size_limits(declared.get(b"face", 0))
     import trimesh  # takes half a second: only for formats that need it
 
@@ -321,7 +322,7 @@ def _decode_ply(data: bytes) -> RawMesh:
     # trimesh reads as many lines of an ASCII file as there are.
     if 0 < mesh.n_triangles < declared.get(b"face", 0):
         raise MeshError(
-            "truncated", f"is truncated: it declares {declared[b'face']:,} faces and has {mesh.n_triangles:,}"
+            "truncated", f"is truncated: it declares {declared[b'face']:,} faces but has {mesh.n_triangles:,}"
         )
     return mesh
 

@@ -76,7 +76,7 @@ def _parse_glb(data: bytes) -> tuple[Json, bytes]:
     """Return the document, and the buffer beside its JSON."""
     version = int.from_bytes(data[4:8], "little")
     if version != 2:
-        raise MeshError("unsupported", f"is glTF {version}, and only glTF 2 is read")
+        raise MeshError("unsupported", f"is glTF {version}, but only glTF 2 is supported")
     chunks: dict[bytes, bytes] = {}
     at = _GLB_HEADER
     while at + _CHUNK_HEADER <= len(data):
@@ -117,7 +117,7 @@ class _GltfDocument:
     def refuse_unread(self) -> None:
         for extension, name in _COMPRESSED.items():
             if extension in self.document.get("extensionsRequired", ()):
-                raise MeshError("unsupported", f"is compressed with {name} ({extension}), which is not read")
+                raise MeshError("unsupported", f"is compressed with {name} ({extension}), which is not supported")
 
     def iter_placed_meshes(self) -> Iterator[tuple[int, Array]]:
         """Iterate over the meshes of the default scene with their matrices (4, 4), in document order."""
@@ -165,11 +165,11 @@ class _GltfDocument:
         if entry["type"] != kind:
             raise MeshError("malformed", f"cannot be read as glTF: an accessor is {entry['type']!r:.40}, not {kind}")
         if "sparse" in entry or "bufferView" not in entry:
-            raise MeshError("unsupported", "keeps its geometry in a sparse accessor, which is not read")
+            raise MeshError("unsupported", "keeps its geometry in a sparse accessor, which is not supported")
         view = self.document["bufferViews"][_parse_index(entry["bufferView"])]
         numbers = np.dtype(_NUMBERS[entry["componentType"]])
         if whole and numbers.kind != "u":
-            raise MeshError("malformed", "cannot be read as glTF: its indices are no unsigned numbers")
+            raise MeshError("malformed", "cannot be read as glTF: its indices are not unsigned numbers")
         count, width = _parse_index(entry["count"]), 3 if kind == "VEC3" else 1
         row = width * numbers.itemsize
         stride = _parse_index(view.get("byteStride", row))

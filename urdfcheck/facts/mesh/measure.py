@@ -373,11 +373,11 @@ def _weld_finite_triangles(raw: RawMesh) -> tuple[Surface, int]:
         points, faces = raw.vertices, corners[usable[corners].all(axis=1)]
         if not len(faces):
             raise MeshError(
-                "no-triangles", "has a corner that is NaN or infinite, or beyond single precision, in every triangle"
+                "no-triangles", "has a corner that is NaN, infinite or beyond single precision in every triangle"
             )
     surface = weld_exact(points, faces)
     if not len(surface.faces):
-        raise MeshError("no-triangles", "has nothing but triangles that repeat a corner")
+        raise MeshError("no-triangles", "has only triangles that repeat a corner")
     return surface, non_finite
 
 

@@ -51,7 +51,7 @@ def quaternion_to_matrix(xyzw: Sequence[float]) -> Mat3:
     """
     length = math.hypot(*xyzw)
     if not 0.0 < length < math.inf:
-        raise ValueError("a quaternion of zero or infinite length is no rotation")
+        raise ValueError("a quaternion of zero or infinite length is not a rotation")
     x, y, z, w = (value / length for value in xyzw)
     return np.array(
         (

@@ -26,7 +26,7 @@ def describe_differences(
     if deviation.com_offset > threshold:
         distance = float(np.linalg.norm(actual.com - expected.com))
         declared_com, expected_com = _format_millimetres(actual.com), _format_millimetres(expected.com)
-        yield f"centre of mass {declared_com} instead of {expected_com}, {distance * 1e3:.3g} mm away"
+        yield f"COM {declared_com} instead of {expected_com}, {distance * 1e3:.3g} mm off"
     if deviation.spread > threshold:
         signs = [name for name in find_wrong_signs(actual, expected, threshold) if name in TENSOR_NAMES]
         for name, one, other in zip(

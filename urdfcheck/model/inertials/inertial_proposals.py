@@ -37,6 +37,25 @@ SMALL_EXCESS = 0.05
 
 # Causes of INR009 that the pages of INR003 and INR004 have as well.
 _SIGN_CAUSES = frozenset({"products_sign", "one_sign"})
+# Mistakes whose names say too little in a headline; the others are named by their ids.
+_MISTAKE_NAMES = {
+    "about_origin": "tensor about the origin",
+    "axes_permuted": "axes of the tensor",
+    "com_unit": "unit of the COM",
+    "diagonal_first": "order of the numbers",
+    "inertia_unit": "unit of the tensor",
+    "mass_unit": "unit of the mass",
+    "one_piece": "one piece only",
+    "one_sign": "one sign",
+    "products_sign": "signs of the products",
+    "row_major": "order of the numbers",
+    "rpy_missing": "rpy left out",
+    "rpy_twice": "rpy applied twice",
+    "slots_swapped": "swapped numbers",
+    "steiner_missing": "parallel-axis theorem left out",
+    "steiner_twice": "parallel-axis theorem applied twice",
+    "unmirrored": "not mirrored",
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,6 +73,11 @@ class InertialProposal:
     """The parameter of the cause."""
 
 
+def name_mistake(cause: str) -> str:
+    """Return a cause of INR009 in two or three words."""
+    return _MISTAKE_NAMES.get(cause, cause.replace("_", " "))
+
+
 def propose_repair(model: Model, link: Link) -> InertialProposal:
     """Propose the smallest change that makes an inertia tensor possible, by what is known of the mistake.
 
@@ -66,7 +90,7 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
         return InertialProposal()
     filled = find_filled_products(declared.components, declared.texts)
     if filled is not None:
-        return _propose_slip(link, filled, "{detail}: with the products 0 the tensor is that of a possible body")
+        return _propose_slip(link, filled, "{detail}: with products 0 the tensor is possible")
     undone = _propose_diagnosed_undo(model, link)
     if undone is not None:
         return undone
@@ -85,7 +109,7 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     if drawn is None or not drawn.text:
         return InertialProposal()
     return InertialProposal(
-        drawn.edits, "", f"write {drawn.text}, which is the drawn part's at this mass and uniform density; or "
+        drawn.edits, "", f"write {drawn.words} (the drawn part at this mass and uniform density), or "
     )
 
 
@@ -104,15 +128,15 @@ def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None
     possible = check_inertia_validity(diagnosed.diagnosis.mended.tensor, TRIANGLE_SLACK)
     if not (possible.positive_definite and possible.triangle_inequality):
         return None
-    reference = "the part that is drawn" if diagnosis.judged_by == "mesh" else f"its twin {', '.join(diagnosed.twins)}"
-    mistake = (diagnosis.cause or "").replace("_", " ")
-    claim = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
+    reference = "the drawn part" if diagnosis.judged_by == "mesh" else f"its twin {', '.join(diagnosed.twins)}"
+    mistake = name_mistake(diagnosis.cause or "")
+    claim = f"undoing one mistake ({mistake}) makes the tensor possible and close to that of {reference}"
     if diagnosis.unique:
-        claim = f"one edit ({mistake}) makes it that of {reference}, and no other single edit does"
+        claim = f"one edit ({mistake}) makes the tensor that of {reference}, and no other single edit does"
     return InertialProposal(
         change.edits,
-        f"; {claim}: {change.text}",
-        f"write {change.text}; or ",
+        f"; {claim}",
+        f"write {change.words}, or ",
         cause=diagnosis.cause if diagnosis.cause in _SIGN_CAUSES else None,
         detail=diagnosis.detail,
     )
@@ -129,12 +153,12 @@ def _find_sign_slip(model: Model, declared: DeclaredTensor) -> TensorSlip | None
 
 def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialProposal:
     """Propose other signs of products; as an edit only where the drawn part tells which."""
-    claim = "with the other sign of {detail} the tensor is that of a possible body"
+    claim = "with the other sign of {detail} the tensor is possible"
     if slip.residual is None:
         proposal = _propose_slip(link, slip, claim)
-        return replace(proposal, edits=(), remedy=f"compare the signs with the CAD program's; {proposal.remedy}")
+        return replace(proposal, edits=(), remedy=f"compare the signs with the CAD program's: {proposal.remedy}")
     before, after = (f"{100 * share:.0f} %" for share in slip.residual)
-    claim += f", and its products are {after} from the drawn part's instead of {before}"
+    claim += f", and its products are {after} off the drawn part's instead of {before}"
     proposal = _propose_slip(link, slip, claim)
     text = None if link.inertial is None else link.inertial.element.span
     return proposal if len(_links_by_inertial_text(model)[text]) == 1 else replace(proposal, edits=())
@@ -142,11 +166,11 @@ def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialPropos
 
 def _propose_slip(link: Link, slip: TensorSlip, claim: str) -> InertialProposal:
     change = None if slip.components is None else _replace_tensor(link, slip.components)
-    edits, text = ((), "") if change is None else (change.edits, change.text)
+    edits, words = ((), "") if change is None or not change.text else (change.edits, change.words)
     return InertialProposal(
         edits,
-        f"; {claim.format(detail=slip.detail)}" + (f": {text}" if text else ""),
-        f"if that is the mistake, write {text}; else " if text else "",
+        f"; {claim.format(detail=slip.detail)}",
+        f"if that is the mistake, write {words}; otherwise " if words else "",
         cause=slip.id,
         detail=slip.detail,
     )
@@ -157,7 +181,7 @@ def _propose_nearest(link: Link, declared: DeclaredTensor, cause: str | None) ->
     nearest = _replace_tensor(link, components)
     if nearest is None or not nearest.text:
         return InertialProposal()
-    remedy = f"write {nearest.text}, the nearest tensor that a body can have ({100 * change:.2g} % off); better "
+    remedy = f"write {nearest.words}, the nearest possible tensor ({100 * change:.2g} % off), or better "
     return InertialProposal(nearest.edits if change < SMALL_EXCESS else (), "", remedy, cause=cause)
 
 

@@ -219,7 +219,7 @@ def _ensure_version(robot: Element) -> None:
     """
     version = parse_urdf_version(robot)
     if version is None:
-        raise FactUnavailableError(f"there is no version {robot.get('version')!r} of URDF (XML010)")
+        raise FactUnavailableError(f"{robot.get('version')!r} is not a URDF version (XML010)")
     for element in iter_urdf_elements(robot) if version > (1, 0) else ():
         if element.tag == "origin" and {"rpy", "quat_xyzw"} <= set(element.attributes):
             raise FactUnavailableError(f"{element.subject} has two orientations (XML010)")

@@ -15,6 +15,9 @@ from urdfcheck.model.parts import TENSOR_NAMES, Inertial
 from urdfcheck.model.repairs.number_text import NEGLIGIBLE_DIFFERENCE, write_number, write_numbers
 from urdfcheck.source.text.xml import Attribute, Element
 
+# A repair of more numbers is not spelled in a sentence where a diff shows it.
+_MOST_SPELLED = 3
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InertialRepair:
@@ -28,6 +31,11 @@ class InertialRepair:
     """What the edits say, for a person: ``ixy="…" iyz="…"``."""
     places: tuple[Attribute | Element | None, ...] = ()
     """The attributes in question, or the elements that lack them."""
+
+    @property
+    def words(self) -> str:
+        """What to write, for a sentence: the text, or a reference to the diff where that shows many numbers."""
+        return self.text if not self.edits or len(self.places) <= _MOST_SPELLED else "the numbers in the diff"
 
 
 def build_inertial_repair(inertial: Inertial, expected: DeclaredInertial) -> InertialRepair:

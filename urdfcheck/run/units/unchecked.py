@@ -26,7 +26,7 @@ def explain_unchecked(findings: Iterable[Finding], reading: Iterable[str] = ()) 
     """
     cause = max((f for f in findings if f.blocks_check), key=lambda f: f.severity, default=None)
     if cause is None:
-        return NotChecked("nothing says why the model could not be read")
+        return NotChecked("the model could not be read, for no known reason")
     remedy = str(cause.data.get("remedy", ""))
     return NotChecked(cause.message, " ".join((*reading, remedy)) if remedy else "", cause.severity < Severity.ERROR)
 

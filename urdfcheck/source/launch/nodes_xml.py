@@ -230,7 +230,7 @@ class _XmlActionReader:
             return
         description = read_description(element, around.resolver)
         if description is None:
-            origin = "a text of its own" if element.get("value") else "nothing"
+            origin = "its own text" if element.get("value") else "nothing"
             self.add_parameter(name, element, around, origin=origin)
             return
         origin = shorten_line(description.file) if description.path is None else format_path(description.path)

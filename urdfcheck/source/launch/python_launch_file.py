@@ -109,7 +109,7 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
     except (ValueError, RecursionError, MemoryError):  # a zero byte, or nested too deeply
         return PythonLaunch(
             file=file,
-            syntax_problem=Problem(kind="syntax", message="it is no text or nested too deeply", location=start),
+            syntax_problem=Problem(kind="syntax", message="it is not text, or nested too deeply", location=start),
         )
 
 
@@ -122,7 +122,9 @@ def _decode_as_python(file: SourceFile, data: bytes) -> SourceFile:
     if encoding in {"utf-8", "utf-8-sig"}:
         return file
     if not is_single_byte(encoding) and data.decode(encoding, "replace") != file.text:
-        raise SyntaxError(f"it declares the encoding {encoding!r}, in which its bytes are another text than in UTF-8")
+        raise SyntaxError(
+            f"it declares the encoding {encoding!r}, in which its bytes are a different text than in UTF-8"
+        )
     return SourceFile(file.path, file.name, text=data.decode(encoding, "replace"), encoding=encoding)
 
 

@@ -81,7 +81,7 @@ def describe_missing_mesh(parts: Iterable[Element]) -> dict[str, str]:
     It opens those of visuals only where the file's ``<mujoco><compiler discardvisual="false"/></mujoco>`` asks for them.
     """
     opened = any(is_collision_part(part) or _keeps_visuals(part) for part in parts)
-    return {"mujoco": "refuses to compile" if opened else "loads it: it leaves out what is only drawn"}
+    return {"mujoco": "refuses to compile" if opened else "loads it without shapes that are only drawn"}
 
 
 def _keeps_visuals(element: Element) -> bool:
@@ -98,5 +98,5 @@ def describe_unreadable_mesh(parts: Iterable[Element]) -> dict[str, str]:
     """Describe what MuJoCo and Drake do with mesh files that exist but cannot be read (checked with MuJoCo 4.0, Drake 1.51)."""
     shapes = list(parts)
     collides = any(map(is_collision_part, shapes))
-    drake = "refuses the model when contacts are looked for" if collides else "loads it, and cannot draw the shape"
+    drake = "refuses the model when contacts are looked for" if collides else "loads it without drawing the shape"
     return {**describe_missing_mesh(shapes), "drake": drake}

@@ -243,7 +243,7 @@ class SourceFile:
         """
         found = find_byte_beyond_utf_8(self.text, self.encoding)
         if found is not None:
-            message = f"{reader} reads every file as UTF-8, and byte 0x{found[1]:02x} is none"
+            message = f"{reader} reads every file as UTF-8, but byte 0x{found[1]:02x} is not"
             raise XmlError("xacro-encoding", message, self.make_span(found[0], min(found[0] + 1, len(self.text))))
         if self.encoding.startswith("utf-16-"):
             self._ensure_line_breaks(reader)
@@ -252,14 +252,14 @@ class SourceFile:
         """Refuse UTF-16 in which a reader of UTF-8 text, which makes every byte 0x0D a line feed, changes a name or a value."""
         half = _HALF_RETURN.search(self.text)
         if half is not None:
-            span, what = half.span(), f"a half of {half[0]!r} for a line break"
+            span, what = half.span(), f"half of {half[0]!r} as a line break"
         else:
             broken = next((value for value in _VALUE.finditer(self.text) if "\r\n" in value[0]), None)
             if broken is None:
                 return
             start = broken.start() + broken[0].index("\r\n")
-            span, what = (start, start + 2), "the carriage return and the line feed for two line breaks"
-        message = f"{reader} reads every file as UTF-8, and this is UTF-16: it takes {what}"
+            span, what = (start, start + 2), "the carriage return and the line feed as two line breaks"
+        message = f"{reader} reads every file as UTF-8, but this is UTF-16: it reads {what}"
         raise XmlError("xacro-line-break", message, self.make_span(*span))
 
     def locate_character(self, line: int, col: int) -> Span:
@@ -297,7 +297,7 @@ def parse_xml(source: SourceFile) -> Element:
     """
     zero = source.text.find("\0")
     if zero >= 0:  # the first zero byte would make expat guess another encoding
-        raise XmlError("malformed", "a zero byte: this is no text", source.make_span(zero, zero + 1))
+        raise XmlError("malformed", "it contains a zero byte", source.make_span(zero, zero + 1))
     return _Parser(source).parse()
 
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from xml.parsers.expat import ErrorString, errors
 
 _GENERAL_REPAIR = (
-    "mend the XML at this place: look for a missing `>`, a quote, an end tag"
-    " or a `&` that should be `&amp;` just before it"
+    "fix the XML here: check for a missing `>`, quote or end tag, or a `&` that should be `&amp;`, just before it"
 )
 # What is not among the characters of XML (production 2): listed, because the complement of its ranges takes 8 ms to compile.
 NO_CHARACTER = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
@@ -23,14 +22,14 @@ _MOST_SHOWN = 60
 
 @dataclass(frozen=True, slots=True)
 class XmlMistake:
-    """A mistake, the offsets of its text, and how to mend it."""
+    """A mistake, the offsets of its text, and how to fix it."""
 
     message: str
     start: int
     end: int
     repair: str = _GENERAL_REPAIR
     forgiven: bool = False
-    """Whether tinyxml2, by which urdfdom and the engines read, loads the file all the same."""
+    """Whether tinyxml2, the parser of urdfdom and the engines, loads the file."""
 
 
 def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]]) -> XmlMistake:
@@ -59,7 +58,7 @@ def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]
 
 
 def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMistake | None:
-    """Return what is wrong with characters that expat cannot make anything of."""
+    """Return what is wrong with characters that expat cannot interpret."""
     before, here = text[:at], text[at : at + 1]
     if before.endswith("--") and before.rfind("<!--", 0, at - 2) > before.rfind("-->"):
         message = "a comment may not contain `--`"
@@ -68,18 +67,19 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
     if here and NO_CHARACTER.match(here):
         return XmlMistake(f"the character U+{ord(here):04X} is not allowed in XML", at, at + 1, "delete it")
     if here == "\ufeff":
-        message = "a byte order mark stands inside of the file"
-        return XmlMistake(
-            message, at, at + 1, "delete the invisible character, which a file that was pasted here has left"
-        )
+        message = "a byte order mark is inside the file"
+        return XmlMistake(message, at, at + 1, "delete the invisible character, which was left by a pasted file")
     entity = _OPEN_ENTITY.search(before, max(0, at - 42))
     if entity is not None:
         return _describe_ampersand(entity)
     if before.endswith("]]") and here == ">":
-        return XmlMistake("`]]>` may not stand in a text", at - 2, at + 1, "write `]]&gt;`")
+        return XmlMistake("text may not contain `]]>`", at - 2, at + 1, "write `]]&gt;`")
     if not opened and before.rfind("<") < 0:
         return XmlMistake(
-            "text stands before the root element", max(at - 1, 0), max(at, 1), "delete what stands before the first `<`"
+            "there is text before the root element",
+            max(at - 1, 0),
+            max(at, 1),
+            "delete everything before the first `<`",
         )
     return _describe_tag(text, at)
 
@@ -88,53 +88,49 @@ def _describe_ampersand(entity: re.Match[str]) -> XmlMistake:
     start, end, typed = entity.start(), entity.end(), entity[0]
     if typed[1:] in _ENTITIES or typed.startswith("&#"):
         return XmlMistake(f"`{typed}` lacks its semicolon or its number", start, end, f"write `{typed};`")
-    return XmlMistake(
-        "`&` begins the name of an entity and may not stand alone", start, start + 1, "write `&amp;` for the `&`"
-    )
+    return XmlMistake("`&` must begin the name of an entity", start, start + 1, "write `&amp;` for the `&`")
 
 
 def _describe_tag(text: str, at: int) -> XmlMistake | None:
-    """Return what is wrong inside of a tag, or with a ``<`` that begins none."""
+    """Return what is wrong inside a tag, or with a ``<`` that does not begin a tag."""
     begin = text.rfind("<", 0, at)
     if begin < 0:
         return None
     inside, here = text[begin + 1 : at], text[at : at + 1]
     if not inside.strip("/!-"):
         shown = "a blank" if here.isspace() else f"`{here}`"
-        message = f"`<` begins a tag, and {shown} begins no name"
+        message = f"`<` begins a tag, but {shown} does not begin a name"
         return XmlMistake(
             message,
             begin,
             begin + 1,
-            "write `&lt;` for a `<` that is text, or the tag without what stands before its name",
+            "write `&lt;` for a `<` that is text, or delete what is before the name of the tag",
         )
     quote = _find_open_quote(inside)
     if here == "<" and quote is not None:
         start = begin + 1 + quote
         line = text.count("\n", 0, start) + 1
-        message = f"`<` stands in the value of an attribute, whose quotes open in line {line}"
-        return XmlMistake(
-            message, at, at + 1, "close the quotes of that value, or write `&lt;` for a `<` that is part of it"
-        )
+        message = f"an attribute value, whose quotes open in line {line}, contains `<`"
+        return XmlMistake(message, at, at + 1, "close the quotes of that value, or write `&lt;` if `<` is part of it")
     if quote is not None or ">" in inside:
         return None
     return _describe_attribute(at, inside, here)
 
 
 def _describe_attribute(at: int, inside: str, here: str) -> XmlMistake | None:
-    """Return what is wrong with an attribute outside of its quotes."""
+    """Return what is wrong with an attribute outside its quotes."""
     if here == "<":
         return XmlMistake("the tag before this `<` is not closed", at, at + 1, "close the tag with `>` or `/>`")
     if inside.rstrip().endswith("="):
         name = _shorten(_NAME.findall(inside)[-1]) if _NAME.search(inside) else ""
-        found = "stands in typographic quotes" if here in _TYPOGRAPHIC else "has no quotes"
+        found = "has typographic quotes" if here in _TYPOGRAPHIC else "has no quotes"
         return XmlMistake(f"the value of the attribute {name} {found}", at, at + 1, f'write `{name}="…"`')
     if inside.endswith(('"', "'")):
         if here in {'"', "'"}:
             return XmlMistake(
-                "a quote too many stands behind the value of an attribute", at, at + 1, "delete one of the quotes"
+                "an attribute value is followed by an extra quote", at, at + 1, "delete one of the quotes"
             )
-        return XmlMistake("no blank stands between two attributes", at, at + 1, "write a blank behind the quotes")
+        return XmlMistake("there is no blank between two attributes", at, at + 1, "write a blank after the quotes")
     named = re.search(r"\s([^\s<>/=\"'&]+)\s*\Z", inside)
     if named is not None:
         name = _shorten(named[1])
@@ -166,15 +162,13 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
     inner = _shorten(inner)
     empty = _find_empty_element(text, name[0], start) if around is None else None
     if empty is not None:
-        message = f"</{typed}> closes nothing that is open: <{typed}> of line {empty} is closed by its own `/>`"
+        message = f"</{typed}> has no open element to close: <{typed}> in line {empty} ends with `/>`"
         repair = f"delete the `/` at the end of the tag in line {empty}, or delete `</{typed}>`"
         return XmlMistake(message, start, end, repair)
     if around is None:
-        message = f"</{typed}> closes nothing that is open: <{inner}>, opened in line {line}, has not been closed"
+        message = f"</{typed}> has no open element to close; <{inner}>, opened in line {line}, is not closed"
         return XmlMistake(message, start, end, f"write `</{inner}>`, or delete `</{typed}>`")
-    message = (
-        f"</{typed}> closes <{typed}> of line {around}, while <{inner}>, opened in line {line}, has not been closed"
-    )
+    message = f"</{typed}> closes <{typed}> of line {around}, but <{inner}>, opened in line {line}, is not closed"
     return XmlMistake(message, start, end, f"write `</{inner}>` where the element ends, or `/>` at the end of its tag")
 
 
@@ -191,7 +185,9 @@ def _describe_entity(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake
     found = next((m for m in _ENTITY.finditer(text, at) if m[1] not in _ENTITIES), None)
     if found is None:
         return None
-    message = f"`{_shorten(found[0])}` is an undefined entity: XML knows `&amp;`, `&lt;`, `&gt;`, `&quot;` and `&apos;`"
+    message = (
+        f"`{_shorten(found[0])}` is an undefined entity: XML defines `&amp;`, `&lt;`, `&gt;`, `&quot;` and `&apos;`"
+    )
     return XmlMistake(message, *found.span(), repair="write the character itself, or `&amp;` for a `&`")
 
 
@@ -204,7 +200,7 @@ def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMist
             message, *tag.span(), repair=f"move it into {root}, or delete the end tag that closes it too early"
         )
     end = text.find("\n", at)
-    message = f"text stands behind the end of {root}"
+    message = f"there is text after the end of {root}"
     return XmlMistake(message, at, len(text) if end < 0 else max(end, at + 1), repair="delete it")
 
 
@@ -212,7 +208,7 @@ def _describe_declaration(text: str, at: int, _: list[tuple[str, int]]) -> XmlMi
     before = text[:at].lstrip("\ufeff")
     what = "a blank" if not before.strip(" \t") else "an empty line" if not before.strip() else "something else"
     what = "a comment" if before.lstrip().startswith("<!--") else what
-    message = f"the declaration `<?xml …?>` is not at the start of the file: {what} stands before it"
+    message = f"the declaration `<?xml …?>` is not at the start of the file: {what} precedes it"
     return XmlMistake(message, at, at + 5, repair="move the declaration to the very start of the file, or delete it")
 
 
@@ -221,7 +217,7 @@ def _describe_duplicate(text: str, at: int, _: list[tuple[str, int]]) -> XmlMist
     if name is None:
         return None
     shown = _shorten(name[0])
-    return XmlMistake(f"the attribute {shown} stands twice in one tag", *name.span(), repair=f"delete one {shown}")
+    return XmlMistake(f"the attribute {shown} occurs twice in one tag", *name.span(), repair=f"delete one {shown}")
 
 
 def _describe_end_of_file(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMistake:

@@ -219,7 +219,7 @@ class ExpansionTrace:
     def report_limit(self, kind: str) -> None:
         """Record that the model's time or memory was used up, and what was being evaluated."""
         name, times = self._find_busiest_macro()
-        doing = f"macro {name} was called over and over" if times > 1 else "an expression takes that long"
+        doing = f"macro {name} was called repeatedly" if times > 1 else "one expression takes this long"
         self.report_problem(kind, doing, self.failed_at or self.locate_current(), macros=self.list_failed_calls())
 
     def report_failure(self, error: BaseException) -> None:

@@ -143,9 +143,9 @@ def _find_refusal(tree: ast.Expression) -> ExpressionRefusedError | None:
     construct: ExpressionRefusedError | None = None
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and (node.attr.startswith("_") or node.attr in _ATTRIBUTES):
-            return ExpressionRefusedError("unsafe", f"the attribute .{node.attr} leads out of xacro's language")
+            return ExpressionRefusedError("unsafe", f"the attribute .{node.attr} is not part of xacro's language")
         if isinstance(node, ast.Name) and node.id.startswith("__"):
-            return ExpressionRefusedError("unsafe", f"the name {node.id} leads out of xacro's language")
+            return ExpressionRefusedError("unsafe", f"the name {node.id} is not part of xacro's language")
         unsupported = _describe_unsupported(node)
         if unsupported:
             construct = construct or ExpressionRefusedError("construct", unsupported)
@@ -169,7 +169,7 @@ def _describe_unsupported(node: ast.AST) -> str:
         if node.is_async:
             return "async"
         if not all(isinstance(n, (*_TARGETS, ast.expr_context)) for n in ast.walk(node.target)):
-            return "a loop that assigns to something else than names"
+            return "a loop that assigns to something other than names"
     return ""
 
 

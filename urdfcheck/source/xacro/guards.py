@@ -129,13 +129,13 @@ class GuardedFunction:
 
     def __repr__(self) -> str:
         """Refuse every way of making a text of it: with an address in it, and with other names than plain xacro's."""
-        raise make_varying_error("the text of a function holds an address, which is another in each process")
+        raise make_varying_error("the text of a function contains an address, which differs in each process")
 
     def __eq__(self, _other: object) -> bool:
-        raise make_varying_error("it compares a function, which is equal to nothing but itself")
+        raise make_varying_error("it compares a function, which is equal only to itself")
 
     def __hash__(self) -> int:
-        raise make_varying_error("the hash of a function is another in each process")
+        raise make_varying_error("the hash of a function differs in each process")
 
 
 class _EvaluationGlobals(dict[str, Any]):
@@ -276,7 +276,7 @@ class Guards:
         """Refuse the tables ``python``, ``math`` and ``xacro`` as values: their content is that of a version."""
         if id(value) in self._own_tables:
             raise make_varying_error(
-                "it looks into a table of Python's or xacro's functions, which differs between versions"
+                "it reads a table of Python's or xacro's functions, which differs between versions"
             )
 
     def _guard_member(self, value: Any) -> Any:
@@ -341,7 +341,7 @@ class Guards:
             elif holds or isinstance(value, range):
                 size += 2 * len(value) + 2
             elif callable(value) and not isinstance(value, GuardedFunction):
-                raise ExpressionRefusedError("unsafe", f"a {type(value).__name__} leads out of xacro's language")
+                raise ExpressionRefusedError("unsafe", f"a {type(value).__name__} is not part of xacro's language")
             else:
                 size += 8
             if size > MAX_CHARACTERS:
@@ -460,7 +460,7 @@ class Guards:
                 if not hasattr(kind if kind is dict else value, name):
                     return getattr(value, name)  # a key of a yaml mapping, or Python's error for a missing attribute
                 raise ExpressionRefusedError(
-                    "method", f"the attribute .{name} of a {kind.__name__} is none that robots use"
+                    "method", f"the attribute .{name} of a {kind.__name__} is not one that robots use"
                 )
         if isinstance(value, _PLAIN) and not hasattr(type(value), name):
             return getattr(value, name)
@@ -509,13 +509,15 @@ class Guards:
                 self._ensure_result_size(len(found), MAX_CHARACTERS if isinstance(value, str) else MAX_ITEMS, "items")
             return found
         if hasattr(type(value), "__getitem__"):
-            raise ExpressionRefusedError("unsafe", f"an item of a {type(value).__name__} leads out of xacro's language")
+            raise ExpressionRefusedError(
+                "unsafe", f"an item of a {type(value).__name__} is not part of xacro's language"
+            )
         return operator.getitem(value, key)
 
     def _call_function(self, function: Any, /, *args: Any, **kwargs: Any) -> Any:
         if not isinstance(function, GuardedFunction) and callable(function):
             raise ExpressionRefusedError(
-                "unsafe", f"a call of a {type(function).__name__} leads out of xacro's language"
+                "unsafe", f"a call of a {type(function).__name__} is not part of xacro's language"
             )
         self.charge(1)
         return function(*args, **kwargs)
@@ -626,7 +628,7 @@ class Guards:
         """Return a substitute for a function that leads out of the language; it refuses every call."""
 
         def refuse(*_: Any, **__: Any) -> None:
-            raise ExpressionRefusedError("unsafe", f"{name} leads out of xacro's language")
+            raise ExpressionRefusedError("unsafe", f"{name} is not part of xacro's language")
 
         refuse.__name__ = name
         return GuardedFunction(self, refuse, None, shallow=True)
@@ -644,7 +646,7 @@ def _make_too_long_error(limit: int, what: str) -> ExpressionRefusedError:
 
 
 def _make_attribute_error(name: str) -> ExpressionRefusedError:
-    return ExpressionRefusedError("unsafe", f"the attribute .{name} leads out of xacro's language")
+    return ExpressionRefusedError("unsafe", f"the attribute .{name} is not part of xacro's language")
 
 
 def _ensure_bits(bits: float) -> None:
@@ -721,9 +723,7 @@ def _ensure_plain_separators(_text: Any = "", sep: Any = "", *_: Any, **__: Any)
     if isinstance(sep, str) and len(sep) > MAX_SEPARATORS:
         raise ExpressionRefusedError("too_large", f"it gives xacro.tokenize more than {MAX_SEPARATORS} separators")
     if isinstance(sep, str) and "]" in sep[1:]:
-        raise ExpressionRefusedError(
-            "unsafe", "the separators of xacro.tokenize contain a regular expression of their own"
-        )
+        raise ExpressionRefusedError("unsafe", "the separators of xacro.tokenize contain a regular expression")
 
 
 _ARGUMENT_CHECKS: Mapping[str, Callable[..., None]] = {

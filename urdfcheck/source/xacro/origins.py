@@ -105,7 +105,7 @@ def _convert_node(node: minidom.Element, parent: Element | None, defects: list[O
 
     for name in (node.tagName, *node.attributes.keys()):
         if not isinstance(name, str) or not _is_name(name):  # xacro:element and xacro:attribute take any value
-            message = f"{name!r} is no name of an element or attribute: what xacro writes is no XML"
+            message = f"{name!r} is not a valid name of an element or attribute, so the output of xacro is not XML"
             raise InvalidOutputError(message, locate())
     for name, value in node.attributes.items():
         attribute = element.attributes[name] = _convert_attribute(name, value, owner=element, origin=origin)
@@ -119,7 +119,7 @@ def _convert_node(node: minidom.Element, parent: Element | None, defects: list[O
         elif child.nodeType in (child.TEXT_NODE, child.CDATA_SECTION_NODE):
             element.text += child.data
         elif child.nodeType == child.COMMENT_NODE and "--" in child.data:  # it was evaluated (xacro:eval-comments)
-            message = "a comment that xacro evaluates contains `--`, and xacro crashes when it writes it"
+            message = "a comment that xacro evaluates contains `--`, and xacro crashes when writing it"
             raise InvalidOutputError(message, locate())
         else:
             _note_instruction(child, origin, defects)
@@ -145,7 +145,7 @@ def _find_lost_value(name: str, value: Any, at: Location) -> OutputDefect:
     """
     kind = type(value).__name__
     if value:
-        message = f"<xacro:attribute> gives {name} a value of the type {kind}, and xacro crashes when it writes it"
+        message = f"<xacro:attribute> gives {name} a value of the type {kind}, and xacro crashes when writing it"
         raise InvalidOutputError(message, at)
     message = f"<xacro:attribute> gives {name} an empty value"
     data = {"name": name, "value": repr(value) if type(value) in _PLAIN else f"of the type {kind}"}

@@ -88,7 +88,7 @@ class FileAccess:
         """
         if not self.finder.can_open(path):
             name = format_path(path)
-            raise ExpansionStoppedError("out-of-reach", f"{name} lies outside of what may be read", path=name)
+            raise ExpansionStoppedError("out-of-reach", f"{name} is outside the folders that may be read", path=name)
 
     def wrap_parse(self, original: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap ``xacro.parse``, which reads the model and its includes."""

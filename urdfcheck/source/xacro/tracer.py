@@ -362,7 +362,7 @@ class Tracer:
                     and re.search(rf"\b{unknown.group(1)}\s*\(", expression)
                 ):
                     raise ExpressionRefusedError(
-                        "outside", f"{unknown.group(1)} is no function of xacro", expression
+                        "outside", f"{unknown.group(1)} is not a function of xacro", expression
                     ) from error
                 raise
 
@@ -387,7 +387,7 @@ class Tracer:
         with suppress(SyntaxError):
             compile_expression(expression)
         if "__" in expression:  # xacro looks for it in the text, whether or not the text is an expression
-            raise ExpressionRefusedError("outside", "xacro takes no name with two underscores in $(eval …)", expression)
+            raise ExpressionRefusedError("outside", "xacro refuses names with two underscores in $(eval …)", expression)
         try:
             return self.guards.make_text(self.evaluate(expression, self.list_extension_names(context)))
         except Exception:

@@ -45,7 +45,7 @@ def has_random_order(value: Any) -> bool:
 def ensure_order(value: Any) -> None:
     """Refuse to go through a set in an order that is random."""
     if has_random_order(value):
-        raise make_varying_error("the order of the items of a set is another in each process")
+        raise make_varying_error("the order of the items of a set differs in each process")
 
 
 def sort_items(value: Any, order: str = "") -> list[Any]:
@@ -76,7 +76,7 @@ def ensure_text(value: Any, is_table: Callable[[Any], bool]) -> None:
     while stack:
         value = stack.pop()
         if is_table(value):
-            raise make_varying_error("the text of a table of names holds addresses")
+            raise make_varying_error("the text of a table of names contains addresses")
         if isinstance(value, dict):
             stack += [*dict.keys(value), *dict.values(value)]
         elif isinstance(value, list):
@@ -88,22 +88,22 @@ def ensure_text(value: Any, is_table: Callable[[Any], bool]) -> None:
             stack += [value.start, value.stop, value.step]
         elif not isinstance(value, _FIXED):
             what = "a function" if callable(value) else f"a value of the type {type(value).__name__}"
-            raise make_varying_error(f"the text of {what} holds an address, which is another in each process")
+            raise make_varying_error(f"the text of {what} contains an address, which differs in each process")
 
 
 def ensure_hash(value: Any) -> None:
     """Refuse the hash of anything but a number."""
     if type(value) not in NUMBERS:
-        raise make_varying_error("the hash of anything but a number is another in each process")
+        raise make_varying_error("the hash of anything but a number differs in each process")
 
 
 def ensure_comparable(value: Any) -> None:
     """Refuse what is compared by its place in memory: a function or an iterator."""
     if callable(value) or hasattr(type(value), "__next__"):
-        raise make_varying_error("it compares a function or an iterator, which is equal to nothing but itself")
+        raise make_varying_error("it compares a function or an iterator, which is equal only to itself")
 
 
 def ensure_identity(values: Iterable[Any]) -> None:
     """Refuse ``is`` between values other than None, True and False: whether two equal ones are one object is not fixed."""
     if not any(value is None or value is True or value is False for value in values):
-        raise make_varying_error("it compares values with `is`: whether equal values are one object is not fixed")
+        raise make_varying_error("it compares values with `is`, which for equal values is not defined")

@@ -141,5 +141,5 @@ def explain_block(run: Run, finding: Finding) -> str:
         return ""
     names = list(finding.variants) or [finding.model]
     command = next((build_command(info) for info in run.models if info.id in names), "")
-    what = f"nothing else is known of {join_first(names, 3)}"
+    what = f"nothing else is known about {join_first(names, 3)}"
     return f"{what}; check it with `{command}`" if command else what

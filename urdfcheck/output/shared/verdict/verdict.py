@@ -28,7 +28,7 @@ def summarize_verdict(run: Run) -> tuple[str, str]:
     if errors:
         kind, sentence = "error", f"{format_count(errors, 'error')} to repair"
     elif warnings:
-        kind, sentence = "warning", f"No errors, {format_count(warnings, 'warning')} to look at"
+        kind, sentence = "warning", f"No errors, {format_count(warnings, 'warning')}"
     elif not set(run.rules) - {"URC900"}:  # it reports crashes, whatever is selected
         kind, sentence = "warning", "Nothing was looked for: no rule is selected"
     else:
