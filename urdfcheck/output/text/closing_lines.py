@@ -25,8 +25,8 @@ from urdfcheck.output.text.lines import STYLES, format_finding_title, format_sep
 MAX_CODES = 8
 # A report with more findings repeats its errors and warnings at the end.
 RECAP_THRESHOLD = 8
-# Columns that a title keeps before a long place, and those of a line number.
-_LEAST_TITLE, _LINE_ROOM = 40, 7
+# Columns that a title keeps before a long place.
+_LEAST_TITLE = 40
 
 
 def iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
@@ -76,14 +76,14 @@ def iter_recap(run: Run, width: int) -> Iterator[Text]:
     if not serious or len(run.active_findings) <= RECAP_THRESHOLD:
         return
     yield format_separator(Text("errors and warnings"), width)
+    is_one_file = len({f.location.file for f in serious}) == 1
     for finding in reversed(sort_worst_first(serious)):
         span = finding.location.span
         title = format_finding_title(finding)
         place = "" if span is None else f"  {escape_one_line(span.file)}:{span.line}:{span.col}"
         if title.cell_len + len(place) > width and span is not None:
-            name = escape_one_line(get_base_name(span.file))
-            # The place stands below the finding too; what is wrong is not cut for it.
-            place = f"  {name if title.cell_len + len(name) + _LINE_ROOM <= width else ''}:{span.line}"
+            # One file needs no name; of several the title is cut for it.
+            place = f"  {'' if is_one_file else escape_one_line(get_base_name(span.file))}:{span.line}"
             title.truncate(max(width - len(place), _LEAST_TITLE), overflow="ellipsis")
         yield Text.assemble(title, (place, "dim"))
     yield Text()
