@@ -253,3 +253,17 @@ def test_statistics_add_up_to_the_last_line() -> None:
     assert [line.split()[2:4] for line in lines[1:3]] == [["error", "1"], ["info", "2"]]
     assert "1 error" in lines[-1]
     assert "2 notes" in lines[-1]
+
+
+def test_in_brief_a_finding_takes_eight_lines() -> None:
+    """One of several elements, that several programs mind, with a long repair of many lines."""
+    edits = tuple(Edit(span_of(word), word, "x") for word in ('"base"', '"-1"', '"0.09"', '"axle"'))
+    long = finding(
+        fix=Fix("write it anew " * 30, Applicability.UNSAFE, edits),
+        subjects=("link[a]", "link[b]"),
+        message="long " * 50,
+    )
+    lines = render(a_run(long), width=80, detail=DetailLevel.BRIEF).splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("✖ INR003"))
+    assert lines.index("", at) - at == 8
+    assert "4 lines would change; --diff --unsafe-fixes shows them" in lines[at + 7]

@@ -45,7 +45,8 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffec
         code = [] if len(head) + len(facts) + 1 + len(changed) <= _MOST_LINES else code
     shows_changes = changes and len(head) + len(code) + len(facts) + 1 + len(changed) <= _MOST_LINES
     yield from (*head, *code, *facts)
-    yield from _iter_fix_lines(finding, width, most=1 if shows_changes else _MOST_WORDS)
+    room = _MOST_LINES - len(head) - len(code) - len(facts) - bool(changes)
+    yield from _iter_fix_lines(finding, width, most=1 if shows_changes else max(1, min(room, _MOST_WORDS)))
     if shows_changes:
         yield from changed
     elif changes:

@@ -48,8 +48,8 @@ def list_new_effects(run: Run, finding: Finding, told: ToldEffects, *, every: bo
 def describe_hits(run: Run, finding: Finding, room: int) -> str:
     """Say in a line which programs do not load what was typed: ``MuJoCo refuses the file · Drake and Bullet replace values``.
 
-    Where targets are named, this is told of them alone, whatever they do. What takes more than ``room`` characters is told by
-    verdict.
+    Where targets are named, this is told of them alone, whatever they do. Several effects that take more than ``room``
+    characters are told by verdict.
     """
     has_targets = bool(run.get_targets(finding.model))
     effects = {
@@ -58,7 +58,7 @@ def describe_hits(run: Run, finding: Finding, room: int) -> str:
         if has_targets or Verdict.from_sentence(effect) > Verdict.LOADS
     }
     whole = _join_hits(effects, _shorten_effect)
-    return whole if len(whole) <= room else _join_hits(effects, _generalize_effect)
+    return whole if len(whole) <= room or len(effects) == 1 else _join_hits(effects, _generalize_effect)
 
 
 def _join_hits(effects: Mapping[str, Sequence[str]], shorten: Callable[[str], str]) -> str:
