@@ -759,4 +759,4 @@ def test_finding_type_is_the_contract() -> None:
         "cause",
     }
     shown |= {"consequences", "data", "fix", "model", "suppressed", "variants", "blocks_check"}
-    assert set(Finding.__dataclass_fields__) - shown == {"message_id", "message_ids", "blames_text"}
+    assert set(Finding.__dataclass_fields__) - shown == {"message_id", "message_ids", "blames_text", "excess"}
