@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import inspect
 import json
 import pickle
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -21,6 +22,7 @@ from urdfcheck.model import Model
 from urdfcheck.policy.config import TARGETS
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run import pipeline, unit_audit
+from urdfcheck.run.findings import FinalFindings
 from urdfcheck.run.jobs import PackageFolders, Request
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run_audit
 from urdfcheck.simulators.engine_input import build_input
@@ -35,6 +37,8 @@ STARTED_ELSEWHERE = {"kosakanishkdev/ROS:robot"}
 TARGETED = tuple(engine for engine in ENGINES if engine in TARGETS)
 
 T = TypeVar("T")
+# Rule, model, subject and message id: what the fingerprint of a finding is made of.
+Defect = tuple[str, str, str, str]
 
 
 def list_robots(folder: Path) -> list[dict[str, Any]]:
@@ -72,10 +76,11 @@ def list_requests(folder: Path) -> dict[str, Request]:
 
 @dataclass(frozen=True)
 class CheckedRobot:
-    """A run of a request of `list_requests`, what it finds for all engines as targets, and its models as engines get them, by
-    id; None for what is no robot."""
+    """A run of a request of `list_requests`, the defects that its checks report one by one, what it finds for all engines as
+    targets, and its models as engines get them, by id; None for what is no robot."""
 
     run: Run
+    reported: frozenset[Defect]
     for_engines: tuple[Finding, ...]
     inputs: Mapping[str, EngineInput | None]
 
@@ -111,7 +116,8 @@ def check_robot(request: Request) -> CheckedRobot:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pipeline, "discover_targets", once(pipeline.discover_targets))
         patch.setattr(unit_audit, "load_source", once(unit_audit.load_source))
-        audited = run_audit(request, IN_THIS_PROCESS)
+        with record_reported() as reported:
+            audited = run_audit(request, IN_THIS_PROCESS)
         again = run_audit(replace(request, policy=policy), IN_THIS_PROCESS).outcome
     found = [f for f in audited.outcome.findings if f.code not in reading]
     found += [f for f in again.findings if f.code in reading]
@@ -121,7 +127,45 @@ def check_robot(request: Request) -> CheckedRobot:
         for unit in audited.units
         if unit.kind == "model" and unit.id in models
     }
-    return CheckedRobot(audited.outcome, tuple(found), inputs)
+    return CheckedRobot(audited.outcome, frozenset(reported), tuple(found), inputs)
+
+
+@contextlib.contextmanager
+def record_reported() -> Iterator[set[Defect]]:
+    """Record what the checks of units report before anything is merged; for runs in this process."""
+    reported: set[Defect] = set()
+    finalize = unit_audit.finalize_unit_findings
+
+    def record(findings: Iterable[Finding], **settings: Any) -> FinalFindings:
+        findings = list(findings)
+        reported.update(list_defects(findings))
+        return finalize(findings, **settings)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(unit_audit, "finalize_unit_findings", record)
+        yield reported
+
+
+def list_defects(findings: Iterable[Finding]) -> set[Defect]:
+    """List the defects that findings are about."""
+    return {
+        (finding.code, model, subject, finding.message_ids.get(subject, finding.message_id))
+        for finding in findings
+        for model, subjects in finding.subjects_by_model.items()
+        for subject in subjects
+    }
+
+
+def find_lost_defects(reported: Iterable[Defect], run: Run) -> set[Defect]:
+    """Find the defects that the findings of a run do not have, apart from those that a stronger rule hides on the element."""
+    told = list_defects(run.findings)
+    elements = {(code, model, subject.partition("]")[0]) for code, model, subject, _ in told}
+    rules = load_rules()
+    return {
+        defect
+        for defect in set(reported) - told
+        if not any((code, defect[1], defect[2].partition("]")[0]) in elements for code in rules[defect[0]].hidden_by)
+    }
 
 
 def once(function: Callable[..., T]) -> Callable[..., T]:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from conftest import CORPORA, REPOSITORY
-from real_robots import check_robots, list_robots
+from real_robots import CheckedRobot, check_robots, find_lost_defects, list_robots
 
 from urdfcheck.core import Run, Severity
 from urdfcheck.core.headlines import LONGEST_HEADLINE
@@ -30,12 +30,36 @@ ODD = {
 
 
 @pytest.fixture(scope="module")
-def runs(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
-    return {name: robot.run for name, robot in check_robots(corpus, tmp_path_factory).items()}
+def robots(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, CheckedRobot]:
+    return check_robots(corpus, tmp_path_factory)
+
+
+@pytest.fixture(scope="module")
+def runs(robots: dict[str, CheckedRobot]) -> dict[str, Run]:
+    return {name: robot.run for name, robot in robots.items()}
 
 
 def test_nothing_crashes(runs: dict[str, Run]) -> None:
     assert {name: r.failures for name, r in runs.items() if r.failures} == {}
+
+
+def test_merging_loses_no_defect(robots: dict[str, CheckedRobot]) -> None:
+    lost = {name: find_lost_defects(robot.reported, robot.run) for name, robot in robots.items()}
+    assert {name: some for name, some in lost.items() if some} == {}
+
+
+def test_one_kind_of_mistake_is_one_finding(runs: dict[str, Run]) -> None:
+    """Few findings share rule, message, file and models with another: those differ in cause, or in what repairs them."""
+    urgent = [f for run in runs.values() for f in run.active_findings if f.severity > Severity.INFO]
+    places = [own for finding in urgent for own in finding.list_occurrences()]
+    kinds = {
+        (name, f.code, f.message_id, f.location.file, *f.subjects_by_model)
+        for name, run in runs.items()
+        for f in run.active_findings
+        if f.severity > Severity.INFO
+    }
+    assert len(urgent) < 1.1 * len(kinds)
+    assert len(urgent) < 0.8 * len(places)
 
 
 def test_headlines_fit_into_a_line(runs: dict[str, Run]) -> None:

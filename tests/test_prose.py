@@ -29,6 +29,12 @@ def check_file(path: Path) -> list[check_prose.Match]:
     return check_prose.check_file(path, HABITS)
 
 
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(REPOSITORY).as_posix())
+def test_what_users_read_is_plain_english(path: Path) -> None:
+    matches = [match for match in check_file(path) if match.kind != "docstring"]
+    assert not matches, "\n" + "\n".join(map(str, matches))
+
+
 def test_docstrings_get_plainer() -> None:
     matches = [match for path in FILES for match in check_file(path) if match.kind == "docstring"]
     assert len(matches) <= MOST_IN_DOCSTRINGS, "python tools/check_prose.py --docstrings lists them"

@@ -19,6 +19,7 @@ from conftest import check, list_machine_paths
 
 from urdfcheck import rules
 from urdfcheck.core import Applicability, Finding, Rule
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.core.headlines import LONGEST_HEADLINE
 from urdfcheck.dev.new_rule import TO_DO
 from urdfcheck.policy import config
@@ -95,7 +96,7 @@ def findings_of(case: Case, folder: Path) -> list[Finding]:
     run = check(target, codes={*rule.hidden_by, case.rule}, targets=targets, drop=simulated)
     assert not run.failures, run.failures
     assert not list_machine_paths(run, folder)
-    return [f for f in run.findings if f.code == case.rule]
+    return [f for f in iter_occurrences(run.findings) if f.code == case.rule]
 
 
 def offered(finding: Finding) -> Applicability:

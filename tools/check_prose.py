@@ -218,28 +218,24 @@ def blank_holes(text: str) -> str:
 
 
 def _read_python(path: Path, text: str) -> Iterator[Passage]:
-    tree = ast.parse(text)
-    docstrings = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Module | ast.ClassDef):
-            docstrings |= {id(part.value) for part in node.body if isinstance(part, ast.Expr)}
-        elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-            docstrings |= {id(node.body[0].value)} if isinstance(node.body[0], ast.Expr) else set()
-    parts = {id(value) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for value in ast.walk(node)} - {
-        id(node) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr)
-    }
+    docstrings, pieces = set(), set()
     lines = text.split("\n")
-    for node in ast.walk(tree):
-        if isinstance(node, ast.JoinedStr):
+    for node in ast.walk(ast.parse(text)):  # parents before children
+        if isinstance(node, ast.Expr):
+            docstrings.add(id(node.value))
+        elif isinstance(node, ast.JoinedStr):
+            pieces |= {id(value) for value in node.values}
             words = "".join(value.value if isinstance(value, ast.Constant) else HOLE * 3 for value in node.values)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in parts:
-            words = node.value
-        else:
-            continue
-        if id(node) in docstrings:
-            yield _make_passage(path, "docstring", re.sub(r"`+[^`]*`+", _fill, words), node.lineno)
-        elif " " in words.strip() and not _NO_SENTENCE.search(words):
-            yield _locate(path, blank_holes(words), node, lines)
+            yield from _read_literal(path, words, node, lines)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) in docstrings:
+            yield _make_passage(path, "docstring", re.sub(r"`+[^`]*`+", _fill, node.value), node.lineno)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in pieces:
+            yield from _read_literal(path, node.value, node, lines)
+
+
+def _read_literal(path: Path, words: str, node: ast.expr, lines: list[str]) -> Iterator[Passage]:
+    if " " in words.strip() and not _NO_SENTENCE.search(words):
+        yield _locate(path, blank_holes(words), node, lines)
 
 
 def _locate(path: Path, words: str, node: ast.expr, lines: list[str]) -> Passage:

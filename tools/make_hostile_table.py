@@ -36,8 +36,8 @@ COMMANDS = {
 INTRODUCTION = """\
 # Hostile files
 
-Files that a stranger could put into a pull request: each attacks whoever checks it. `manifest.toml` lists them;
-`tests/hostile_files.py` makes those that cannot lie in a repository (pipes, links, names that are no text, very large ones)
+Files that a stranger could put into a pull request: each attacks the program that checks it. `manifest.toml` lists them;
+`tests/hostile_files.py` makes those that a repository cannot hold (pipes, links, names that are not text, very large ones)
 and `tests/test_hostile.py` checks all of them through the command: what it finds, that nothing ran, that no file outside and no
 secret of the environment is in any output, and that no output holds a character or a line that a terminal, a browser or a CI
 system would obey.

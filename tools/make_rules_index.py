@@ -14,12 +14,12 @@ INTRODUCTION = """\
 # The rules
 
 One page per rule: its metadata, its documentation and its first test. `urdfcheck rule CODE` prints a page.
-How to add one stands in [CONTRIBUTING](../CONTRIBUTING.md). This index is made by `make reports`.
+[CONTRIBUTING](../CONTRIBUTING.md) says how to add one. This index is made by `make reports`.
 
-*fix*: what `--fix` repairs by itself (**safe**), what it repairs when asked (`--unsafe-fixes`: **unsafe**), and what takes a
-person (–). *programs*: what those that read the model do with the defect at worst, if it is more than loading what was typed;
-the page tells it in words. *Notes only on request*: they are reported with `-v`, where `--select`, `select`, `severity` or
-`options` name the rule (`ALL` names every rule), and where they matter to a target.
+*fix*: `--fix` repairs it (**safe**), repairs it with `--unsafe-fixes` (**unsafe**), or a person has to (–). *programs*: the worst
+that programs do with the defect, if they do not just load what was typed; the page says it in words. *Notes only on request*:
+they are reported with `-v`, if `--select`, `select`, `severity` or `options` name the rule (`ALL` names every rule), or if they
+matter to a target.
 """
 
 

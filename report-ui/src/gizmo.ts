@@ -7,7 +7,7 @@ export class Gizmo {
   readonly element = svg("svg", { class: "uc-gizmo", viewBox: "-32 -32 64 64", "aria-hidden": "true" });
   private readonly axes = ["x", "y", "z"].map((name, i) => {
     const line = svg("line", { stroke: AXIS_COLORS[i] });
-    const text = svg("text", { fill: AXIS_COLORS[i] });
+    const text = svg("text", { class: `uc-axis-${name}` });
     text.textContent = name;
     return svg("g", {}, line, text);
   });

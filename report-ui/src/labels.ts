@@ -7,7 +7,7 @@ export interface Anchor {
   text: string;
   title?: string;
   object: Object3D;
-  kind: "link" | "joint" | "frame" | "error" | "ok";
+  kind: "link" | "joint" | "frame" | "error" | "ok" | "turn";
   /** Where two labels would lie over each other the higher one stays. */
   rank: number;
 }

@@ -1,12 +1,17 @@
 // The robot in 3D of urdfcheck's report.
 import { Box3, Color, Vector3 } from "three";
 import { inflated } from "./codec.ts";
+import { Compare } from "./compare.ts";
 import type { Finding, Layer, ModelData, Selection, Stage as StageData } from "./data.ts";
 import { el, send } from "./dom.ts";
 import { Gizmo } from "./gizmo.ts";
+import { handleOf } from "./handle.ts";
 import { Labels, type Anchor } from "./labels.ts";
+import { Legend } from "./legend.ts";
+import type { Line } from "./outline.ts";
 import { filled, Overlays } from "./overlays.ts";
 import { JointPanel } from "./panel.ts";
+import { Repair } from "./repair.ts";
 import { positionOf, Robot, worse, type LinkNode } from "./robot.ts";
 import { Shadow } from "./shadow.ts";
 import { matrix, Shapes } from "./shapes.ts";
@@ -19,10 +24,15 @@ const ROOM = 0.1;
 const CLOSE = 0.42;
 // A body that an inertia in wrong units stands for is looked at up to so many sizes of the robot.
 const FARTHEST = 1.5;
+// Steps of the keyboard: in radians, in heights of the picture, as a factor.
+const ORBIT = Math.PI / 18;
+const PAN = 0.06;
+const ZOOM = 1.2;
 
 interface Shown {
   robot: Robot;
   overlays: Overlays;
+  repair: Repair;
   layers: Set<Layer>;
   offered: Set<Layer>;
 }
@@ -34,6 +44,8 @@ class Viewer {
   private readonly panel: JointPanel;
   private readonly toolbar: Toolbar;
   private readonly gizmo = new Gizmo();
+  private readonly legend: Legend;
+  private readonly compare = new Compare(() => this.update());
   private readonly shadow = new Shadow();
   private readonly tip = el("div", { class: "uc-tip", hidden: true });
   private readonly scale = el("span", { class: "uc-scale" });
@@ -46,7 +58,7 @@ class Viewer {
   private finding: Finding | null = null;
   /** Layers that the selection asks for, of its links only. */
   private asked = new Set<Layer>();
-  private tinted = true;
+  private outlined = true;
   /** While something is selected: its glyphs only. */
   private onlySelected = true;
   private hovered: string | null = null;
@@ -63,7 +75,7 @@ class Viewer {
     this.panel = new JointPanel(part("joints") as HTMLDetailsElement, () => this.posed());
     this.toolbar = new Toolbar(this.bar, data.models.map((model) => model.name), {
       layer: (layer) => this.toggle(layer),
-      tint: () => { this.tinted = !this.tinted; this.update(); },
+      outline: () => { this.outlined = !this.outlined; this.update(); },
       only: () => { this.onlySelected = !this.onlySelected; this.update(); },
       view: (name) => this.look(name),
       parallel: () => { this.stage.project(!this.stage.parallel); this.update(); },
@@ -73,7 +85,8 @@ class Viewer {
       model: (index) => { send("uc:clear", { origin: "viewer" }); this.open(index); },
     });
     part("corner").append(this.gizmo.element, this.scale);
-    view.append(this.tip);
+    this.legend = new Legend(view.clientWidth);
+    view.append(el("div", { class: "uc-foot" }, this.compare.element, this.legend.element), this.tip);
     section.append(this.print);
     this.stage.onRender = () => {
       const { width, height } = this.stage.bounds;
@@ -100,13 +113,16 @@ class Viewer {
   // -- what is shown --
 
   private open(index: number): void {
-    if (this.shown) this.shown.robot.root.removeFromParent();
+    if (this.shown) {
+      this.shown.repair.show(null);
+      this.shown.robot.root.removeFromParent();
+    }
     let shown = this.known.get(index);
     if (!shown) {
       const robot = new Robot(this.data.models[index], this.shapes);
       const offered = filled(robot, this.shapes);
       const layers = new Set<Layer>(offered.has("visual") ? ["visual"] : offered.has("collision") ? ["collision"] : []);
-      shown = { robot, overlays: new Overlays(robot, this.shapes), layers, offered };
+      shown = { robot, overlays: new Overlays(robot, this.shapes), repair: new Repair(robot), layers, offered };
       this.known.set(index, shown);
     }
     this.shown = shown;
@@ -114,7 +130,10 @@ class Viewer {
     const { data } = this.robot;
     this.stage.fit(this.robot.box, this.robot.ground, this.theme);
     this.scale.textContent = `grid ${this.stage.cell}`;
-    this.stage.canvas.setAttribute("aria-label", `${data.name} in 3D. The findings beside it say the same in words.`);
+    this.stage.canvas.setAttribute(
+      "aria-label",
+      `${data.name} in 3D. Arrow keys orbit, with Shift they move; plus and minus zoom; h shows the whole robot. The findings say the same in words.`,
+    );
     this.print.alt = `${data.name}, as it stands with every joint at its start`;
     const severities = [...this.robot.links.values()].map((link) => this.robot.severityOf(link));
     this.toolbar.offer(shown.offered, severities.includes("error") || severities.includes("warning"));
@@ -155,24 +174,33 @@ class Viewer {
   }
 
   private update(): void {
-    const { robot, overlays, layers } = this.shown;
+    const { robot, overlays, layers, repair } = this.shown;
     const subjects = this.subjects;
     const visual = layers.has("visual") || this.asked.has("visual");
-    robot.dress(
+    const outlined = robot.dress(
       {
         visual,
         collision: layers.has("collision") || this.asked.has("collision"),
         lit: this.lit(subjects),
-        tinted: this.tinted,
+        // A repair has lines of its own, and after it there is nothing to warn of.
+        outlined: this.outlined && !repair.frames.size && !repair.after,
+        severity: this.finding?.severity ?? null,
         hovered: this.hovered,
       },
       this.theme,
     );
+    if (visual) outlined.push(...repair.outlined);
+    this.stage.outline.show(outlined);
     robot.root.updateMatrixWorld(true);
     this.shadow.show(visual, this.theme.dark, subjects !== null);
-    const anchors = overlays.show(layers, this.asked, subjects, this.onlySelected);
+    const anchors = overlays.show(layers, this.asked, subjects, this.onlySelected, repair).concat(repair.anchors);
     this.labels.set(anchors.concat(this.names(subjects, anchors)));
-    this.toolbar.show(new Set([...layers, ...this.asked]), this.tinted, this.onlySelected, this.stage.parallel, subjects !== null);
+    const on = new Set([...layers, ...this.asked]);
+    this.toolbar.show(on, this.outlined, this.onlySelected, this.stage.parallel, subjects !== null);
+    this.compare.show(repair);
+    const lines = new Set(outlined.map(({ line }) => line).filter((line): line is Line => line !== null));
+    const { drawn } = overlays;
+    this.legend.show({ ...drawn, layers: on.has("collision") ? drawn.layers.add("collision") : drawn.layers, lines, repair });
     this.stage.request();
   }
 
@@ -193,12 +221,18 @@ class Viewer {
 
   private posed(): void {
     this.cast();
-    if (this.finding?.preview.length) this.suggest();
+    const { repair } = this.shown;
+    if (repair.shown) {
+      const { after } = repair;
+      this.suggest();
+      repair.place(after ? 1 : 0);
+    }
     this.update();
   }
 
   private suggest(): Vector3[] {
-    return this.shown.overlays.suggest(this.finding);
+    this.compare.stop();
+    return this.shown.repair.show(this.finding);
   }
 
   private toggle(layer: Layer): void {
@@ -313,6 +347,7 @@ class Viewer {
     document.addEventListener("uc:clear", () => this.clear());
     onTheme(() => this.recolour());
     addEventListener("keydown", (event) => this.key(event));
+    canvas.addEventListener("keydown", (event) => this.steer(event));
 
     let down = [0, 0];
     let busy = false;
@@ -371,10 +406,25 @@ class Viewer {
   private key(event: KeyboardEvent): void {
     const typing = (event.target as Element).closest?.("input, select, textarea, [contenteditable]");
     if (typing || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
-    const layer = KEYED[Number(event.key) - 1];
+    const layer = /^\d$/.test(event.key) ? KEYED[(Number(event.key) + 9) % 10] : undefined;
     if (event.key === "h") this.home();
-    else if (layer && event.key !== "0") this.toggle(layer);
+    else if (event.key === "b") this.compare.peek(true);
+    else if (layer) this.toggle(layer);
     else return;
+    event.preventDefault();
+  }
+
+  /** Keys of the picture while it has the focus: the page has the same ones to scroll. */
+  private steer(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const { key, shiftKey } = event;
+    const across = Number(key === "ArrowRight") - Number(key === "ArrowLeft");
+    const up = Number(key === "ArrowUp") - Number(key === "ArrowDown");
+    const nearer = Number(key === "+" || key === "=") - Number(key === "-" || key === "_");
+    if (nearer) this.stage.zoom(ZOOM ** -nearer);
+    else if (!across && !up) return;
+    else if (shiftKey) this.stage.pan(across * PAN, up * PAN);
+    else this.stage.orbit(across * ORBIT, up * ORBIT);
     event.preventDefault();
   }
 
@@ -394,38 +444,8 @@ class Viewer {
     this.print.src = this.stage.picture(new Color(1, 1, 1));
   }
 
-  /** Numbers of the scene for tests and curious people: `urdfcheck` on the console. */
   get handle(): object {
-    const link = (name: string) => {
-      this.robot.root.updateMatrixWorld(true);
-      return this.robot.links.get(name)!;
-    };
-    return {
-      /** The frame of a link in the world, 4x4 row-major. */
-      frame: (name: string) => link(name).frame.matrixWorld.clone().transpose().toArray(),
-      /** The corners of its inertia box in the world. */
-      corners: (name: string) => {
-        const found: number[][] = [];
-        link(name).frame.traverse((object) => {
-          if (object.name !== "box") return;
-          for (let i = 0; i < 8; i++) {
-            const corner = new Vector3(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
-            found.push(corner.applyMatrix4(object.matrixWorld).toArray());
-          }
-        });
-        return found;
-      },
-      /** Where the middle of a link's shapes is in the window. */
-      pixel: (name: string) => {
-        const at = this.robot.boundsOf(link(name)).getCenter(new Vector3()).project(this.stage.camera);
-        const rect = this.stage.canvas.getBoundingClientRect();
-        return [rect.left + ((at.x + 1) / 2) * rect.width, rect.top + ((1 - at.y) / 2) * rect.height];
-      },
-      set: (name: string, value: number) => { this.robot.set(name, value); this.panel.refresh(); this.posed(); },
-      /** The picture as a PNG in a data URL. */
-      picture: () => this.stage.picture(),
-      software: this.stage.software,
-    };
+    return handleOf(this.stage, () => this.robot, () => { this.panel.refresh(); this.posed(); });
   }
 }
 

@@ -6,13 +6,13 @@ import type { Theme } from "./theme.ts";
 
 /** Transparent things are drawn in this order, after everything solid. */
 export const ORDER = {
-  shade: 0.3, afterDepth: 0.4, after: 0.5, volume: 0.7, collision: 0.8, ghostDepth: 1, ghost: 2, clear: 10, veil: 11, glyph: 12,
+  shade: 0.3, afterDepth: 0.4, after: 0.5, volume: 0.7, collision: 0.8, ghostDepth: 1, ghost: 2, outline: 9, clear: 10, veil: 11, glyph: 12,
 } as const;
 
 /** Of two surfaces in one place the one with this is seen. */
 export const IN_FRONT = { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4 };
 
-/** Light that grazes the outline: dark parts stay legible before a dark page, and findings glow. */
+/** Light that grazes the outline: dark parts stay legible before a dark page. */
 function rimmed(material: MeshPhongMaterial): MeshPhongMaterial {
   const rim = { value: new Color() };
   material.userData.rim = rim.value;
@@ -29,7 +29,7 @@ function rimmed(material: MeshPhongMaterial): MeshPhongMaterial {
   return material;
 }
 
-/** The light around a body; `severity` makes it glow. */
+/** The light around a body; `glow`: the colour of its worst finding while it is pointed at. */
 export function edge(material: MeshPhongMaterial, theme: Theme, glow: Color | null): void {
   const rim = material.userData.rim as Color;
   if (glow) rim.copy(glow).multiplyScalar(0.85);

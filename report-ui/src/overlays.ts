@@ -1,20 +1,19 @@
-// What is drawn over the robot: mass, inertia, axes, frames, holes, overlaps, the ground and repairs.
-import {
-  BoxGeometry, BufferAttribute, BufferGeometry, DoubleSide, Group, Material, Matrix4, Mesh, MeshLambertMaterial, Object3D,
-  Quaternion, SphereGeometry, Vector3,
-} from "three";
-import type { Finding, Inertia, Layer, Preview } from "./data.ts";
+// What is drawn over the robot: mass, inertia, axes, frames, holes, overlaps and the ground.
+import { BoxGeometry, Group, Matrix4, Mesh, Object3D, Quaternion, SphereGeometry, Vector3 } from "three";
+import type { Inertia, Layer } from "./data.ts";
 import type { Anchor } from "./labels.ts";
 import { IN_FRONT, mark, ORDER, shared, stroke } from "./materials.ts";
-import { positionOf, type LinkNode, type Robot } from "./robot.ts";
+import type { Repair } from "./repair.ts";
+import type { LinkNode, Robot } from "./robot.ts";
 import {
-  axisArrow, boxEdges, brokenBox, circle, dashes, matrix, quarteredBall, strokes, triad, tubes, type Shapes,
+  axisArrow, boxEdges, brokenBox, circle, dashes, fan, matrix, quarteredBall, strokes, triad, tubes, type Shapes,
 } from "./shapes.ts";
+import { length } from "./words.ts";
 
 const LEAD = 11340; // kg/m³: RViz and Gazebo show a mass as a ball of lead.
-const COLORS = {
+export const COLORS = {
   box: 0xe600e6, cross: 0x12b34a, ellipsoid: 0x7c5cff, axis: 0x2f97c9, hole: 0x00c2e0, overlap: 0xff2d55,
-  broken: 0xe0263c, after: 0x12a05c,
+  broken: 0xe0263c, after: 0x12a05c, turn: 0xd9480f,
 } as const;
 /** The colours of the layers, for their buttons. */
 export const SWATCHES: Partial<Record<Layer, string>> = {
@@ -28,6 +27,8 @@ interface Overlay {
   links: string[];
   object: Object3D;
   label?: Anchor;
+  /** An inertia that belongs to no body. */
+  broken?: boolean;
 }
 
 /** The layers that a model has something for. */
@@ -50,7 +51,7 @@ export function filled(robot: Robot, shapes: Shapes): Set<Layer> {
   return new Set((Object.keys(has) as Layer[]).filter((layer) => has[layer]));
 }
 
-const glyphs = {
+export const glyphs = {
   ball: quarteredBall(),
   triad: triad(),
   thinTriad: triad(0.015),
@@ -60,7 +61,7 @@ const glyphs = {
   box: new BoxGeometry(1, 1, 1),
 };
 
-function placed<O extends Object3D>(object: O, at: Matrix4, order: number = ORDER.glyph): O {
+export function placed<O extends Object3D>(object: O, at: Matrix4, order: number = ORDER.glyph): O {
   object.matrixAutoUpdate = false;
   object.matrix.copy(at);
   // A group's order would overrule that of what it holds.
@@ -68,40 +69,54 @@ function placed<O extends Object3D>(object: O, at: Matrix4, order: number = ORDE
   return object;
 }
 
-const scaled = (at: Matrix4, size: number) => at.clone().multiply(new Matrix4().makeScale(size, size, size));
+export const scaled = (at: Matrix4, size: number) => at.clone().multiply(new Matrix4().makeScale(size, size, size));
 const alongZ = (axis: number[]) =>
   new Matrix4().makeRotationFromQuaternion(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...axis).normalize()));
-const moved = (x: number, y: number, z: number) => new Matrix4().makeTranslation(x, y, z);
+export const moved = (x: number, y: number, z: number) => new Matrix4().makeTranslation(x, y, z);
 
 /** Segments as a line of so many pixels, drawn over everything. */
-function line(ends: ArrayLike<number>, color: number, pixels: number, at = new Matrix4()): Mesh {
+export function line(ends: ArrayLike<number>, color: number, pixels: number, at = new Matrix4()): Mesh {
   return placed(new Mesh(strokes(ends), stroke(color, pixels)), at);
 }
 
 export class Overlays {
   private readonly built = new Map<Layer, Overlay[]>();
-  private preview: Overlay[] = [];
+  /** What can be seen now: layers with something real, and inertias of no body. */
+  drawn: { layers: Set<Layer>; broken: boolean } = { layers: new Set(), broken: false };
 
   constructor(private readonly robot: Robot, private readonly shapes: Shapes) {}
 
   /** Shows the layers: `all` of every link, `some` of the links of a selection only. */
-  show(all: Set<Layer>, some: Set<Layer>, lit: Set<string> | null, onlyLit: boolean): Anchor[] {
+  show(all: Set<Layer>, some: Set<Layer>, lit: Set<string> | null, onlyLit: boolean, repair: Repair): Anchor[] {
     const anchors: Anchor[] = [];
+    this.drawn = { layers: new Set(), broken: false };
     for (const layer of new Set([...all, ...some])) if (!this.built.has(layer)) this.built.set(layer, this.build(layer));
     for (const [layer, overlays] of this.built) {
       for (const overlay of overlays) {
         const ofLit = lit !== null && overlay.links.some((link) => lit.has(link));
         const forAll = all.has(layer) && !(onlyLit && lit !== null && overlay.links.length > 0 && !ofLit);
-        overlay.object.visible = (forAll || (some.has(layer) && (ofLit || overlay.links.length === 0))) && this.current(layer);
+        const isOn = forAll || (some.has(layer) && (ofLit || overlay.links.length === 0));
+        overlay.object.visible = isOn && this.current(layer) && !this.replaced(overlay, repair);
+        if (overlay.object.visible) {
+          const { broken } = overlay;
+          if (broken) this.drawn.broken = true;
+          else this.drawn.layers.add(layer);
+        }
         if (overlay.object.visible && overlay.label) anchors.push({ ...overlay.label, rank: overlay.label.rank + (ofLit ? 4 : 0) });
       }
     }
-    return anchors.concat(this.preview.flatMap((overlay) => overlay.label ?? []));
+    return anchors;
   }
 
   /** What was found at the start does not hold in another pose. */
   private current(layer: Layer): boolean {
     return layer !== "ground" || this.robot.neutral;
+  }
+
+  /** A repair draws frames and inertias itself, and may move the COM. */
+  private replaced({ layer, links }: Overlay, repair: Repair): boolean {
+    if (layer === "frames") return links.length === 1 && repair.frames.has(links[0]);
+    return (layer === "box" || (layer === "com" && repair.after)) && links.some((link) => repair.inertias.has(link));
   }
 
   private build(layer: Layer): Overlay[] {
@@ -140,7 +155,7 @@ export class Overlays {
     const label: Anchor | undefined = inertia.impossible === undefined
       ? undefined
       : { text: `${link.data.name}: no real body`, title: inertia.impossible, object, kind: "error", rank: 2 };
-    return [{ layer, links: [link.data.name], object, label }];
+    return [{ layer, links: [link.data.name], object, label, broken: inertia.impossible !== undefined }];
   }
 
   /** Where an inertia belongs to no body there is no box to show, but that must be seen. */
@@ -286,10 +301,7 @@ export class Overlays {
       group.add(line(outline, color, 2));
     }
     if (corners.length >= 3) {
-      const fan: number[] = [];
-      for (let i = 1; i + 1 < corners.length; i++) fan.push(...corners[0].toArray(), ...corners[i].toArray(), ...corners[i + 1].toArray());
-      const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(fan), 3));
-      group.add(placed(new Mesh(geometry, mark(color, 0.2)), new Matrix4(), ORDER.shade));
+      group.add(placed(new Mesh(fan(corners), mark(color, 0.2)), new Matrix4(), ORDER.shade));
     }
     const spot = circle(0.016 * size, 28);
     for (const { point } of ground.contacts) {
@@ -309,75 +321,10 @@ export class Overlays {
     const text = inside ? "COM of the robot" : "COM of the robot, outside its support";
     return [{ layer: "ground", links: [], object: group, label: { text, object: ball, kind: inside ? "ok" : "error", rank: 3 } }];
   }
-
-  /** What a repair would change, as ghosts beside what there is; returns the points that should be in view. */
-  suggest(finding: Finding | null): Vector3[] {
-    for (const { object } of this.preview) object.removeFromParent();
-    this.preview = [];
-    const material = new MeshLambertMaterial({
-      color: COLORS.after, transparent: true, opacity: 0.5, depthWrite: false, side: DoubleSide, ...IN_FRONT,
-    });
-    return (finding?.preview ?? []).flatMap((step) => [
-      ...this.repairedJoint(step, material),
-      ...this.repairedInertia(step),
-    ]);
-  }
-
-  private repairedJoint({ joint: name, at }: Preview, material: Material): Vector3[] {
-    const joint = name === undefined ? undefined : this.robot.joints.get(name);
-    if (!joint || !at) return [];
-    const holder = joint.origin.parent!;
-    const after = placed(new Group(), matrix(at));
-    this.robot.root.updateMatrixWorld(true);
-    const back = joint.origin.matrixWorld.clone().invert();
-    for (const link of this.robot.subtree(joint.data.child)) {
-      for (const { mesh } of link.bodies) {
-        const from = back.clone().multiply(mesh.matrixWorld);
-        const depth = placed(new Mesh(mesh.geometry, shared.depth), from, ORDER.afterDepth);
-        after.add(depth, placed(new Mesh(mesh.geometry, material), from, ORDER.after));
-      }
-    }
-    const child = this.robot.links.get(joint.data.child)!;
-    const size = this.robot.unit(child);
-    const now = placed(new Mesh(glyphs.triad, shared.glyph), scaled(joint.origin.matrix, size));
-    const then = placed(new Mesh(glyphs.triad, shared.glyph), scaled(new Matrix4(), size));
-    after.add(then);
-    const a = new Vector3().setFromMatrixPosition(joint.origin.matrix);
-    const b = new Vector3().setFromMatrixPosition(after.matrix);
-    const between = line(dashes(a, b), COLORS.after, 2.5);
-    holder.add(after, now, between);
-    this.robot.root.updateMatrixWorld(true);
-    // A turn in place has both at one point: one label tells of both.
-    const apart = a.distanceTo(b) > 0.02 * this.robot.size;
-    const label = (when: string, object: Object3D, kind: Anchor["kind"]): Anchor => (
-      { text: `${child.data.name}, ${when}`, object, kind, rank: 9 }
-    );
-    this.preview.push(
-      { layer: "preview", links: [], object: after, label: label(apart ? "after" : "before and after", then, "ok") },
-      { layer: "preview", links: [], object: now, label: apart ? label("before", now, "frame") : undefined },
-      { layer: "preview", links: [], object: between },
-    );
-    return [positionOf(now), positionOf(then), ...(child.box.isEmpty() ? [] : corners(child, after.matrixWorld))];
-  }
-
-  private repairedInertia({ link: name, inertia }: Preview): Vector3[] {
-    const link = name === undefined ? undefined : this.robot.links.get(name);
-    if (!link || !inertia || inertia.impossible !== undefined) return [];
-    const after = body(inertia, "box", COLORS.after);
-    link.frame.add(after);
-    this.preview.push({ layer: "preview", links: [], object: after, label: { text: `${link.data.name}, after`, object: after, kind: "ok", rank: 9 } });
-    const now = link.data.inertia;
-    if (now && now.impossible === undefined) {
-      const before = body(now, "box", COLORS.box);
-      link.frame.add(before);
-      this.preview.push({ layer: "preview", links: [], object: before, label: { text: `${link.data.name}, before`, object: before, kind: "frame", rank: 9 } });
-    }
-    return [];
-  }
 }
 
 /** The box or ellipsoid of an inertia: a translucent solid where it is in front of the robot, its lines everywhere. */
-function body(inertia: Exclude<Inertia, { impossible: string }>, layer: "box" | "ellipsoid", color: number): Group {
+export function body(inertia: Exclude<Inertia, { impossible: string }>, layer: "box" | "ellipsoid", color: number): Group {
   const at = matrix(inertia.at);
   const group = placed(new Group(), at);
   const size = layer === "box" ? inertia.box : inertia.ellipsoid;
@@ -414,11 +361,6 @@ const overlapGlyph = tubes(
   [-1, 0, 0, 1, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, -1, 0, 0, 1, ...boxEdges([0.7, 0.7, 0.7])], 0.09,
 );
 
-function corners(link: LinkNode, at: Matrix4): Vector3[] {
-  const box = link.box.clone().applyMatrix4(at);
-  return [box.min, box.max];
-}
-
 function within([x, y]: number[], polygon: number[][]): boolean {
   let inside = false;
   for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
@@ -426,11 +368,4 @@ function within([x, y]: number[], polygon: number[][]): boolean {
     if (yi > y !== yj > y && x < ((xj - xi) * (y - yi)) / (yj - yi) + xi) inside = !inside;
   }
   return inside;
-}
-
-/** A length that reads well: 3.2 mm, 14 cm, 1.5 m. */
-export function length(metres: number): string {
-  const size = Math.abs(metres);
-  const [factor, unit] = size < 0.01 ? [1000, "mm"] : size < 1 ? [100, "cm"] : [1, "m"];
-  return `${Number((metres * factor).toPrecision(2))} ${unit}`;
 }

@@ -2,6 +2,7 @@
 import { Box3, BufferGeometry, Color, Group, Matrix4, Mesh, MeshPhongMaterial, Object3D, SRGBColorSpace, Vector3 } from "three";
 import type { Joint, Link, ModelData, Severity, Shape } from "./data.ts";
 import { body, edge, mark, ORDER, shared } from "./materials.ts";
+import type { Outlined } from "./outline.ts";
 import { matrix, tubes, type Shapes } from "./shapes.ts";
 import type { Theme } from "./theme.ts";
 
@@ -48,7 +49,10 @@ export interface Look {
   collision: boolean;
   /** Links that stay solid while the others are ghosts; null when nothing is selected. */
   lit: Set<string> | null;
-  tinted: boolean;
+  /** Whether links with errors and warnings are outlined; of the selected ones only, where any are. */
+  outlined: boolean;
+  /** The severity of the selected finding, which its links have then. */
+  severity: Severity | null;
   hovered: string | null;
 }
 
@@ -198,6 +202,12 @@ export class Robot {
     joint.motion.matrixWorldNeedsUpdate = true;
   }
 
+  /** Puts a joint where its parent holds it. */
+  mount(joint: JointNode, at: Matrix4): void {
+    joint.origin.matrix.copy(at);
+    joint.origin.matrixWorldNeedsUpdate = true;
+  }
+
   /** Whether every joint is where it was at first. */
   get neutral(): boolean {
     return this.movable.every((joint) => joint.data.mimic || Math.abs(joint.value - joint.data.start) < 1e-9);
@@ -237,35 +247,37 @@ export class Robot {
     return bodies.length ? bodies : links.flatMap((link) => link.collisions).filter((mesh) => mesh.visible);
   }
 
-  dress(look: Look, theme: Theme): void {
+  /** Gives everything its look, and tells what is outlined. */
+  dress(look: Look, theme: Theme): Outlined[] {
     if (look.collision) this.buildCollisions();
     this.bones.color.copy(theme.soft);
-    // Of the links that are drawn.
-    const severities = [...this.links.values()].filter((link) => link.bodies.length).map((link) => this.severityOf(link));
-    // Where most links have findings, their own colours tell more than one colour for all.
-    const part = (severity: Severity, most: number) =>
-      most * (severities.filter((own) => own === severity).length > 0.5 * severities.length ? 0.4 : 1);
-    const parts: Record<Severity, number> = { error: part("error", 0.62), warning: part("warning", 0.52), info: 0, "": 0 };
+    const isDrawn = [...this.links.values()].some((link) => link.bodies.length);
+    const outlined: Outlined[] = [];
     for (const link of this.links.values()) {
       const { name } = link.data;
-      const severity = this.severityOf(link);
+      const severity = (look.lit?.has(name) && look.severity) || this.severityOf(link);
       const ghost = look.lit !== null && !look.lit.has(name);
+      const hovered = look.hovered === name;
+      const line = look.outlined && (severity === "error" || severity === "warning") ? severity : null;
       for (const part of link.bodies) {
         part.mesh.visible = look.visual;
         part.depth.visible = look.visual && ghost;
         part.mesh.material = ghost ? shared.ghost : part.own;
         part.mesh.renderOrder = ghost ? ORDER.ghost : 0;
-        const tone = look.tinted ? TONES[severity] : null;
-        part.own.color.copy(toned(part.base, tone, parts[severity]));
+        const tone = hovered ? TONES[severity] : null;
+        part.own.color.copy(toned(part.base, tone));
         edge(part.own, theme, tone);
-        part.own.emissive.copy(theme.link).multiplyScalar(look.hovered === name ? 0.22 : 0);
+        part.own.emissive.copy(theme.link).multiplyScalar(hovered && !tone ? 0.22 : 0);
+        if (look.visual && !ghost) outlined.push({ mesh: part.mesh, line });
       }
       for (const mesh of link.collisions) {
         // Beside what is selected the drawn shapes are enough to tell where it is.
-        mesh.visible = look.collision && !(ghost && severities.length);
+        mesh.visible = look.collision && !(ghost && isDrawn);
         mesh.material = ghost ? shared.collisionGhost : shared.collision;
+        if (mesh.visible && !ghost && !(look.visual && link.bodies.length)) outlined.push({ mesh, line });
       }
     }
+    return outlined;
   }
 
   private buildCollisions(): void {
@@ -285,11 +297,11 @@ export class Robot {
   }
 }
 
-/** A link's colour, on the way to that of its worst finding. Black plastic would swallow every shade. */
-function toned(base: Color, tone: Color | null, part: number): Color {
+/** A link's colour, half way to that of its worst finding. Black plastic would swallow every shade. */
+function toned(base: Color, tone: Color | null): Color {
   const floor = 0.028;
   const color = new Color(Math.max(base.r, floor), Math.max(base.g, floor), Math.max(base.b, floor));
-  return tone ? color.lerp(tone, part) : color;
+  return tone ? color.lerp(tone, 0.5) : color;
 }
 
 const SEVERITIES: Severity[] = ["", "info", "warning", "error"];

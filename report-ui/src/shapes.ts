@@ -165,6 +165,15 @@ export function dashes(from: Vector3, to: Vector3, count = 9): number[] {
   return ends;
 }
 
+/** The surface between the first of these points and all others. */
+export function fan(points: Vector3[]): BufferGeometry {
+  const flat: number[] = [];
+  for (let i = 1; i + 1 < points.length; i++) {
+    for (const point of [points[0], points[i], points[i + 1]]) flat.push(...point.toArray());
+  }
+  return new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(flat), 3));
+}
+
 /** The twelve edges of the box with these edge lengths around the origin. */
 export function boxEdges([x, y, z]: number[]): number[] {
   const ends: number[] = [];

@@ -6,7 +6,8 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { ORDER, paint, pixel } from "./materials.ts";
-import { length } from "./overlays.ts";
+import { Outline } from "./outline.ts";
+import { length } from "./words.ts";
 import type { Theme } from "./theme.ts";
 
 const ANGLE = 32;
@@ -14,6 +15,8 @@ const HALF = Math.tan((ANGLE * Math.PI) / 360);
 const FLIGHT = 600;
 // After so many milliseconds without a change a picture is worth more work.
 const REST = 350;
+// As high as a key goes: straight above, no direction is up.
+const STEEP = 1.55;
 // More than so many would keep a processor busy for a second.
 const MOST_PIXELS = 6e6;
 
@@ -35,6 +38,7 @@ export class Stage {
   readonly scene = new Scene();
   readonly canvas: HTMLCanvasElement;
   readonly software: boolean;
+  readonly outline: Outline;
   onRender: () => void = () => {};
   onResize: () => void = () => {};
   /** The height of what covers the top of the picture, in pixels: the robot stands below it. */
@@ -60,8 +64,12 @@ export class Stage {
   constructor(private readonly holder: HTMLElement) {
     this.software = softwareRendered();
     this.renderer = new WebGLRenderer({ antialias: !this.software, powerPreference: "high-performance" });
+    this.outline = new Outline(this.software);
     this.canvas = this.renderer.domElement;
-    this.canvas.setAttribute("role", "img");
+    this.canvas.tabIndex = 0;
+    // The keys are for the picture, not for a screen reader that goes through the page.
+    this.canvas.setAttribute("role", "application");
+    this.canvas.setAttribute("aria-roledescription", "3D view");
     holder.prepend(this.canvas);
     for (const camera of [this.perspective, this.orthographic]) camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.perspective, this.canvas);
@@ -77,7 +85,7 @@ export class Stage {
     });
     const { sky, key, fill } = this.light;
     sky.position.set(0, 0, 1);
-    this.scene.add(sky, key, key.target, fill, fill.target, this.ground, clearing());
+    this.scene.add(sky, key, key.target, fill, fill.target, this.ground, this.outline.mesh, clearing());
     new ResizeObserver(() => this.resize()).observe(holder);
     this.resize();
   }
@@ -110,6 +118,7 @@ export class Stage {
     key.intensity = theme.dark ? 1.7 : 1.55;
     fill.intensity = theme.dark ? 0.45 : 0.35;
     paint(theme);
+    this.outline.paint(theme);
     this.lay(theme);
   }
 
@@ -242,6 +251,39 @@ export class Stage {
     document.body.dataset.fly = "0";
   }
 
+  /** Goes around the target by angles: to the right, and up. */
+  orbit(across: number, up: number): void {
+    const view = this.view();
+    const { x, y, z } = view.direction;
+    const azimuth = Math.atan2(y, x) + across;
+    const elevation = Math.max(-STEEP, Math.min(STEEP, Math.asin(Math.max(-1, Math.min(1, z))) + up));
+    view.direction.set(Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation));
+    this.steer(view);
+  }
+
+  /** Moves what is seen by parts of the picture's height. */
+  pan(across: number, up: number): void {
+    const view = this.view();
+    const shift = new Vector3(across, up, 0).multiplyScalar(2 * HALF * view.distance).applyQuaternion(this.camera.quaternion);
+    view.target.add(shift);
+    this.steer(view);
+  }
+
+  /** Changes the distance by a factor. */
+  zoom(factor: number): void {
+    const view = this.view();
+    view.distance *= factor;
+    this.steer(view);
+  }
+
+  private steer(view: View): void {
+    this.land();
+    this.touched = true;
+    this.apply(view);
+    this.controls.update();
+    this.request();
+  }
+
   project(parallel: boolean): void {
     const view = this.view();
     this.controls.object = parallel ? this.orthographic : this.perspective;
@@ -285,6 +327,7 @@ export class Stage {
     fill.target.position.copy(target);
     key.position.copy(target).add(from(-0.45, 0.75, 0.9).multiplyScalar(this.size)).add(new Vector3(0, 0, 0.4 * this.size));
     fill.position.copy(target).add(from(0.9, -0.1, 0.3).multiplyScalar(this.size));
+    this.outline.draw(this.renderer, this.scene, camera, ratio);
     this.renderer.render(this.scene, camera);
     this.onRender();
   }

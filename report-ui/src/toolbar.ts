@@ -3,20 +3,29 @@ import { LAYERS, type Layer } from "./data.ts";
 import { el, icon, pressed } from "./dom.ts";
 import { SWATCHES } from "./overlays.ts";
 
-const WORDS: Record<Exclude<Layer, "preview">, [string, string]> = {
-  visual: ["Visual", "The shapes that are drawn"],
-  collision: ["Collision", "The shapes that collide"],
-  com: ["COM", "Centres of mass, as balls of lead of that mass"],
-  box: ["Inertia", "Boxes of uniform density with the mass and inertia of the links"],
-  ellipsoid: ["Ellipsoid", "Ellipsoids of uniform density with the mass and inertia of the links"],
-  axes: ["Axes", "Axes of the joints, with the sense of rotation"],
-  frames: ["Frames", "Frames of links, joints and launch files: x red, y green, z blue"],
-  holes: ["Holes", "Edges of a mesh that only one triangle has"],
-  overlaps: ["Overlaps", "Where collision shapes overlap at the start"],
-  ground: ["Ground", "Where it touches the ground, and the polygon that holds it"],
+/** The name of each layer, and what it shows. */
+export const WORDS: Record<Exclude<Layer, "preview">, [string, string]> = {
+  visual: ["Visual", "Visual shapes"],
+  collision: ["Collision", "Collision shapes"],
+  com: ["COM", "COM: a ball of lead with the mass of the link"],
+  box: ["Inertia", "Box of uniform density with the mass and inertia of the link"],
+  ellipsoid: ["Ellipsoid", "Ellipsoid of uniform density with the mass and inertia of the link"],
+  axes: ["Axes", "Joint axis with its positive direction"],
+  frames: ["Frames", "Frames: x red, y green, z blue"],
+  holes: ["Holes", "Hole: mesh edges with only one triangle"],
+  overlaps: ["Overlaps", "Overlap of collision shapes at rest"],
+  ground: ["Ground", "Ground contacts, support polygon and COM of the robot"],
 };
-/** In the order of the keys 1 to 9. */
+/** In the order of the keys 1 to 9 and 0. */
 export const KEYED = LAYERS.filter((layer): layer is keyof typeof WORDS => layer !== "preview");
+
+/** A mark in the colours of what it stands for. */
+export function swatch(kind: string): HTMLElement {
+  const mark = el("i", { class: `uc-swatch ${kind}`, "aria-hidden": "true" });
+  const color = SWATCHES[kind as Layer];
+  if (color) mark.style.background = color;
+  return mark;
+}
 
 const ICONS = {
   home: "M2 8 8 2.5 14 8M4 7v6.5h8V7",
@@ -26,7 +35,7 @@ const ICONS = {
 
 export interface Actions {
   layer(layer: Layer): void;
-  tint(): void;
+  outline(): void;
   only(): void;
   view(name: string): void;
   parallel(): void;
@@ -38,9 +47,10 @@ export interface Actions {
 
 export class Toolbar {
   private readonly layers = new Map<Layer, HTMLButtonElement>();
-  private readonly tint: HTMLButtonElement;
+  private readonly outline: HTMLButtonElement;
   private readonly only: HTMLButtonElement;
   private readonly parallel: HTMLButtonElement;
+  private readonly ways: HTMLElement;
   readonly models: HTMLSelectElement | null;
 
   constructor(bar: HTMLElement, names: string[], actions: Actions) {
@@ -48,20 +58,17 @@ export class Toolbar {
     const layers = el("div", { class: "uc-group uc-layers", role: "group", "aria-label": "Layers" });
     KEYED.forEach((layer, i) => {
       const [word, title] = WORDS[layer];
-      const key = i < 9 ? ` (key ${i + 1})` : "";
-      const toggle = button(word, title + key, () => actions.layer(layer));
-      const swatch = el("i", { class: `uc-swatch ${layer}`, "aria-hidden": "true" });
-      if (SWATCHES[layer]) swatch.style.background = SWATCHES[layer];
-      toggle.prepend(swatch);
+      const toggle = button(word, `${title} (key ${(i + 1) % 10})`, () => actions.layer(layer));
+      toggle.prepend(swatch(layer));
       toggle.dataset.layer = layer;
       this.layers.set(layer, toggle);
       layers.append(toggle);
     });
-    this.tint = button("Findings", "Colour links with errors and warnings", actions.tint);
-    this.tint.dataset.layer = "findings";
-    this.tint.prepend(el("i", { class: "uc-swatch findings", "aria-hidden": "true" }));
+    this.outline = button("Findings", "Outline links with errors and warnings", actions.outline);
+    this.outline.dataset.layer = "findings";
+    this.outline.prepend(swatch("findings"));
     this.only = button("Selected only", "Layers of the selected link only", actions.only);
-    const ways = el("div", { class: "uc-group", role: "group", "aria-label": "What stands out" }, this.tint, this.only);
+    this.ways = el("div", { class: "uc-group", role: "group", "aria-label": "What stands out" }, this.outline, this.only);
 
     const views = el("div", { class: "uc-group", role: "group", "aria-label": "View" });
     for (const [name, title] of [["iso", "From the front, right and above"], ["front", "Along x"], ["left", "From the left, along y"], ["top", "From above, along z"]]) {
@@ -90,20 +97,21 @@ export class Toolbar {
       models.addEventListener("change", () => actions.model(models.selectedIndex));
       views.prepend(models);
     }
-    bar.append(layers, ways, views);
+    bar.append(layers, this.ways, views);
   }
 
   /** Which layers there are at all. */
-  offer(layers: Set<Layer>, tinted: boolean): void {
+  offer(layers: Set<Layer>, outlined: boolean): void {
     for (const [layer, button] of this.layers) button.hidden = !layers.has(layer);
-    this.tint.hidden = !tinted;
+    this.outline.hidden = !outlined;
   }
 
-  show(layers: Set<Layer>, tinted: boolean, only: boolean, parallel: boolean, selected: boolean): void {
+  show(layers: Set<Layer>, outlined: boolean, only: boolean, parallel: boolean, selected: boolean): void {
     for (const [layer, button] of this.layers) pressed(button, layers.has(layer));
-    pressed(this.tint, tinted);
+    pressed(this.outline, outlined);
     pressed(this.only, only);
     this.only.hidden = !selected;
+    this.ways.hidden = this.outline.hidden && this.only.hidden;
     pressed(this.parallel, parallel);
   }
 }

@@ -1,9 +1,9 @@
-// A module of src/ for Node, which reads no TypeScript.
-import { readFile } from "node:fs/promises";
-import { transform } from "esbuild";
+// A module of src/ for Node, which reads no TypeScript, with all that it imports.
+import { fileURLToPath } from "node:url";
+import { build } from "esbuild";
 
 export async function load(name) {
-  const source = await readFile(new URL(`../src/${name}.ts`, import.meta.url), "utf8");
-  const { code } = await transform(source, { loader: "ts" });
-  return import(`data:text/javascript,${encodeURIComponent(code)}`);
+  const entryPoints = [fileURLToPath(new URL(`../src/${name}.ts`, import.meta.url))];
+  const { outputFiles } = await build({ entryPoints, bundle: true, write: false, format: "esm", logLevel: "error" });
+  return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
 }

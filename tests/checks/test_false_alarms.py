@@ -203,7 +203,7 @@ def test_copied_links_that_are_wrong_alike_are_one_finding(tmp_path: Path) -> No
     )
     alike, other = find(tmp_path, f'<robot name="r"><link name="palm"/>{fingers}{thumb}{joints}</robot>', CODES)
     assert alike.subjects == tuple(f"link[f{i}]/inertial/inertia" for i in range(3))
-    assert alike.message.startswith("f0, f1, f2: no mass distribution has the principal moments 1, 1, 3 kg·m²")
+    assert alike.message.startswith("f0, f1, f2: principal moments 1, 1, 3 kg·m² ")
     assert other.subjects == ("link[thumb]/inertial/inertia",)
 
 

@@ -76,6 +76,15 @@ def test_a_plugin_with_other_parameters_is_not_renamed(tmp_path: Path) -> None:
     assert not finding.fix.edits
 
 
+def test_plugins_with_one_successor_share_its_advice(tmp_path: Path) -> None:
+    names = ("libgazebo_ros_camera.so", "libgazebo_ros_ray_sensor.so", "libgazebo_ros_p3d.so")
+    body = "".join(f'<gazebo><plugin name="p" filename="{name}"/></gazebo>' for name in names)
+    (finding,) = find(tmp_path, robot(ARM, body), "GZB002")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("for gazebo_ros_camera, gazebo_ros_ray_sensor use the <sensor> alone")
+    assert finding.fix.title.endswith("; for gazebo_ros_p3d use gz-sim-odometry-publisher-system")
+
+
 # -- what Gazebo merges -------------------------------------------------------------------------------------------------
 
 SHAPE = "<geometry><box size='1 1 1'/></geometry>"

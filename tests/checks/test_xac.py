@@ -375,7 +375,7 @@ def test_macro_has_no_parameter_for_a_number_in_which_one_block_stands_alone(tmp
     assert "; only w0 has pitch -0.75, the others 0" in finding.message
     assert finding.data["parameters"] == "name x y"
     assert finding.fix is not None
-    assert "pitch -0.75 of w0 is lost then" in finding.fix.title
+    assert "this drops pitch -0.75 of w0" in finding.fix.title
     assert '<xacro:w name="w0" x="0.1" y="0.2"/>' in finding.fix.title
 
 

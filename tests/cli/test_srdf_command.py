@@ -153,7 +153,7 @@ def test_why_there_is_nothing_to_write(
 def test_one_model_must_be_meant(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (arm.parent / "leg.urdf").write_text(ARM.replace("arm", "leg"))
     assert main(["srdf", str(arm.parent)]) == FAILED
-    assert "2 models, name one of them" in capsys.readouterr().err
+    assert "2 models; name one of them" in capsys.readouterr().err
     assert main(["srdf", str(arm.parent / "none.urdf")]) == FAILED
     assert "does not exist" in capsys.readouterr().err
 

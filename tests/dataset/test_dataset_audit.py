@@ -178,7 +178,9 @@ def test_after_an_interrupt_the_next_run_does_the_rest(audit: Audit, tmp_path: P
     undisturbed = Audit(audit.models, tmp_path / "undisturbed")
     undisturbed()
     audit.stop_after = 2
-    with pytest.raises(UrdfcheckError, match=r"interrupted: 2 of 6 .* kept in .*; the same command goes on from there"):
+    with pytest.raises(
+        UrdfcheckError, match=r"results of 2 of 6 .* kept in .*; run the same command again to continue"
+    ):
         audit()
     with pytest.raises(UrdfcheckError, match="4 of 6"):
         audit()
@@ -639,8 +641,8 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
     out, said = process.communicate(timeout=20)
     assert process.returncode == FAILED
     assert re.fullmatch(
-        r"urdfcheck: interrupted: \d+ of 150 models and files are finished and kept in .*; the same command goes on "
-        "from there\n",
+        r"urdfcheck: interrupted: results of \d+ of 150 models and files are kept in .*; run the same command again "
+        "to continue\n",
         said,
     )
     assert out == ""

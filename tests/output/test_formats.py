@@ -15,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import jsonschema
 import pytest
@@ -53,10 +54,12 @@ from urdfcheck.core import (
     Run,
     Severity,
     SkippedCheck,
+    Span,
     Suppression,
     UrdfcheckError,
 )
-from urdfcheck.output import FORMATS, render
+from urdfcheck.core.merging import join_occurrences
+from urdfcheck.output import FORMATS, html, render, text
 from urdfcheck.output.markdown import COMMENT_LIMIT, MARKER, render_job_summary
 from urdfcheck.output.shared import escaping as inert
 from urdfcheck.output.shared.mermaid_chart import MOST_CHARACTERS, MOST_EDGES, build_mermaid_chart, format_label
@@ -375,7 +378,7 @@ def test_no_name_acts(name: str, output_format: str) -> None:
     unread = replace(model, id=f"{own}2", status="failed", not_checked=NotChecked(name, name))
     drawn = scene(model=own, links=(*scene().links, replace(scene().links[0], name=name)), root=name)
     run = a_run(
-        *(replace(bad, blocks_check=True), replace(bad, severity=Severity.INFO, suppressed=None)),
+        *(replace(bad, blocks_check=True), replace(bad, code="INR004", severity=Severity.INFO, suppressed=None)),
         models=(model, unread),
         unused_macro_files=(f"{name}.xacro",),
         sources={at.file: source},
@@ -487,11 +490,16 @@ def test_columns_are_those_of_the_reader() -> None:
     assert line.encode()[place + 3 : place + 5] == b"-1"
 
 
+def on_line(line: int, file: str = FILE) -> Location:
+    """A place on a line of its own."""
+    return Location(f"link[l{line}]", Span(file, line, 1, line, 2, 10 * line, 10 * line + 1))
+
+
 def many(**changes: Any) -> Run:
     """A run with 15 errors, 25 warnings and 35 infos, the least first."""
     found = [
-        finding(severity=severity, subjects=(f"link[{severity}{i}]",), **changes)
-        for severity, count in ((Severity.INFO, 35), (Severity.WARNING, 25), (Severity.ERROR, 15))
+        finding(severity=severity, subjects=(f"link[{severity}{i}]",), **{"location": on_line(line + i), **changes})
+        for severity, count, line in ((Severity.INFO, 35, 1), (Severity.WARNING, 25, 50), (Severity.ERROR, 15, 90))
         for i in range(count)
     ]
     return a_run(*found)
@@ -518,8 +526,47 @@ def test_github_has_no_columns_over_several_lines() -> None:
     assert message.splitlines()[1] == "Why: a decimal point was lost in izz"
 
 
+class TestOneEntryPerPlace:
+    """One kind of mistake at three places, two of them on one line, of which one is a mistake of another kind too."""
+
+    @pytest.fixture
+    def run(self) -> Run:
+        first, second = finding(location=on_line(1)), finding(location=on_line(2), subjects=("link[b]",))
+        other = finding(location=on_line(2), subjects=("link[c]",), message_id="fused", headline="c: another kind")
+        return a_run(join_occurrences([first, second], {}), other)
+
+    def test_what_shows_lines_has_each_line_once(self, run: Run) -> None:
+        results = json.loads(render(run, "sarif"))["runs"][0]["results"]
+        regions = [result["locations"][0]["physicalLocation"]["region"] for result in results]
+        assert [region["startLine"] for region in regions] == [1, 2]
+        assert "another kind" in results[1]["message"]["text"]
+        assert [i["location"]["lines"]["begin"] for i in as_gitlab(render(run, "gitlab"))] == [1, 2]
+        diagnostics = json.loads(render(run, "rdjson"))["diagnostics"]
+        assert [d["location"]["range"]["start"]["line"] for d in diagnostics] == [1, 2]
+        assert [line.split(":")[1] for line in render(run, "concise").splitlines()] == ["1", "2"]
+
+    def test_github_has_one_annotation_for_all_places(self, run: Run) -> None:
+        first, second = as_github(render(run, "github"))
+        assert (first[1]["line"], second[1]["line"]) == ("1", "2")
+        assert "Also: rover.urdf:2 " in first[2]
+
+    def test_each_element_is_a_case_with_its_own_numbers(self, run: Run) -> None:
+        names = [case.get("name") for case in ElementTree.fromstring(render(run, "junit")).iter("testcase")]
+        assert sum("INR003" in str(name) for name in names) == 3
+
+    def test_json_has_each_place(self, run: Run) -> None:
+        joint, alone = json.loads(render(run, "json"))["findings"]
+        assert [own["location"]["line"] for own in joint["occurrences"]] == [1, 2]
+        assert alone["occurrences"] == []
+
+    def test_the_page_and_the_full_report_tell_each_place(self, run: Run) -> None:
+        assert "<h5>2 places</h5>" in html.render(run)
+        assert "  also  rover.urdf:2 " in text.render(run)
+
+
 def test_gitlab_numbers_equal_fingerprints_and_places_what_has_no_place() -> None:
-    first, second = as_gitlab(render(RUNS["twice"], "gitlab"))
+    places = (on_line(1), on_line(2))
+    first, second = as_gitlab(render(a_run(*(finding(location=at) for at in places)), "gitlab"))
     assert second["fingerprint"] == f"{first['fingerprint']}-2"
     (placeless,) = as_gitlab(render(RUNS["no place"], "gitlab"))
     assert placeless["location"] == {"path": FILE, "lines": {"begin": 1}}

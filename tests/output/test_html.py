@@ -75,6 +75,12 @@ def plain(markup: str) -> str:
     return read(markup).text
 
 
+def paragraph(html: str, css_class: str) -> str:
+    """The text of the first paragraph of a class."""
+    text = plain(f"<p>{html.split(f'<p class={chr(34)}{css_class}{chr(34)}>')[1].split('</p>')[0]}</p>")
+    return " ".join(text.split())
+
+
 # -- one safe file -----------------------------------------------------------------------------------------------------
 
 
@@ -187,13 +193,20 @@ def test_lone_surrogates_of_undecodable_file_names_can_be_written() -> None:
 @pytest.mark.parametrize(
     ("run", "verdict"),
     [
-        (a_run(), "1 error to repair"),
-        (a_run(finding(severity=Severity.WARNING)), "No errors, 1 warning"),
+        (a_run(), "1 error: MuJoCo refuses this model"),
+        (
+            a_run(finding(consequences={"mujoco": "refuses", "drake": "refuses"})),
+            "1 error: MuJoCo and Drake refuse this model",
+        ),
+        (a_run(finding(consequences={})), "1 error"),
+        (a_run(finding(severity=Severity.WARNING, consequences={})), "No errors, 1 warning"),
+        (a_run(finding(severity=Severity.WARNING)), "No errors, 1 warning: MuJoCo refuses this model"),
+        (a_run(finding(), models=(info(), info(id="2", path="arm.urdf"))), "1 error in 1 of 2 models"),
         (a_run(finding(severity=Severity.INFO)), "No errors and no warnings"),
         (a_run(finding(suppressed=Suppression("source", "known"))), "No errors and no warnings"),
         (
             a_run(finding(severity=Severity.INFO), models=(info(status="failed"),)),
-            "1 of 1 model was not checked. No errors and no warnings",
+            "Not checked: the model could not be read",
         ),
         (replace(a_run(), models=(), findings=(), scenes=(), units=0), "Nothing was checked"),
         (replace(a_run(), models=(), findings=(), scenes=()), "No errors and no warnings"),
@@ -201,26 +214,96 @@ def test_lone_surrogates_of_undecodable_file_names_can_be_written() -> None:
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_verdict(run: Run, verdict: str) -> None:
-    assert verdict in document(run).text
+def test_verdict_is_one_claim(run: Run, verdict: str) -> None:
+    claim = render(run).split('<p class="verdict')[1].split("</p>")[0]
+    assert plain(f'<p class="{claim}</p>').strip().startswith(verdict)
 
 
-def test_head_names_robot_file_counts_and_version() -> None:
-    found = document(a_run())
-    head = found.text[: found.text.index("Rules and checks")] + found.text[found.text.index("Findings by severity") :]
-    for expected in (
-        "rover",
-        FILE,
-        "Links2",
-        "Joints1",
-        "1 error",
-        "1 warning",
-        "1 info",
-        "urdfcheck 0.1.0",
-        "0.5283 kg",
-        "source and meshes",
-    ):
-        assert expected in head
+@pytest.mark.parametrize(
+    ("changes", "sign"),
+    [({"consequences": {}}, "ok"), ({}, "warning"), ({"severity": Severity.ERROR}, "error")],
+    ids=["it loads", "a program refuses it", "an error"],
+)
+def test_the_sign_of_the_verdict_is_a_tick_unless_something_is_refused(changes: dict[str, Any], sign: str) -> None:
+    html = render(a_run(finding(**{"severity": Severity.WARNING, **changes})))
+    assert f'<p class="verdict {sign}">' in html
+
+
+def test_what_was_not_checked_comes_with_the_command_and_its_cause_first() -> None:
+    (unread, _) = NOT_CHECKED.models
+    cause = replace(NOT_CHECKED.findings[0], severity=Severity.WARNING)
+    other = finding(model=unread.id, message_id="other")
+    html = render(replace(NOT_CHECKED, models=(unread,), findings=(other, cause), unused_macro_files=(), scenes=()))
+    head = html.split("<header")[1].split("</header>")[0]
+    assert "Not checked: argument side has no default</span>" in head
+    assert "<code>urdfcheck arm.urdf.xacro --arg side:=…</code>" in head
+    assert 'class="act copy-command"' in head
+    assert "#g-ok" not in html.partition("</defs>")[2]
+    start = html.split("<h3>Start here</h3>")[1].split("<h3>")[0]
+    assert "XAC010" in start
+
+
+def test_a_claim_about_several_models_names_those_that_were_not_checked() -> None:
+    assert "1 of 2 models and 1 macro file were not checked (arm.urdf.xacro). 1 error" in document(NOT_CHECKED).text
+
+
+# -- what each program does --------------------------------------------------------------------------------------------
+
+
+def strip_of(run: Run) -> dict[str, str]:
+    """What each chip under the verdict says."""
+    chips = re.findall(r'<a class="chip (\w+)" href="#m1-consumers" data-program="(\w+)" title="(.*?)">', render(run))
+    return {program: f"{kind} {words}" for kind, program, words in chips}
+
+
+def test_a_chip_for_each_program_links_to_the_table() -> None:
+    chips = strip_of(a_run(finding()))
+    assert list(chips)[:4] == ["urdfdom", "pinocchio", "mujoco", "drake"]
+    assert chips["mujoco"] == "error MuJoCo refuses it"
+    assert chips["drake"] == "warning Drake loads it changed: replaces values"
+    assert chips["rviz"] == "ok RViz loads it as typed"
+
+
+def test_a_chip_counts_what_follows_from_a_launch_file_too() -> None:
+    launched = rule("LCH002", "spawn", scopes=("launch",))
+    effects = {"gazebo": "starts the world without the robot", "rviz": "loads it"}
+    spawn = finding(code="LCH002", consequences=effects)
+    run = a_run(spawn, rules={"LCH002": launched})
+    assert strip_of(run)["gazebo"] == "error Gazebo when launched: starts the world without the robot"
+    assert strip_of(run)["rviz"].startswith("ok")
+    warned = a_run(replace(spawn, severity=Severity.WARNING), rules={"LCH002": launched})
+    assert strip_of(warned)["gazebo"].startswith("warning")
+    known = a_run(replace(spawn, suppressed=Suppression("source", "x")), rules={"LCH002": launched})
+    assert strip_of(known)["gazebo"].startswith("ok")
+
+
+def test_a_card_names_the_programs_that_mind_and_its_chip_finds_it() -> None:
+    effects = {
+        "mujoco": "refuses to compile",
+        "drake": "refuses to parse",
+        "bullet": "replaces it",
+        "rviz": "loads it as typed",
+    }
+    html = render(a_run(finding(consequences=effects)))
+    assert 'data-programs="mujoco drake bullet"' in html
+    minds = paragraph(html, "minds")
+    assert minds == "MuJoCo and Drake refuse the model Bullet replaces values"
+    assert html.count('data-programs="') == 1
+
+
+def test_each_model_of_several_has_its_own_strip() -> None:
+    two = a_run(finding(), models=(info(), info(id="2")), scenes=(scene(), scene(model="2")))
+    assert re.findall(r'<ul class="programs" aria-label="In each program" data-model="(\w+)">', render(two)) == [
+        "m1",
+        "m2",
+    ]
+
+
+def test_head_names_robot_file_counts_depth_and_version() -> None:
+    head = plain(render(a_run()).split("<header")[1].split(">", 1)[1].split("</header>")[0].join(("<div>", "</div>")))
+    expected = ("rover", FILE, "2 links", "1 joint", "urdfcheck 0.1.0", "0.5283 kg", "checked: source, meshes")
+    assert [part for part in expected if part not in head] == []
+    assert "checked: source, meshes, dynamics" in document(a_run(tier="full")).text
 
 
 @pytest.mark.parametrize(
@@ -243,12 +326,12 @@ def test_title_names_the_robots_while_they_are_few(robots: list[str], title: str
 def test_head_adds_up_nothing_over_several_models() -> None:
     models = (info(id="1"), info(id="2", robot="arm"))
     head = render(a_run(finding(model="1"), models=models, scenes=())).split("<header")[1].split("</header>")[0]
-    assert not any(name in head for name in ("<dt>Links", "<dt>Joints", "<dt>Mass"))
+    assert not any(word in head for word in (" links", " joint", " kg"))
 
 
 def test_head_lists_every_file_with_findings_below_their_folder() -> None:
     head = render(a_run(finding(), in_file("rover/launch/car.launch"))).split("<header")[1].split("</header>")[0]
-    assert "Files in <code>rover/</code>" in head
+    assert "<summary>2 files</summary>in <code>rover/</code>" in head
     assert re.findall(r"<li><code>(.*?)</code>", head) == ["rover.urdf", "launch/car.launch"]
 
 
@@ -266,9 +349,9 @@ def test_several_files_are_folded() -> None:
 def test_severity_is_told_by_shape_and_word_too() -> None:
     html = render(a_run())
     for severity in ("error", "warning", "info"):
-        card = html.split(f'<article class="card {severity}"')[1].split("</article>")[0]
+        card = html.split(f'<article class="card {severity}')[1].split("</article>")[0]
         assert f'<use href="#g-{severity}"/>' in card
-        assert f'<span class="severity">{severity}</span>' in card
+        assert f'<span class="sr severity">{severity}</span>' in card
 
 
 def test_what_needs_style_or_script_is_hidden_until_there_is_one() -> None:
@@ -286,14 +369,16 @@ def test_the_bar_has_the_sections_of_the_one_robot_or_the_names_of_several() -> 
         nav = render(run).split('<nav aria-label="Contents">')[1].split("</nav>")[0]
         return re.findall(r'<a href="#([\w-]+)"', nav)
 
-    tables = ["m1-tree", "m1-consumers", "m1-physics", "m1-meshes", "m1-joints", "m1-info"]
-    assert bar(a_run()) == ["m1-findings", *tables, "rules", "about"]
+    tables = ["m1-consumers", "m1-tree", "m1-physics", "m1-meshes", "m1-joints"]
+    assert bar(a_run()) == ["m1-findings", "m1-info", *tables, "rules", "about"]
     package = finding(code="PKG006", model="rover/package.xml")
-    assert bar(a_run(finding(), package)) == ["m1-findings", *tables[:-1], "m2", "rules", "about"]
+    assert bar(a_run(finding(), package)) == ["m1-findings", *tables, "m2", "rules", "about"]
     two = a_run(finding(), models=(info(), info(id="2")), scenes=(scene(), scene(model="2")))
     assert bar(two) == ["m1", "m2", "rules", "about"]
     many = tuple(info(id=str(i), path=str(i)) for i in range(9))
-    assert "9 models and files</summary>" in render(a_run(finding(model="0"), models=many, scenes=()))
+    several = render(a_run(finding(model="0"), package, models=many, scenes=()))
+    assert "<h1>9 models</h1>" in several
+    assert "9 models and 1 other file</summary>" in several
 
 
 # -- findings ----------------------------------------------------------------------------------------------------------
@@ -306,7 +391,7 @@ def test_card_tells_all_that_the_finding_knows() -> None:
         "link wheel: principal moments break the triangle inequality",
         "link[wheel]/inertial/inertia",
         f"{FILE}:9:40",
-        "Brought here by a macro call or include",
+        "Expanded from a macro call or include",
         f"{FILE}:5:3brings in rover.urdf:9",
         f"{FILE}:9:40called at rover.urdf:5",
         "link[wheel]/inertial/mass",
@@ -314,7 +399,7 @@ def test_card_tells_all_that_the_finding_knows() -> None:
         "MuJoCo",
         "refuses to compile",
         "put the point back",
-        "review it before it is applied",
+        "review first",
         "proof: follows from the file",
         f"fingerprint {finding().fingerprints[0][:8]}",
     ):
@@ -333,17 +418,15 @@ def test_repairs_promise_no_command(applicability: Applicability) -> None:
     assert "--fix" not in document(a_run(finding(fix=fix))).text
 
 
-def test_groups_are_by_severity_then_file() -> None:
-    other = replace(span_of("-1"), file="rover/wheel.xacro")
-    moved = finding(location=Location("link[a]", other), subjects=("link[a]",))
-    html = render(a_run(finding(severity=Severity.WARNING), moved, finding()))
-    errors, warnings = html.split('<section class="group error">')[1].split('<section class="group warning">')
-    assert '<span class="count">2</span> errors' in errors
-    own = errors.index(f'<h4 class="file">model file <code>{FILE}</code>')
-    included = errors.index('<h4 class="file">included file <code>rover/wheel.xacro</code>')
-    assert own < errors.index(f'title="{FILE}:9:40"') < included
-    assert f'title="{FILE}:9:40"' in warnings
-    assert '<h4 class="file">' not in warnings, "the one file is the model's own"
+def test_the_worst_is_where_to_start_and_the_others_follow_in_their_order() -> None:
+    mild = finding(severity=Severity.WARNING, consequences={}, subjects=("link[a]",))
+    refused = finding(severity=Severity.WARNING, subjects=("link[b]",))
+    worst = in_file("rover/car.launch")
+    html = render(a_run(mild, refused, worst))
+    start, then = html.split("<h3>Start here</h3>")[1].split('<h3>Then <span class="count">2</span></h3>')
+    cards = r'<article class="card [a-z ]+" id="(f-\w+)"'
+    assert re.findall(cards, start) == [f"f-{worst.fingerprints[0]}"]
+    assert re.findall(cards, then) == [f"f-{refused.fingerprints[0]}", f"f-{mild.fingerprints[0]}"]
 
 
 def in_file(file: str, **changes: Any) -> Finding:
@@ -363,48 +446,62 @@ def in_file(file: str, **changes: Any) -> Finding:
     ],
 )
 def test_a_file_that_is_not_the_model_says_what_it_is(file: str, kind: str) -> None:
-    assert f'<h4 class="file">{kind} <code>{file}</code>' in render(a_run(in_file(file)))
+    assert f'<span class="kind">{kind}</span> <code class="place" title="{file}:7:20">' in render(a_run(in_file(file)))
+    assert '<span class="kind">' not in render(a_run(finding()))
 
 
-def test_findings_of_launch_files_come_after_those_of_the_model() -> None:
-    html = render(a_run(in_file("a.launch"), in_file("b.xacro"), finding()))
-    heads = re.findall(r'<h4 class="file">([a-z ]+) <code>', html)
-    assert heads == ["model file", "included file", "launch file"]
+def test_a_card_begins_with_the_claim_the_place_the_elements_and_the_fix() -> None:
+    html = render(
+        a_run(
+            finding(
+                headline="axle turns <i>twice</i>", subjects=("link[a]", "link[b]/x", "link[b]/y", "link[c]", "link[d]")
+            )
+        )
+    )
+    card = html.split("<article")[1].split('<details class="more">')[0]
+    assert '<span class="headline">axle turns &lt;i&gt;twice&lt;/i&gt;</span>' in card
+    line = paragraph(html, "at")
+    assert line == "rover.urdf:9fix3Da, b, c and 1 more"
+    by_hand = render(a_run(finding(fix=Fix("think"), subjects=("robot",))))
+    assert paragraph(by_hand, "at") == "rover.urdf:9"
 
 
-def test_a_model_opens_with_its_errors_and_warnings_in_a_line_each() -> None:
-    run = a_run(*a_run().findings, in_file("rover/car.launch", headline="axle turns <i>twice</i>"))
-    lines = render(run).split('<ul class="contents"')[1].split("</ul>")[0]
-    assert re.findall(r'<li class="(\w+)"><a href="#(f-\w+)"', lines) == [
-        ("error", f"f-{finding().fingerprints[0]}"),
-        ("error", f"f-{in_file('rover/car.launch').fingerprints[0]}"),
-        ("warning", f"f-{run.findings[1].fingerprints[0]}"),
-    ]
-    assert "car.launch:7" in lines
-    assert "axle turns &lt;i&gt;twice&lt;/i&gt;" in lines
+def test_a_kind_of_mistake_at_several_places_is_one_card_with_each_place() -> None:
+    left = finding(headline="left: no body can have this inertia", subjects=("link[left]",))
+    right = finding(
+        headline="right: no body can have this inertia",
+        subjects=("link[right]",),
+        location=Location("link[right]", span_of("-1")),
+    )
+    both = replace(left, headline="left and right: no body can have this inertia", occurrences=(right, left))
+    html = render(a_run(replace(both, subjects=("link[left]", "link[right]"))))
+    assert html.count("<article") == 1
+    assert paragraph(html, "at").startswith("rover.urdf:9 :7 ×2")
+    assert f'<code class="place" title="{FILE}:7:20">:7</code>' in html
+    assert "<h5>2 places</h5>" in html
+    assert "right: no body can have this inertia" in html
 
 
-def test_one_problem_needs_no_list_and_many_are_folded() -> None:
-    assert document(a_run(finding())).classes("contents") == []
+def test_many_problems_are_folded_but_not_a_few_more() -> None:
     many = tuple(finding(subjects=(f"link[w{i}]",)) for i in range(40))
-    head = render(a_run(*many)).split('<div class="head">')[1].split('<section class="findings')[0]
-    assert head.count("<li ") == 40
-    assert "28 more</summary>" in head
+    html = render(a_run(*many))
+    assert "<summary>20 more</summary>" in html
+    assert html.count("<article") == 40
+    assert "more</summary>" not in render(a_run(*many[:22]))
 
 
-def test_tree_and_tables_stand_between_problems_and_information() -> None:
+def test_notes_follow_the_problems_folded_and_tables_come_last() -> None:
     html = render(a_run())
-    order = ['<section class="group warning">', 'id="m1-tree"', 'id="m1-joints"', '<section class="group info">']
+    order = [
+        "<h3>Start here</h3>",
+        "<h3>Then",
+        '<details class="fold notes info">',
+        'id="m1-consumers"',
+        'id="m1-joints"',
+    ]
     assert [html.index(part) for part in order] == sorted(html.index(part) for part in order)
-
-
-def test_much_information_is_folded_by_file() -> None:
-    few = [in_file(FILE, severity=Severity.INFO, message_id=str(i)) for i in range(5)]
-    assert document(a_run(*few)).classes("fold") == []
-    more = [in_file("rover/car.launch", severity=Severity.INFO), *few]
-    html = render(a_run(*more))
-    folds = [plain(f"<p>{s}</p>") for s in re.findall(r'<details class="fold"><summary>(.*?)</summary>', html)]
-    assert folds == [f"model file {FILE} 5", "launch file rover/car.launch 1"]
+    assert html.count('<details class="section ') == 5
+    assert '<details class="section consumers" open' not in html
 
 
 def test_every_fingerprint_is_an_anchor_even_when_two_findings_share_one() -> None:
@@ -416,7 +513,7 @@ def test_every_fingerprint_is_an_anchor_even_when_two_findings_share_one() -> No
 
 def test_suppressed_findings_are_set_apart_with_their_reason() -> None:
     html = render(a_run(finding(suppressed=Suppression("source", "the wheel is a dummy"))))
-    set_apart = html.split('<details class="suppressed">')[1]
+    set_apart = html.split('<details class="fold suppressed">')[1]
     assert "the wheel is a dummy" in set_apart
     assert "1 known: 1 in the source" in set_apart
 
@@ -464,10 +561,10 @@ def test_models_of_one_name_are_told_apart_by_their_files() -> None:
 
 def test_a_model_that_could_not_be_checked_says_so() -> None:
     text = document(a_run(finding(), models=(info(robot="", status="needs-arguments"),), scenes=())).text
-    assert "Not checked: the model could not be read." in text
+    assert "Not checked: the model could not be read" in text
     assert "rover.urdf" in text
     text = document(NOT_CHECKED).text
-    assert "Not checked: argument side has no default." in text
+    assert "Not checked: argument side has no default" in text
     assert "urdfcheck arm.urdf.xacro --arg side:=…" in text
 
 
@@ -758,5 +855,5 @@ def test_finding_type_is_the_contract() -> None:
         "related",
         "cause",
     }
-    shown |= {"consequences", "data", "fix", "model", "suppressed", "variants", "blocks_check"}
+    shown |= {"consequences", "data", "fix", "model", "suppressed", "variants", "blocks_check", "occurrences"}
     assert set(Finding.__dataclass_fields__) - shown == {"message_id", "message_ids", "blames_text", "excess"}

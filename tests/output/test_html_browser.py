@@ -97,7 +97,7 @@ def shown(page: Any) -> list[str]:
 
 def heads(page: Any) -> list[str]:
     """What stands above the groups that are to be seen."""
-    return [" ".join(text.split()) for text in page.locator(".group:visible > h3").all_inner_texts()]
+    return [" ".join(text.split()) for text in page.locator(".group > h3:visible").all_inner_texts()]
 
 
 # -- one safe file that fits -------------------------------------------------------------------------------------------
@@ -153,8 +153,13 @@ def test_without_script_all_is_said_and_severities_are_filtered(browser: Any, re
     assert page.locator(".card.warning").is_visible()
     page.locator("#show-warning").uncheck()
     assert page.locator(".card.warning").is_hidden()
-    assert page.locator(".contents .warning").is_hidden()
     assert page.locator(".card.error").first.is_visible()
+    assert page.locator("#m1-consumers").is_hidden()
+    page.click(".programs a[data-program=mujoco]")
+    assert page.locator("#m1-consumers").is_visible(), "the browser opens the fold that the link leads into"
+    card = page.locator(".card.error:not(.first)").first
+    card.locator(".more > summary").click()
+    assert card.locator(".message").is_visible()
 
 
 def test_without_style_the_report_still_reads(browser: Any, tmp_path: Path) -> None:
@@ -165,7 +170,7 @@ def test_without_style_the_report_still_reads(browser: Any, tmp_path: Path) -> N
     page.route("**/*", lambda r: r.fulfill(body=html, content_type="text/html; charset=utf-8", headers=policy))
     page.goto("http://report.test/")
     assert page.locator("body").evaluate("e => getComputedStyle(e).backgroundColor") == "rgba(0, 0, 0, 0)"
-    for part in (".card.error", "mark >> nth=0", "svg.graph >> nth=0", "table >> nth=0"):
+    for part in (".card.error", "mark >> nth=0", ".programs a >> nth=0", ".section > summary >> nth=0"):
         assert page.locator(part).is_visible()
     assert page.locator("button:visible, input:visible, select:visible").count() == 0
 
@@ -173,10 +178,12 @@ def test_without_style_the_report_still_reads(browser: Any, tmp_path: Path) -> N
 def test_paper_shows_what_is_folded_and_the_robot(browser: Any, report: str) -> None:
     page = ready(opened(browser, report, color_scheme="dark"))
     page.wait_for_selector("#uc-print[src^='data:image/png']", state="attached")
-    folded = page.locator("details.related figure").first
-    assert folded.is_hidden()
+    shown = [".card.warning .message", ".card.warning .typed", "#m1-physics table", "#m1-tree svg >> nth=0"]
+    assert [part for part in shown if page.locator(part).is_visible()] == []
     page.emulate_media(media="print")
-    assert folded.is_visible()
+    assert [part for part in shown if page.locator(part).is_hidden()] == []
+    assert page.locator(".evidence").first.is_hidden()
+    assert page.locator("#rule-INR003").is_hidden(), "paper names the rules and does not quote them"
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     assert page.locator("#uc-print").bounding_box()["y"] < 700
     for part in ("nav >> nth=0", "button >> nth=0", "canvas >> nth=0", "#find"):
@@ -192,10 +199,92 @@ def test_search_takes_all_words_from_message_code_name_and_file(page: Any) -> No
     page.wait_for_selector("#shown:not(:empty)")
     assert shown(page) == ["INR001"]
     assert page.inner_text("#shown") == "1 of 5 shown"
-    assert heads(page) == ["1 of 3 errors"]
+    assert heads(page) == []
+    assert page.locator(".section:visible, #rules:visible, #about:visible, .fold > summary:visible").count() == 0
     page.click("#reset")
     assert len(shown(page)) == 6
     assert page.input_value("#find") == ""
+
+
+def test_what_is_not_found_is_said(page: Any) -> None:
+    page.fill("#find", "zzz")
+    page.wait_for_selector("#nothing:visible")
+    assert page.inner_text("#nothing") == 'No finding matches "zzz".'
+    assert page.locator("main > :visible").count() == 1, "nothing else is in the way"
+    page.keyboard.press("Escape")
+    assert page.locator("#nothing").is_hidden()
+
+
+def test_a_chip_filters_to_what_its_program_minds(page: Any) -> None:
+    mujoco, rviz = (page.locator(".programs button", has_text=name) for name in ("MuJoCo", "RViz"))
+    assert mujoco.get_attribute("aria-pressed") == "false"
+    mujoco.focus()
+    page.keyboard.press("Enter")
+    assert mujoco.get_attribute("aria-pressed") == "true"
+    assert page.inner_text("#chip") == "MuJoCo ×"
+    found = page.eval_on_selector_all(".card:not([hidden])", "all => all.map((c) => c.dataset.programs)")
+    assert len(found) == 5, "the suppressed finding is a reason too"
+    assert all("mujoco" in programs for programs in found)
+    top = page.locator(".card:visible").first.bounding_box()["y"]
+    bar = page.locator(".bar").bounding_box()
+    assert top >= bar["y"] + bar["height"], "the list is not under the bar"
+    rviz.click()
+    assert mujoco.get_attribute("aria-pressed") == "false"
+    assert page.inner_text("#nothing") == "No finding matches these filters."
+    rviz.click()
+    assert page.locator("#nothing").is_hidden()
+
+
+def test_notes_are_found_like_problems(page: Any) -> None:
+    page.fill("#find", "axle")
+    page.wait_for_selector("#shown:not(:empty)")
+    assert page.locator(".notes .card").is_visible()
+
+
+def test_tables_are_sorted_by_their_heads(page: Any) -> None:
+    page.evaluate("for (const s of document.querySelectorAll('.section')) s.open = true")
+    names = "all => all.map((row) => row.cells[0].querySelector('code').innerText)"
+    rows = "#m1-physics tbody tr"
+    assert page.eval_on_selector_all(rows, names) == ["base", "wheel"]
+    mass = page.locator("#m1-physics thead button").nth(1)
+    head = page.locator("#m1-physics thead th").nth(1)
+    mass.focus()
+    page.keyboard.press("Enter")
+    assert (head.get_attribute("aria-sort"), page.eval_on_selector_all(rows, names)) == (
+        "descending",
+        ["base", "wheel"],
+    )
+    page.keyboard.press("Enter")
+    assert (head.get_attribute("aria-sort"), page.eval_on_selector_all(rows, names)) == ("ascending", ["wheel", "base"])
+    page.locator("#m1-physics thead button", has_text="Link").click()
+    assert head.get_attribute("aria-sort") is None
+    assert page.eval_on_selector_all(rows, names) == ["base", "wheel"]
+    assert page.locator("#m1-joints thead button").count() >= 6
+    assert page.locator("#m1-meshes thead button").count() == 9
+    in_view = page.eval_on_selector_all(
+        "#m1-physics thead th",
+        "all => all.filter((h) => h.getBoundingClientRect().right <= h.closest('.scroll').getBoundingClientRect().right).length",
+    )
+    assert in_view >= 9, "mass, density and how far the link is from its solid"
+    page.evaluate("for (const s of document.querySelectorAll('.section')) s.open = false")
+
+
+def test_a_closed_card_is_its_claim_and_its_place(page: Any) -> None:
+    first, second = page.locator(".card.first"), page.locator(".card.error:not(.first)").first
+    assert [
+        first.locator(part).is_visible()
+        for part in (".headline", ".place >> nth=0", ".hit >> nth=0", ".minds", ".message")
+    ] == [*(True, True, True, True, False)]
+    assert [
+        second.locator(part).is_visible() for part in (".headline", ".place >> nth=0", ".typed", ".minds", ".message")
+    ] == [*(True, True, False, False, False)]
+    second.locator(".headline").click()
+    assert [
+        second.locator(part).is_visible()
+        for part in (".typed", ".minds", ".message", ".fix .diff", ".evidence > summary")
+    ] == [True] * 5
+    second.locator(".headline").click()
+    assert second.locator(".message").is_hidden()
 
 
 def test_filters_by_severity_rule_element_confidence_and_known(page: Any) -> None:
@@ -233,7 +322,8 @@ def test_cards_move_into_groups_and_back(page: Any) -> None:
     page.select_option("#group", "severity")
     page.click("#more")
     assert page.eval_on_selector_all(".card", "all => all.map((c) => c.id)") == before
-    assert heads(page) == ["3 errors", "1 warning", "1 info"]
+    assert heads(page) == ["START HERE", "THEN 3"]
+    assert page.locator(".notes").is_visible()
 
 
 # -- one finding and the robot -----------------------------------------------------------------------------------------
@@ -249,10 +339,11 @@ def test_keys_go_from_finding_to_finding(page: Any) -> None:
     assert page.url.endswith(f"#{first}")
     assert page.evaluate("window.told.at(-1)") == {"model": "m1", "finding": first, "origin": "page"}
     more = page.locator(f"#{first} .more")
-    page.keyboard.press("Enter")
     assert more.get_attribute("open") is None
     page.keyboard.press("Enter")
     assert more.get_attribute("open") is not None
+    page.keyboard.press("Enter")
+    assert more.get_attribute("open") is None
     page.keyboard.press("Escape")
     assert page.locator("[aria-current=true].card").count() == 0
     assert "#" not in page.url
@@ -264,7 +355,7 @@ def test_keys_go_from_finding_to_finding(page: Any) -> None:
 def test_a_deep_link_opens_its_card_and_shows_it_in_3d(browser: Any, report: str) -> None:
     card = f"f-{RUN.findings[2].fingerprints[0]}"
     page = opened(browser, f"{report}#{card}", viewport={"width": 1440, "height": 900})
-    assert page.locator(f"#{card} footer").is_visible(), "information is folded otherwise"
+    assert page.locator(f"#{card} .message").is_visible(), "notes are folded otherwise"
     assert page.locator(f"#{card}").get_attribute("aria-current") == "true"
     # What the joint of the finding carries.
     page.wait_for_selector("body[data-ready][data-selected=wheel]")
@@ -286,6 +377,7 @@ def test_a_click_on_the_robot_lists_the_findings_of_that_link(page: Any) -> None
 
 def test_names_in_tables_show_their_link_in_3d(page: Any) -> None:
     page.evaluate("document.addEventListener('uc:select', ({ detail }) => { window.last = detail; })")
+    page.evaluate("document.querySelector('.section.physics').open = true")
     page.locator("#m1-physics button.name").first.click()
     assert page.evaluate("window.last") == {"model": "m1", "link": "base", "origin": "page"}
     page.click("#fold")
@@ -299,7 +391,7 @@ def test_where_the_robot_is_above_the_findings_there_is_a_way_back(page: Any) ->
     before = page.viewport_size
     page.set_viewport_size({"width": 390, "height": 844})
     card = page.locator(".card:has(.in-3d)").first
-    card.locator(".in-3d").click()
+    card.locator(".in-3d:not(.name)").click()
     page.wait_for_selector("#back")
     assert page.inner_text("#back") == "Back to INR003"
     page.click("#back")
@@ -310,12 +402,17 @@ def test_where_the_robot_is_above_the_findings_there_is_a_way_back(page: Any) ->
 
 def test_a_link_to_a_rule_opens_its_page(page: Any) -> None:
     assert page.locator("#rule-INR003").is_hidden()
-    page.locator(".card h4 a").first.click()
+    page.locator(".card .rule-name a").first.click()
     page.locator("#rule-INR003").wait_for(state="visible")
 
 
 def test_copies_say_that_they_are_made(browser: Any, plain: str) -> None:
     page = opened(browser, plain, permissions=["clipboard-read", "clipboard-write"])
+    page.locator(".card .copy-place").first.click()
+    page.get_by_text("rover/rover.urdf:9 copied").wait_for(state="attached")
+    assert page.evaluate("navigator.clipboard.readText()") == "rover/rover.urdf:9"
+    page.locator(".card.first .headline").click()
+    page.locator(".card.first .evidence > summary").click()
     page.locator(".copy-diff").first.click()
     page.get_by_text("The diff copied").wait_for(state="attached")
     assert page.evaluate("navigator.clipboard.readText()").startswith("--- rover/rover.urdf\n+++ rover/rover.urdf\n@@ ")
@@ -350,7 +447,8 @@ def test_links_to_sections_lead_there(browser: Any, tmp_path: Path) -> None:
             """section => {
               const wanted = parseFloat(getComputedStyle(document.documentElement).scrollPaddingTop);
               const end = document.documentElement.scrollHeight - innerHeight - scrollY;
-              return Math.min(document.querySelector(section).getBoundingClientRect().top - wanted, Math.max(end, 0) || 0);
+              const target = document.querySelector(section);
+              return Math.min((target.closest("details") ?? target).getBoundingClientRect().top - wanted, Math.max(end, 0) || 0);
             }""",
             section,
         )

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import base64
+import struct
 from pathlib import Path
 from typing import Any
 
 import pytest
 from output.documents import read
-from output.runs import a_run, finding, info, scene
+from output.runs import IDENTITY, a_run, finding, info, make_link, scene
 
 from urdfcheck.cli import output_files
 from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, write_report
-from urdfcheck.core import Severity
+from urdfcheck.core import NotChecked, Severity
+from urdfcheck.core.scene import SceneShape
 from urdfcheck.output.html import iter_report_pages, make_unique_file_names
 from urdfcheck.output.html.index_page import iter_audit_page
 from urdfcheck.output.shared.audit.unit_lines import AuditSummary, UnitRow
@@ -54,9 +57,18 @@ def text() -> str:
 
 def test_it_says_all_without_a_script(text: str) -> None:
     body = text.partition("<body")[2].partition("<script>")[0]
-    for said in ("4 models", "Not finished", "it &lt;broke&gt;", "triangle-inequality", "INR003", "×10", "and 2 more"):
+    for said in (
+        "4 models",
+        "Not finished: 1 failure",
+        "urdfcheck PATH -o html=report.html",
+        "it &lt;broke&gt;",
+        "triangle-inequality",
+        "INR003",
+        "×10",
+        "and 2 more",
+    ):
         assert said in body
-    assert body.count("stopped.urdf") == 2  # where it is named, and in its row
+    assert body.count("stopped.urdf") == 3  # where it is named, in its row, and for its command
     assert "<button" not in body
 
 
@@ -81,6 +93,14 @@ def opened(text: str, browser: Any, tmp_path_factory: pytest.TempPathFactory) ->
     shown.on("console", lambda message: shown.said.append(message.text))
     shown.goto(path.as_uri())
     return shown
+
+
+def test_a_model_without_a_page_has_the_command_that_makes_one(opened: Any) -> None:
+    button = opened.locator("#models tbody tr", has_text="ten.urdf").locator(".copy-command")
+    assert button.get_attribute("data-command") == "urdfcheck plain/ten.urdf -o html=report.html"
+    assert opened.locator("#models tbody .copy-command").count() == 4, "a package has no such report"
+    button.click()
+    opened.get_by_text("The command copied").wait_for(state="attached")
 
 
 def names(opened: Any) -> list[str]:
@@ -130,12 +150,36 @@ def test_a_folder_has_a_page_for_each_model_and_one_with_a_row_for_each() -> Non
     assert rows == list(files)[:-1]
     for name in rows:
         assert any(a.get("href") == "index.html" for _, a in read(files[name]).tags)
-    assert "1 error to repair" in files["rover.html"]
+    assert "1 error: MuJoCo refuses this model" in files["rover.html"]
     assert "No errors and no warnings" in files["Rover-2.html"]
     assert "uc-app" in files["rover.html"]
     assert "uc-app" not in files["Rover-2.html"], "there is no robot to draw"
     assert "<h1>package.xml</h1>" in files["package.xml.html"]
     assert "5 models" in index.text
+
+
+def test_the_index_has_a_picture_of_each_robot_that_is_drawn() -> None:
+    shapes = (SceneShape(role="visual", kind="box", size=(1.0, 1.0, 1.0), pose=IDENTITY),)
+    boxy = scene(links=(make_link("base", shapes=shapes),), joints=(), frames=(), meshes=())
+    index = dict(iter_report_pages(a_run(finding(), models=(info(), info(id="2", path="b")), scenes=(boxy,))))[
+        "index.html"
+    ]
+    (picture,) = read(index).all("img")
+    head = base64.b64decode(picture["src"].removeprefix("data:image/png;base64,"))[:24]
+    assert struct.unpack(">II", head[16:]) == (160, 120)
+    assert (picture["width"], picture["height"], picture["alt"]) == ("80", "60", "")
+
+
+def test_the_index_says_why_a_model_was_not_checked_and_links_to_its_page() -> None:
+    why = NotChecked("package sick is not installed", "--package sick=FOLDER")
+    unread = info(id="arm.urdf", path="arm.urdf", robot="", status="needs-arguments", not_checked=why)
+    index = dict(iter_report_pages(a_run(finding(), models=(info(), unread), scenes=())))["index.html"]
+    notice = index.split("<h2>What was not checked</h2>")[1].split("</section>")[0]
+    assert '<a href="arm.urdf.html"><code>arm.urdf</code></a>: package sick is not installed' in notice
+    assert "<code>urdfcheck arm.urdf --package sick=FOLDER</code>" in notice
+    assert "copy-command" in notice
+    assert '<option value="needs-arguments">needs arguments</option>' in index
+    assert "1 of 2 models was not checked. 1 error in 1 of 2 models" in read(index).text
 
 
 def test_what_failed_is_told_on_every_page() -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from builders import inertial, joint, link, robot
 from conftest import check_text
-from output.runs import a_run, finding
+from output.runs import a_run, finding, span_of
 
-from urdfcheck.core import Confidence, Severity
+from urdfcheck.core import Confidence, Location, Severity
 from urdfcheck.output import gitlab
 from urdfcheck.output.shared.wording import sort_worst_first
 
@@ -59,7 +59,9 @@ def test_a_check_gives_the_number(tmp_path: Path) -> None:
 
 def test_formats_follow_it() -> None:
     plain = finding(consequences={})
-    run = a_run(replace(plain, headline="small", excess=1.0), replace(plain, headline="large", excess=2.0))
+    elsewhere = Location("link[other]", span_of("-1"))
+    large = replace(plain, headline="large", excess=2.0, location=elsewhere, subjects=("link[other]",))
+    run = a_run(replace(plain, headline="small", excess=1.0), large)
     first, second = json.loads(gitlab.render(run))
     assert first["description"].startswith("large")
     assert second["description"].startswith("small")

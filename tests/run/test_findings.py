@@ -137,7 +137,7 @@ class TestUnit:
         settled = settle(*(inertia(str(n), at=n) for n in range(5)), inertia("x", at=9, severity=Severity.INFO))
         assert [f.location.span.start for f in settled.findings if f.location.span] == [0, 1, 9]
         (skip,) = settled.unlisted
-        assert (skip.code, skip.model, skip.reason) == ("INR003", UNIT.id, "3 more findings (error) are not listed")
+        assert (skip.code, skip.model, skip.reason) == ("INR003", UNIT.id, "errors not listed: 3")
 
     def test_findings_are_in_the_order_of_the_text_the_worst_first(self) -> None:
         mild = inertia("m", at=5, severity=Severity.INFO)
@@ -163,7 +163,7 @@ class TestRun:
 
     def test_findings_of_all_units_are_in_one_order(self) -> None:
         two = replace(UNIT, id="a.urdf", path="a.urdf")
-        first, second = inertia("x", model=UNIT.id), inertia("y", at=5, model="a.urdf")
+        first, second = inertia("x", model=UNIT.id), inertia("y", span=place(5, file="a.urdf"), model="a.urdf")
         run = self.settle((UNIT, UnitReport(findings=(first,))), (two, UnitReport(findings=(second,))))
         assert run == (second, first)
 

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 from conftest import check
+from real_robots import find_lost_defects, list_defects, record_reported
 
 from urdfcheck.cli import FINDINGS, OK, main
 from urdfcheck.core import Run
 from urdfcheck.output import github, gitlab, html, junit, markdown, rdjson, sarif, text
 from urdfcheck.output.json import render as render_json
+from urdfcheck.policy.baseline import collect_entries
 from urdfcheck.policy.config import ConfigResolver
+from urdfcheck.rules import load_rules
 from urdfcheck.run.shared_findings import is_computed
 
 XACRO = '<robot name="{}" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
@@ -86,14 +90,99 @@ class TestMacroLines:
         alone = find(write_robots(tmp_path, FORMULA, a=body.replace(disc(), '<link name="wheel"/>'))).findings[0]
         assert (alone.message_id, alone.fingerprints) == ("fused", found.fingerprints[1:])
 
-    def test_numbers_that_calls_hand_over_stay_apart(self, tmp_path: Path) -> None:
-        assert len(find(write_robots(tmp_path, PASSED, a=DISCS)).findings) == 2
+    def test_numbers_that_calls_hand_over_are_two_places(self, tmp_path: Path) -> None:
+        (found,) = find(write_robots(tmp_path, PASSED, a=DISCS)).findings
+        assert [own.subjects[0].split("/")[0] for own in found.occurrences] == ["link[wheel]", "link[lidar]"]
 
     def test_a_line_that_makes_sound_elements_too_is_not_to_blame(self, tmp_path: Path) -> None:
         """Of three discs one is sound: the calls of the others are told."""
         macros = FORMULA.replace("${m * 0.9}", "${m * 0.9 if m > 0.5 else m * 0.1}")
         run = find(write_robots(tmp_path, macros, a=DISCS + disc("small", "0.1") + JOINT.format("small")))
-        assert len(run.findings) == 2
+        assert [len(found.occurrences) for found in run.findings] == [2]
+
+
+# Two fingers on each side, whose inertia no body can have.
+HAND = '<link name="palm"/>' + "".join(
+    f'''<link name="{side}_{i}"><inertial><origin xyz="0 0 {i}"/><mass value="1"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="{izz}"/></inertial></link>
+    <joint name="j_{side}_{i}" type="revolute"><parent link="palm"/><child link="{side}_{i}"/>
+    <limit lower="1" upper="-{i}" effort="1" velocity="1"/></joint>'''
+    for side, i, izz in (("left", 1, "0.5"), ("left", 2, "0.9"), ("right", 1, "0.6"), ("right", 2, "0.8"))
+)
+
+
+LOAD = "${xacro.load_yaml('sizes.yaml')['%s']}"
+
+
+class TestKinds:
+    def test_all_fingers_are_one_finding_with_their_own_numbers(self, tmp_path: Path) -> None:
+        (found,) = find(write_robots(tmp_path, "", hand=HAND)).findings
+        assert found.headline == "left_1, left_2, right_1, right_2: no body can have this inertia"
+        assert [own.headline for own in found.occurrences][:2] == [
+            "left_1: no body can have this inertia (60 % short)",
+            "left_2: no body can have this inertia (77.8 % short)",
+        ]
+        assert [own.location.span for own in found.occurrences][1:] == [
+            place.span for place in found.related if place.subject.startswith("link")
+        ]
+
+    def test_a_headline_about_numbers_is_that_of_the_first(self, tmp_path: Path) -> None:
+        (found,) = find(write_robots(tmp_path, "", hand=HAND), "JNT005").findings
+        assert found.headline == "j_left_1: lower 1 is above upper -1 rad (+3 more)"
+
+    def test_the_brief_report_names_its_places_however_long_the_path(self, tmp_path: Path) -> None:
+        run = find(write_robots(tmp_path, "", hand=HAND))
+        for width in (60, 200):
+            brief = text.render(run, detail=text.DetailLevel.BRIEF, width=width)
+            assert len(re.findall(r"also\s+:\d+, :\d+(, :\d+| and 1 more)", brief)) == 1
+
+    def test_other_causes_and_other_repairs_stay_apart(self, tmp_path: Path) -> None:
+        """Of one only the zeros are missing: this can be written, the other must be computed again."""
+        bodies = HAND.replace('<limit lower="1" upper="-1"', '<limit lower="0" upper="0"')
+        assert {f.message_id for f in find(write_robots(tmp_path, "", hand=bodies), "JNT005").findings} == {
+            "inverted",
+            "equal",
+        }
+
+    def test_one_finger_may_be_known(self, tmp_path: Path) -> None:
+        comment = "<!-- urdfcheck: ignore[INR003] measured -->"
+        body = HAND.replace('<link name="left_2">', f'{comment}<link name="left_2">')
+        known, told = sorted(find(write_robots(tmp_path, "", hand=body)).findings, key=lambda f: len(f.subjects))
+        assert (known.subjects, known.suppressed is not None) == (("link[left_2]/inertial/inertia",), True)
+        assert (len(told.subjects), told.suppressed) == (3, None)
+
+    def test_each_keeps_its_fingerprint(self, tmp_path: Path) -> None:
+        (found,) = find(write_robots(tmp_path, "", hand=HAND)).findings
+        alone = {own.subjects: own.fingerprints for own in found.occurrences}
+        assert found.fingerprints == tuple(f"{fingerprint[0]}" for fingerprint in alone.values())
+        assert set(collect_entries([found])["hand.urdf.xacro"].values()) == {1}
+
+
+class TestNoDefectIsLost:
+    """Everything that a check reports is in a finding, or yields to a stronger rule on the same element."""
+
+    @pytest.mark.parametrize(
+        ("macros", "bodies"),
+        [
+            ("", {"hand": HAND}),
+            (FORMULA, {"a": DISCS}),
+            (PASSED, {"a": DISCS, "b": disc(), "c": disc("other", "7")}),
+            (FORMULA, {"a": disc(), "b": DISCS}),
+            (PASSED, {name: disc(name, LOAD % key) for name, key in (("a", "x"), ("b", "x"), ("c", "y"))}),
+            ("", {"hand": HAND, "again": HAND}),
+        ],
+        ids=["hand", "formula", "calls", "shared formula", "yaml", "two files"],
+    )
+    def test_of_made_robots(self, macros: str, bodies: dict[str, str], tmp_path: Path) -> None:
+        folder = write_robots(tmp_path, macros, **bodies)
+        (folder / "sizes.yaml").write_text("x: 1\ny: 2\n")
+        with record_reported() as reported:
+            run = check(folder, tier="source")
+        assert len(reported) > len(run.findings)
+        assert find_lost_defects(reported, run) == set()
+        assert {defect[:3] for defect in list_defects(run.findings) if not defect[0].startswith("URC")} <= {
+            defect[:3] for defect in reported
+        } | {defect[:3] for defect in list_defects(run.findings) if load_rules()[defect[0]].scopes == ("run",)}
 
 
 class TestModels:
@@ -115,22 +204,33 @@ class TestModels:
             "link[r]/inertial/inertia",
         ]
 
-    def test_calls_that_are_wrong_in_two_models_stay_apart(self, tmp_path: Path) -> None:
+    def test_calls_that_are_wrong_in_two_models_are_two_occurrences(self, tmp_path: Path) -> None:
         """The line is right for a small disc in the same model: the numbers of the calls are to blame."""
         macros = FORMULA.replace("${m * 0.9}", "${m * 0.9 if m > 0.5 else m * 0.1}")
         body = disc() + disc("small", "0.1") + JOINT.format("small").replace("base", "wheel")
-        assert len(find(write_robots(tmp_path, macros, a=body, b=body)).findings) == 2
+        (found,) = find(write_robots(tmp_path, macros, a=body, b=body)).findings
+        assert [(own.model, own.variants) for own in found.occurrences] == [("a.urdf.xacro", {}), ("b.urdf.xacro", {})]
+        assert list(found.variants) == ["a.urdf.xacro", "b.urdf.xacro"]
 
-    def test_what_each_model_types_itself_stays_apart(self, tmp_path: Path) -> None:
+    def test_what_each_model_types_itself_is_an_occurrence_in_each(self, tmp_path: Path) -> None:
         """The macro hands the number on: both calls are to be repaired."""
-        assert len(find(write_robots(tmp_path, PASSED, a=disc(), b=disc())).findings) == 2
+        (found,) = find(write_robots(tmp_path, PASSED, a=disc(), b=disc("other", "2"))).findings
+        assert [own.subjects for own in found.occurrences] == [
+            ("link[wheel]/inertial/inertia",),
+            ("link[other]/inertial/inertia",),
+        ]
+        assert (found.subjects, found.variants["b.urdf.xacro"]) == (
+            found.occurrences[0].subjects,
+            found.occurrences[1].subjects,
+        )
+        assert "also  b.urdf.xacro:1 other: no body can have this inertia" in text.render(find(tmp_path), width=200)
 
     def test_a_number_of_one_yaml_is_one_finding(self, tmp_path: Path) -> None:
-        load = "${xacro.load_yaml('sizes.yaml')['%s']}"
-        bodies = {name: disc(name, load % key) for name, key in (("a", "x"), ("b", "x"), ("c", "y"))}
+        bodies = {name: disc(name, LOAD % key) for name, key in (("a", "x"), ("b", "x"), ("c", "y"))}
         folder = write_robots(tmp_path, PASSED, **bodies)
         (folder / "sizes.yaml").write_text("x: 1\ny: 2\n")
-        assert [list(f.subjects_by_model) for f in find(folder).findings] == [
+        (joint,) = find(folder).findings
+        assert [list(f.subjects_by_model) for f in joint.occurrences] == [
             ["a.urdf.xacro", "b.urdf.xacro"],
             ["c.urdf.xacro"],
         ]
@@ -142,7 +242,8 @@ class TestModels:
         )
         part = '<xacro:part file="file://$(dirname)/{}.stl"/>'
         folder = write_robots(tmp_path, macros, a=part.format("x"), b=part.format("x"), c=part.format("y"))
-        assert [list(f.subjects_by_model) for f in find(folder, "PKG002").findings] == [
+        (joint,) = find(folder, "PKG002").findings
+        assert [list(f.subjects_by_model) for f in joint.occurrences] == [
             ["a.urdf.xacro", "b.urdf.xacro"],
             ["c.urdf.xacro"],
         ]
@@ -212,7 +313,7 @@ class TestOutputs:
     def test_no_model_of_the_page_looks_clean(self, run: Run) -> None:
         page = html.render(run)
         assert "No findings" not in page
-        assert page.count("Shared with other models, told there") == 3
+        assert page.count("Shared with other models, listed there") == 3
 
 
 @pytest.mark.slow

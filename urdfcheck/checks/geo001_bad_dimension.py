@@ -26,7 +26,7 @@ _DIMENSIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 # MuJoCo, on a colliding shape, a mesh without volume, and a visual shape.
 REFUSED = "refuses to compile: size must be positive in geom"
 FLAT = "refuses to compile: mesh volume is too small"
-DRAWN = "loads it: it does not read visuals"
+DRAWN = "loads it (it does not read visuals)"
 # Drake on a sphere of radius 0, and coal on one of negative radius; other shapes differ.
 POINT = "loads it as a point, which marks a contact"
 INSIDE_OUT = "the sphere has a negative volume and collides only deep inside"

@@ -40,7 +40,7 @@ def check(model: Model, rule: Rule, *, triangles: int) -> Iterator[Finding]:
         "fits" if fits else "dense",
         at=dense[0][0].filename,
         related=[use.filename for use, _ in dense[1:]],
-        links=_format_list([f"{use.link.name} ({n:,} triangles)" for use, n in dense]),
+        links=_format_list([f"{use.link.name} ({n:,})" for use, n in dense]),
         fits=_format_list([f"{fit} for {_format_list(names)}" for fit, names in fits.items()], "; "),
         total=sum(n for _, n in dense),
     )

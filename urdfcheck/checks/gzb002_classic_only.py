@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
@@ -13,7 +13,7 @@ from urdfcheck.source.text.xml import Attribute, Element
 
 # Libraries of gazebo_ros_pkgs, gazebo_ros2_control, gazebo_ros_control and hector_gazebo: all are built for Classic.
 _CLASSIC = re.compile(r"^(?:lib)?(gazebo_ros\w*|hector_gazebo_ros\w*)(?:\.so)?$")
-_SENSOR_SYSTEM = "the sensor itself: gz-sim-sensors-system renders it and ros_gz_bridge brings it to ROS"
+_SENSOR_SYSTEM = "the <sensor> alone, with gz-sim-sensors-system to render it and ros_gz_bridge for its topics"
 _REPLACEMENTS = {
     "gazebo_ros_control": "gz_ros2_control (ROS 2): filename gz_ros2_control-system",
     "gazebo_ros2_control": "gz_ros2_control: filename gz_ros2_control-system, name {name}, without <robot_sim_type>, and "
@@ -85,16 +85,22 @@ def _build_plugin_finding(rule: Rule, plugins: Mapping[str, list[Attribute]]) ->
         at=places[0],
         related=places[1:],
         which=format_count(len(places), "plugin is", "plugins are"),
-        libraries=join_names(uses[0].value.strip() for uses in plugins.values()),
-        replacement="; ".join(_describe_replacement(library, with_name=len(plugins) > 1) for library in plugins),
+        libraries=join_names((uses[0].value.strip() for uses in plugins.values()), 3),
+        replacement=_describe_replacements(plugins),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
-def _describe_replacement(library: str, *, with_name: bool) -> str:
+def _describe_replacements(libraries: Iterable[str]) -> str:
+    """Return ``use X``, or ``for a, b use X; for c use Y``."""
     unknown = "a gz-sim system that does the same (none has this name)"
-    replacement = _REPLACEMENTS.get(library) or (_SENSOR_SYSTEM if _SENSORS.search(library) else unknown)
-    return (f"for {library}: " if with_name else "") + replacement.format_map(_CONTROL)
+    libraries_by_replacement: dict[str, list[str]] = {}
+    for library in libraries:
+        replacement = _REPLACEMENTS.get(library) or (_SENSOR_SYSTEM if _SENSORS.search(library) else unknown)
+        libraries_by_replacement.setdefault(replacement.format_map(_CONTROL), []).append(library)
+    if len(libraries_by_replacement) == 1:
+        return f"use {next(iter(libraries_by_replacement))}"
+    return "; ".join(f"for {', '.join(names)} use {how}" for how, names in libraries_by_replacement.items())
 
 
 def _check_hardware_plugins(model: Model, rule: Rule) -> Iterator[Finding]:

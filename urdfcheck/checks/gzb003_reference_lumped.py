@@ -135,7 +135,7 @@ def _check_gravity_flags(
         own = sum(_get_mass(model, name) for name in flagged)
         if body not in flagged and own < 0.5 * masses[body]:
             first, *others = flagged.values()
-            links = join_names(flagged)
+            links = join_names(flagged, 3)
             yield rule.finding("gravity", at=first, related=others, links=links, body=body, own=own, total=masses[body])
 
 

@@ -25,7 +25,7 @@ DIAGONAL = (0, 3, 5)
 PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
 # Gazebo checks the sum of the links joined by fixed joints.
 REFUSED = "refuses the model: the link has an invalid inertia (sdformat error 18)"
-MERGED = "loads it: it merges links joined by fixed joints and checks the sum"
+MERGED = "loads it (it merges links joined by fixed joints and checks the sum)"
 NAN = "computes NaN accelerations: the point is on the joint's axis (Drake stops with an error)"
 FUSED = "; merged with {} and everything else fixed to it, the body is possible"
 

@@ -135,6 +135,7 @@ def _build_tensor_finding(
         between = f"{masses[0]:.3g} to {masses[-1]:.3g} kg"
         finding = rule.finding("shared", at=places[0], related=places[1:], masses=between, **data)
     else:
+        is_less = worst.misfit.expected < max(worst.declared.components)
         finding = rule.finding(
             "placeholder",
             at=places[0],
@@ -144,7 +145,8 @@ def _build_tensor_finding(
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),
-            less="less" if worst.misfit.expected < max(worst.declared.components) else "more",
+            less="less" if is_less else "more",
+            size="large" if is_less else "small",
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))

@@ -43,7 +43,7 @@ class _InertiaSignature:
     """Of its convex hull at uniform density."""
 
     def measure_shape_distance(self, other: _InertiaSignature) -> float:
-        """Return the distance between the shapes, size included; 0 for equal, turned or mirrored ones."""
+        """Return the distance between the shapes, size included; 0 for equal, rotated or mirrored ones."""
         return min(_measure_distance(self.solid, other.solid), _measure_distance(self.hull, other.hull))
 
     @property

@@ -1,4 +1,4 @@
-"""INR012 reports moving bodies whose mass or inertia is too small to be told from zero."""
+"""INR012 reports moving bodies whose mass or inertia is too small to distinguish from zero."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ def _check_description(
         yield rule.finding("circle", at=at, file=description.file)
     else:
         typed = textwrap.shorten(description.file, _SHOWN, placeholder=" …")
-        yield _build_unknown_finding(rule, at, f"it computes `{typed}`")
+        yield _build_unknown_finding(rule, at, f"computed by `{typed}`")
 
 
 def _is_generated(name: str, launch: Path) -> bool:

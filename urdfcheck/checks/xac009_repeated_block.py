@@ -82,7 +82,7 @@ def _build_finding(group: Sequence[_LinkBlock], rule: Rule) -> Finding:
         ),
         derived=", with " * bool(varies.derived) + " and ".join(f"{name} `{e}`" for name, e in varies.derived),
         refused="".join(
-            f"; {c.name} {c.words[i]} of {group[i].name} is lost then; if it is meant, add `{c.name}:={rest}` to the params"
+            f"; this drops {c.name} {c.words[i]} of {group[i].name}: if it is meant, add `{c.name}:={rest}` to the params"
             for c, i, rest in varies.outliers
         ),
     )

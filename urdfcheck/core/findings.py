@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import Any, ClassVar, Protocol, runtime_checkable
@@ -212,6 +212,13 @@ class Finding:
     """Subjects of which a check says the same in other words, with the ids of their messages."""
     blames_text: bool = False
     """Whether its text is typed as it is, or computes a value and all elements that it makes have the defect."""
+    occurrences: tuple[Finding, ...] = ()
+    """Where one kind of mistake is at several places of a file: the finding of each place, with its own numbers and repair, in
+    the order of the text. Empty for a finding of one place."""
+
+    def list_occurrences(self) -> tuple[Finding, ...]:
+        """Return the finding of each place; for a finding of one place that is the finding itself."""
+        return self.occurrences or (self,)
 
     @property
     def subjects_by_model(self) -> Mapping[str, tuple[str, ...]]:
@@ -243,6 +250,12 @@ class Finding:
             ).hexdigest()[:32]
             for subject in self.subjects
         )
+
+
+def iter_occurrences(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Yield the finding of each place."""
+    for finding in findings:
+        yield from finding.list_occurrences()
 
 
 @dataclass(frozen=True, slots=True)

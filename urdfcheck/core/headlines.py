@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 import string
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
+
+from urdfcheck.core.text import join_names
 
 LONGEST_HEADLINE = 70
 # A value is not cut below this; a headline that is still too long then loses its end.
@@ -16,11 +18,14 @@ _LONGEST_VALUE = 500
 _NAME = re.compile(r"[^\s,]+(?: and (?!\d+ more)[^\s,]+)?(?: at -?[\d.]+ \S+)?(?: \([^()]*\))?")
 _PART = re.compile(r" \(| at | and ")
 _MORE = re.compile(r" and (\d+) more$")
+# A headline that begins with what it is about, and a number in brackets.
+_ABOUT = re.compile(r"\{(\w+)\}: (.*)", re.DOTALL)
+_BRACKETS = re.compile(r" \([^()]*\)")
 _NAMES = re.compile(rf"{_NAME.pattern}(?:(?:, {_NAME.pattern})+(?:{_MORE.pattern})?|{_MORE.pattern})")
 
 
-def fill_headline(template: str, data: Mapping[str, Any]) -> str:
-    """Fill a template of ``[headlines]``, and shorten its longest texts until the whole has :data:`LONGEST_HEADLINE` characters.
+def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_HEADLINE) -> str:
+    """Fill a template of ``[headlines]``, and shorten its longest texts until the whole has at most ``limit`` characters.
 
     Lists lose names and paths lose folders (`drop_parts`); if that is not enough, texts are cut (`cut_text`). The words of the
     template stay.
@@ -31,15 +36,49 @@ def fill_headline(template: str, data: Mapping[str, Any]) -> str:
     texts = {k: cut_middle(v, _LONGEST_VALUE) for k, v in values.items() if isinstance(v, str)}
     headline = _fill_line(template, values | texts)
     for shorten in (drop_parts, cut_text):
-        most = min(max(map(len, texts.values()), default=0), LONGEST_HEADLINE)
+        most = min(max(map(len, texts.values()), default=0), limit)
         whole = texts
-        while len(headline) > LONGEST_HEADLINE and most > _SHORTEST_VALUE:
+        while len(headline) > limit and most > _SHORTEST_VALUE:
             most -= 1
             texts = {key: shorten(text, most) for key, text in whole.items()}
             if len(set(texts.values())) < len(set(whole.values())):
                 texts = _tell_apart(whole, most)
             headline = _fill_line(template, values | texts)
-    return headline if len(headline) <= LONGEST_HEADLINE else f"{headline[: LONGEST_HEADLINE - 1].rstrip()}…"
+    return headline if len(headline) <= limit else f"{headline[: limit - 1].rstrip()}…"
+
+
+def fill_joint_headline(
+    template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]], more: int
+) -> str:
+    """Fill a template for several findings at once.
+
+    A headline that begins with what it is about names all of it, and leaves out a number in brackets that is not the same for
+    all: ``a, b and 6 more: no body can have this inertia``. Any other is that of the first finding: ``a and b overlap by
+    5 mm at rest (+7 more)``.
+
+    :param data: values of each finding.
+    :param names: elements that each finding is about.
+    :param more: number of elements, or of places, beside those of the first finding.
+    :raises KeyError: if ``data`` lacks a value of the template.
+    """
+    about = _ABOUT.fullmatch(template)
+    if about is not None and _is_named(about[1], data, names):
+        claim = _BRACKETS.sub(lambda found: found[0] if _is_same(found[0], data) else "", about[2])
+        if _is_same(claim, data):
+            everything = join_names(dict.fromkeys(name for some in names for name in some))
+            return fill_headline(f"{{{about[1]}}}: {claim}", {**data[0], about[1]: everything})
+    rest = f" (+{more} more)"
+    return f"{fill_headline(template, data[0], LONGEST_HEADLINE - len(rest))}{rest}"
+
+
+def _is_named(key: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]]) -> bool:
+    """Whether a value is nothing but the names of the elements that a finding is about, for each finding."""
+    return all(some and values[key] in (some[0], join_names(some)) for values, some in zip(data, names, strict=True))
+
+
+def _is_same(template: str, data: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a template says the same of all findings."""
+    return len({template.format_map(values) for values in data}) == 1
 
 
 def _tell_apart(texts: Mapping[str, str], most: int) -> dict[str, str]:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
-from urdfcheck.core import Edit, Finding, Located, Rule
+from urdfcheck.core import Applicability, Edit, Finding, Fix, Located, Rule, Verdict
+from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_text, fill_joint_headline
 from urdfcheck.core.text import join_names
+
+_NAMED = re.compile(r"\w+\[(.*?)\](?=[/@]|$)", re.DOTALL)
 
 
 def merge_same_text(findings: Iterable[Finding]) -> list[Finding]:
@@ -98,3 +103,118 @@ def build_group_finding(rule: Rule, message: str, places: Sequence[Located], **d
     related = {span: place for place in places if (span := place.location.span) != here}
     finding = rule.finding(message, at=places[0], related=related.values(), **details)
     return replace(finding, subjects=tuple(place.location.subject for place in places))
+
+
+def merge_alike(
+    findings: Iterable[Finding], rules: Mapping[str, Rule], get_key: Callable[[Finding], Hashable | None]
+) -> list[Finding]:
+    """Merge the findings of one key into one with an occurrence for each place; those with the key None stay as they are.
+
+    Findings whose repairs change the same text in different ways stay apart, for one repair could not make both changes.
+    """
+    groups: dict[Hashable, list[Finding]] = {}
+    merged: list[Finding] = []
+    for finding in findings:
+        key = get_key(finding)
+        if key is None:
+            merged.append(finding)
+        else:
+            groups.setdefault(key, []).append(finding)
+    for group in groups.values():
+        edits = {edit: None for finding in group if finding.fix for edit in finding.fix.edits}
+        if len(group) == 1 or _has_overlap(edits):
+            merged += group
+        else:
+            merged.append(join_occurrences(group, rules))
+    return merged
+
+
+def _has_overlap(edits: Iterable[Edit]) -> bool:
+    ranges = sorted((edit.span.file, edit.span.start, edit.span.end) for edit in edits)
+    return any(one[0] == two[0] and one[2] > two[1] for one, two in pairwise(ranges))
+
+
+def join_occurrences(group: Sequence[Finding], rules: Mapping[str, Rule]) -> Finding:
+    """Return one finding for several: that of the first place, with what the others add."""
+    ordered = sorted((own for finding in group for own in finding.list_occurrences()), key=_get_place_key)
+    first = ordered[0]
+    subjects = tuple(dict.fromkeys(subject for own in ordered for subject in own.subjects))
+    variants = _join_variants(ordered)
+    others = [own.location for own in ordered if own.location.span != first.location.span]
+    places = {place.span: place for place in others}.values()
+    hidden = sorted({code for own in ordered for code in own.data.get("hides", ())})
+    return replace(
+        first,
+        headline=_join_headlines(ordered, len(set(subjects) - set(first.subjects)) or len(ordered) - 1, rules),
+        severity=max(own.severity for own in ordered),
+        subjects=variants.get(first.model, subjects),
+        message_ids={
+            subject: own.message_ids.get(subject, own.message_id)
+            for own in reversed(ordered)
+            for subject in own.subjects
+            if own.message_ids.get(subject, own.message_id) != first.message_id
+        },
+        related=tuple(dict.fromkeys((*places, *(place for own in ordered for place in own.related)))),
+        consequences=_join_consequences(ordered),
+        data={**first.data, **({"hides": hidden} if hidden else {})},
+        fix=_join_fixes(ordered),
+        variants=variants,
+        occurrences=tuple(ordered),
+    )
+
+
+def _get_place_key(finding: Finding) -> tuple[Any, ...]:
+    span = finding.location.span
+    place = ("", 0, 0) if span is None else (span.file, span.start, span.end)
+    calls = [(call.file, call.start) for call in finding.location.via]
+    return (*place, calls, -finding.severity, finding.message_id, finding.model, finding.subjects)
+
+
+def _join_headlines(ordered: Sequence[Finding], more: int, rules: Mapping[str, Rule]) -> str:
+    first = ordered[0]
+    names = [[match[1] for s in own.subjects if (match := _NAMED.match(s)) is not None] for own in ordered]
+    rule = rules.get(first.code)
+    is_of_page = rule is not None and len({own.message_id for own in ordered}) == 1
+    try:
+        template = rule.headlines[first.message_id] if rule is not None and is_of_page else ""
+        if template:
+            return fill_joint_headline(template, [own.data for own in ordered], names, more)
+    except (KeyError, ValueError, TypeError):  # a finding that the page did not make
+        pass
+    rest = f" (+{more} more)"
+    return cut_text(first.headline, LONGEST_HEADLINE - len(rest)) + rest
+
+
+def _join_consequences(ordered: Iterable[Finding]) -> dict[str, str]:
+    """Return for each program the worst that it does with one of the findings."""
+    joint: dict[str, str] = {}
+    for own in ordered:
+        for program, effect in own.consequences.items():
+            known = joint.setdefault(program, effect)
+            if Verdict.from_sentence(effect) > Verdict.from_sentence(known):
+                joint[program] = effect
+    return joint
+
+
+def _join_fixes(ordered: Sequence[Finding]) -> Fix | None:
+    """Return the repair of all places, in the words of the first; of repairs that exclude each other the first."""
+    fixes = [own.fix for own in ordered if own.fix is not None]
+    if not fixes:
+        return None
+    edits = tuple(dict.fromkeys(edit for fix in fixes for edit in fix.edits))
+    if _has_overlap(edits):
+        return fixes[0]
+    title = fixes[0].title
+    if len({fix.title for fix in fixes}) > 1:
+        title += f" (for the first of {len(ordered)} places, the others likewise)"
+    return Fix(title, max((fix.applicability for fix in fixes), key=list(Applicability).index), edits)
+
+
+def _join_variants(ordered: Sequence[Finding]) -> dict[str, tuple[str, ...]]:
+    """Return the models that share the findings, each with its subjects; none where it is a single model."""
+    joint: dict[str, dict[str, None]] = {}
+    for own in ordered:
+        for model, subjects in own.subjects_by_model.items():
+            joint.setdefault(model, {}).update(dict.fromkeys(subjects))
+    is_shared = any(own.variants for own in ordered) or len(joint) > 1
+    return {model: tuple(subjects) for model, subjects in sorted(joint.items())} if is_shared else {}

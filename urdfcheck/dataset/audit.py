@@ -25,6 +25,7 @@ from urdfcheck.rules import has_check, load_rules
 from urdfcheck.run.assemble_run import collect_versions, report_foreign_libraries
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
 from urdfcheck.run.pipeline import audit_session, plan_units
+from urdfcheck.run.shared_findings import merge_kinds
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.plan import Plan
 from urdfcheck.version import __version__
@@ -95,8 +96,8 @@ def audit_dataset(
                 progress(len(todo), len(todo))
             finished = len(units) - len(todo) + checked
             raise UrdfcheckError(
-                f"interrupted: {finished:,} of {len(units):,} models and files are finished and kept in {folder}; "
-                "the same command goes on from there"
+                f"interrupted: results of {finished:,} of {len(units):,} models and files are kept in {folder}; "
+                "run the same command again to continue"
             ) from None
         parts = AuditedParts(units, map(journal.read_text, keys), plan)
         plan = replace(plan, unused=(*plan.unused, *parts.unused))
@@ -135,7 +136,7 @@ def encode_unit_line(unit: Unit, report: UnitReport) -> bytes:
         unit.id,
         path,
         info=info,
-        findings=report.findings,
+        findings=merge_kinds(report.findings),
         skipped=report.skipped,
         failures=report.failures,
     )

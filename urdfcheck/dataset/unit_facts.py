@@ -48,7 +48,7 @@ class AuditedParts:
         self.models = frozenset(unit.id for unit, _ in kept)
         """The ids of what is a model, a launch file or a package."""
         self.unused = unused
-        """Files that are none and belong to no model, with the reasons."""
+        """Files that are not one of these and belong to no model, with the reasons."""
         self.unused_macro_files = list_unused_macro_files(plan, kept)
         """Files that define macros and that no checked model has read."""
 

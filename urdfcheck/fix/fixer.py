@@ -20,6 +20,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Run
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
 from urdfcheck.fix.regression import FILE_FAMILY, find_regression
 from urdfcheck.run.jobs import Request
@@ -156,7 +157,19 @@ class _Fixer:
     def hide_refused_fixes(self, outcome: Run) -> Run:
         """Return the run with refused fixes shown as advice only."""
         vain = {id(finding) for finding, _ in self.refused}
-        return replace(outcome, findings=tuple(_demote_to_display(f) if id(f) in vain else f for f in outcome.findings))
+
+        def hide(finding: Finding) -> Finding:
+            places = finding.list_occurrences()
+            if not any(id(own) in vain for own in places):
+                return finding
+            left = [edit for own in places if id(own) not in vain and own.fix is not None for edit in own.fix.edits]
+            shown = tuple(_demote_to_display(own) if id(own) in vain else own for own in finding.occurrences)
+            finding = replace(finding, occurrences=shown)
+            if not left or finding.fix is None:
+                return _demote_to_display(finding)
+            return replace(finding, fix=replace(finding.fix, edits=tuple(dict.fromkeys(left))))
+
+        return replace(outcome, findings=tuple(map(hide, outcome.findings)))
 
 
 def _list_package_folders(found: AuditedRun) -> Iterator[Path]:
@@ -175,8 +188,8 @@ def _describe_lost_models(before: AuditedRun, after: AuditedRun) -> str:
 
 
 def iter_fixable(outcome: Run, kinds: Container[Applicability]) -> Iterator[tuple[Finding, Fix]]:
-    """Yield the findings that count and have a fix of these kinds, with the fix."""
-    for finding in outcome.findings:
+    """Yield the findings that count and have a fix of these kinds, each place with its own fix: one may be refused alone."""
+    for finding in iter_occurrences(outcome.findings):
         fix = finding.fix
         if finding.suppressed is None and fix is not None and fix.edits and fix.applicability in kinds:
             yield finding, fix

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
 from urdfcheck.core import Finding, Run, Severity
+from urdfcheck.core.findings import iter_occurrences
 
 # Rules about files that are not found, such as meshes, and what rules need that look into these.
 FILE_FAMILY, FILE_NEEDS = "PKG", frozenset({"mesh", "dynamics", "collision"})
@@ -66,7 +67,7 @@ def _describe_new_finding(previous: Run, current: Run, fixed: Sequence[Finding])
     )
     new_models = (_list_readable(current) & _list_unread(previous)) | (current.unit_ids - previous.unit_ids)
     uncovered = _list_uncovered(previous, current, fixed)
-    for finding in current.findings:
+    for finding in iter_occurrences(current.findings):
         if finding.suppressed or finding.is_about_urdfcheck or finding.severity <= Severity.INFO:
             continue
         for model in finding.subjects_by_model:
@@ -111,7 +112,7 @@ def _iter_message_keys(findings: Iterable[Finding]) -> Iterator[_MessageKey]:
 
 def _iter_subject_keys(findings: Iterable[Finding]) -> Iterator[tuple[_MessageKey, str]]:
     """Yield message and subject of each finding that is not suppressed."""
-    for finding in findings:
+    for finding in iter_occurrences(findings):
         if finding.suppressed is None:
             for model, subjects in finding.subjects_by_model.items():
                 yield from (((model, finding.code, finding.message_id), subject) for subject in subjects)

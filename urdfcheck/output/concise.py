@@ -1,9 +1,10 @@
-"""A line for each finding, ``file:line:column: severity CODE headline``: what editors, grep and scripts read."""
+"""A line for each place of each finding, ``file:line:column: severity CODE headline``: what editors, grep and scripts read."""
 
 from __future__ import annotations
 
 from urdfcheck.core import Finding, Run
 from urdfcheck.output.shared.escaping import escape_for_log
+from urdfcheck.output.shared.line_entries import list_line_entries
 from urdfcheck.output.shared.verdict.not_checked import describe_unused_macros, group_unchecked
 from urdfcheck.output.shared.wording import find_finding_file, format_concise
 
@@ -15,7 +16,8 @@ def render(run: Run) -> str:
         span = finding.location.span
         return (find_finding_file(run, finding), 0, 0) if span is None else (span.file, span.line, span.col)
 
-    lines = [format_concise(run, finding) for finding in sorted(run.active_findings, key=locate)]
+    entries = list_line_entries(run.active_findings, run.rules)
+    lines = [format_concise(run, finding) for finding in sorted(entries, key=locate)]
     for group in group_unchecked(run.unchecked_models):
         paths = ", ".join(dict.fromkeys(info.path for info in group.models))
         lines.append(f"{paths}: not checked: {group.reason}{f' (try {group.command})' if group.command else ''}")

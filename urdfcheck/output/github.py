@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Run, Severity
 from urdfcheck.output.shared.escaping import escape_for_log
+from urdfcheck.output.shared.line_entries import join_on_lines
 from urdfcheck.output.shared.positions import to_utf16_region
 from urdfcheck.output.shared.verdict.effects import ToldEffects
 from urdfcheck.output.shared.verdict.finding_details import iter_details
@@ -34,7 +35,7 @@ def render(run: Run) -> str:
 
 
 def _iter_lines(run: Run) -> Iterator[str]:
-    findings = sort_worst_first(run.active_findings)
+    findings = sort_worst_first(join_on_lines(run.active_findings, run.rules))
     shown: list[Finding] = []
     failures = run.failures[:MOST_ANNOTATIONS]
     hidden = len(run.failures) - len(failures)

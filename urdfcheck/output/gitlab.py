@@ -8,6 +8,7 @@ from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Rule, Run, Severity, Verdict
 from urdfcheck.output.shared.escaping import escape_for_json, escape_for_markdown
+from urdfcheck.output.shared.line_entries import list_line_entries
 from urdfcheck.output.shared.verdict.effects import ToldEffects
 from urdfcheck.output.shared.verdict.finding_details import iter_details
 from urdfcheck.output.shared.wording import find_finding_file, sort_worst_first
@@ -38,7 +39,7 @@ def _iter_failure_issues(run: Run) -> Iterator[dict[str, Any]]:
 def _iter_finding_issues(run: Run) -> Iterator[dict[str, Any]]:
     counts: dict[str, int] = {}
     told: ToldEffects = set()
-    for finding in sort_worst_first(run.active_findings):
+    for finding in sort_worst_first(list_line_entries(run.active_findings, run.rules)):
         fingerprint = next(iter(finding.fingerprints), finding.code)
         number = counts[fingerprint] = counts.get(fingerprint, 0) + 1
         span = finding.location.span

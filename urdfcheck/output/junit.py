@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from urdfcheck.core import Finding, ModelInfo, Run, Severity
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.output.shared.code_frames import extract_code_frame
 from urdfcheck.output.shared.diffs import iter_diff_lines
 from urdfcheck.output.shared.escaping import escape_for_xml, escape_invisible, escape_one_line
@@ -124,8 +125,10 @@ def _iter_urdfcheck_cases(run: Run) -> Iterator[JUnitCase]:
 def _iter_finding_cases(
     run: Run, findings: Iterable[Finding], told: ToldEffects, model: str = ""
 ) -> Iterator[JUnitCase]:
-    """Yield a case for each subject of findings, for those of one ``model`` its own."""
-    for finding in findings:
+    """Yield a case for each subject of findings, for those of one ``model`` its own, with the numbers of its place."""
+    for finding in iter_occurrences(findings):
+        if model and model not in finding.subjects_by_model:
+            continue
         text = "\n".join(_iter_detail_lines(run, finding, told))
         for subject in finding.subjects_by_model.get(model, finding.subjects) or ("",):
             name = f"{finding.code} {finding.headline}"

@@ -53,7 +53,7 @@ SIGNS = {Severity.ERROR: "❌", Severity.WARNING: "⚠️", Severity.INFO: "ℹ�
 VERDICT_SIGNS = {"error": "❌", "unchecked": GLYPH, "warning": "⚠️", "ok": "✅"}
 APPLICABILITY_TEXTS = {
     Applicability.SAFE: "safe to apply as shown",
-    Applicability.UNSAFE: "review it before it is applied",
+    Applicability.UNSAFE: "review first",
 }
 TABLE = ("| | what | where |", "| --- | --- | --- |")
 # Limits of a text in characters and of a diff in lines: the other reports have everything.

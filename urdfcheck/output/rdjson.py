@@ -7,6 +7,7 @@ from typing import Any
 
 from urdfcheck.core import Edit, Finding, Run, Severity, Span
 from urdfcheck.output.shared.escaping import escape_for_json, escape_for_markdown
+from urdfcheck.output.shared.line_entries import list_line_entries
 from urdfcheck.output.shared.positions import to_utf8_region
 from urdfcheck.output.shared.verdict.effects import ToldEffects
 from urdfcheck.output.shared.verdict.finding_details import iter_details
@@ -15,7 +16,7 @@ from urdfcheck.output.shared.wording import find_finding_file, sort_worst_first
 
 def render(run: Run) -> str:
     """Render one JSON object. Messages are inert Markdown, because reviewdog turns them into comments."""
-    findings = sort_worst_first(run.active_findings)
+    findings = sort_worst_first(list_line_entries(run.active_findings, run.rules))
     told: ToldEffects = set()
     worst = Severity.ERROR if run.failures else max((f.severity for f in findings), default=None)
     result = {

@@ -1,4 +1,4 @@
-"""SARIF 2.1.0 for GitHub's code scanning and editors: a result for each finding, at the text that must change.
+"""SARIF 2.1.0 for GitHub's code scanning and editors: a result for each place of a finding, at the text that must change.
 
 The output also meets GitHub's own demands: no empty text, a place for every result, and no list longer than its limits.
 Paths are relative to the working directory, which for GitHub must be the root of the repository.
@@ -18,10 +18,11 @@ from urllib.parse import quote
 from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Rule, Run, Severity, SkippedCheck, Span, Suppression
 from urdfcheck.output.shared.escaping import escape_for_json, escape_invisible, escape_one_line
 from urdfcheck.output.shared.json_objects import build_subject_object
+from urdfcheck.output.shared.line_entries import list_line_entries
 from urdfcheck.output.shared.positions import to_utf16_region
 from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, iter_inline_pieces, split_sections
 from urdfcheck.output.shared.verdict.effects import ToldEffects, list_new_effects
-from urdfcheck.output.shared.verdict.finding_details import BLOCK_LABEL
+from urdfcheck.output.shared.verdict.finding_details import BLOCK_LABEL, describe_other_places
 from urdfcheck.output.shared.verdict.not_checked import (
     build_command,
     describe_unused_macros,
@@ -70,10 +71,11 @@ def render(run: Run) -> str:
     """Render indented JSON with a line for each result, and a newline at the end; equal runs give equal bytes."""
     _resolve_uri.cache_clear()  # symbolic links may have changed since the last run
     index = {code: number for number, code in enumerate(run.rules)}
-    selected = _select_most_important(run.findings)
+    entries = list_line_entries(run.findings, run.rules)
+    selected = _select_most_important(entries)
     told: ToldEffects = set()
     results = ",".join(f"\n        {_dump_json(_build_result(run, finding, index, told))}" for finding in selected)
-    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [_build_run(run, len(run.findings) - len(selected), index)]}
+    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [_build_run(run, len(entries) - len(selected), index)]}
     # Indenting thousands of results would take longer than everything else.
     before, after = _dump_json(log, indent=2).rsplit("[]", 1)
     return escape_for_json(f"{before}[{results}]{after}\n")
@@ -258,6 +260,7 @@ def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str
         paragraphs.append("With " + " ".join(f"{name}:={value}" for name, value in sorted(arguments.items())))
     if block := explain_block(run, finding):
         paragraphs.append(f"{BLOCK_LABEL}: {block}")
+    paragraphs += describe_other_places(finding)
     if finding.cause_text is not None:
         paragraphs.append(f"Why: {finding.cause_text}")
     paragraphs += [f"{programs}: {effect}" for programs, effect in list_new_effects(run, finding, told)]

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Location, ModelInfo, SkippedCheck, Span, UrdfcheckError
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.rules import load_rules
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, is_below, resolve_real_path
@@ -125,7 +126,7 @@ def render_baseline(models: Mapping[str, Mapping[EntryKey, int]]) -> str:
 def collect_entries(findings: Iterable[Finding]) -> dict[str, Counter[EntryKey]]:
     """Return the entries that accept these findings, without those that are suppressed otherwise."""
     models: dict[str, Counter[EntryKey]] = {}
-    for finding in findings:
+    for finding in iter_occurrences(findings):
         if not is_baseline_candidate(finding):
             continue
         for model, subjects in finding.subjects_by_model.items():
@@ -161,7 +162,7 @@ class BaselineView:
         return BaselineView(
             findings=[
                 replace(f, model=names[f.model], variants={names[m]: s for m, s in f.variants.items() if m in names})
-                for f in self.findings
+                for f in iter_occurrences(self.findings)
                 if f.model in names
             ],
             models=[replace(info, id=names[info.id]) for info in self.models if info.id in names],

@@ -28,7 +28,8 @@ from urdfcheck.policy.superseding import drop_superseded
 from urdfcheck.policy.suppression import mark_suppressed
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit, UnitReport
-from urdfcheck.run.shared_findings import merge_across_models, merge_macro_lines
+from urdfcheck.run.shared_findings import merge_across_models, merge_kinds, merge_macro_lines
+from urdfcheck.run.typed_places import locate_typed_numbers
 from urdfcheck.source.text.suppression_comments import IgnoreComment
 from urdfcheck.source.text.xml import Element
 
@@ -72,9 +73,10 @@ def finalize_unit_findings(
     ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any;
     ``texts``: its files by name.
     """
+    located = locate_typed_numbers(list(findings), root, texts or {})
     # Before merging: of six links that one macro line makes, a single one may be suppressed.
     marked, needed = mark_suppressed(
-        list(findings), comments=comments, entries=policy.suppress, baseline_entries=unit.baseline_entries
+        located, comments=comments, entries=policy.suppress, baseline_entries=unit.baseline_entries
     )
     merged = merge_macro_lines(merge_same_text(marked), root, texts or {})
     remaining = drop_superseded(merged, rules)
@@ -82,7 +84,12 @@ def finalize_unit_findings(
     safe = mark_unsafe_in_model(wanted, root)
     listed, unlisted = limit_number(sorted(safe, key=get_sort_key))
     skips = [
-        SkippedCheck(code, unit.id, f"{count:,} more findings ({severity}) are not listed", is_partial=True)
+        SkippedCheck(
+            code,
+            unit.id,
+            f"{severity}s not listed: {count:,}",
+            is_partial=True,
+        )
         for (code, severity), count in unlisted.items()
     ]
     small, size = limit_size(listed, MAX_FINDINGS_SIZE)
@@ -136,7 +143,9 @@ def finalize_run_findings(
     findings = [*(finding for _, report in audited_units for finding in report.findings), *merge_same_text(marked)]
     findings += admit_wanted(review(findings, needed))
     findings = mark_unsafe_across_models(findings, _list_users(audited_units))
-    findings = merge_across_models(findings, [unit for unit, _ in audited_units])
+    units = [unit for unit, _ in audited_units]
+    # Last: all before is about single texts, and each occurrence stays what it was.
+    findings = merge_kinds(merge_across_models(findings, units), units)
     return tuple(sorted(findings, key=get_sort_key))
 
 

@@ -106,6 +106,7 @@ def _restore_finding(plain: Mapping[str, Any]) -> Finding:
             "confidence": Confidence(plain["confidence"]),
             "location": _restore_location(plain["location"]),
             "subjects": tuple(plain["subjects"]),
+            "occurrences": (),  # findings are merged later
             "related": tuple(_restore_location(place) for place in plain["related"]),
             "cause": None if cause is None else Cause(**cause),
             "fix": None

@@ -134,7 +134,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
         if execution.on_progress is not None:
             execution.on_progress(len(units), len(units))  # nothing else will be finished
         count = len(units) - len(spared)
-        reason = f"interrupted: {len(reports)} of {count} models and files were checked, the others were not"
+        reason = f"interrupted after {len(reports)} of {count} models and files: the rest was not checked"
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
     outcome = strip_volatile_values(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
     return AuditedRun(request=request, units=units, reports=reports, outcome=outcome)
@@ -165,7 +165,7 @@ def audit_single_model(request: Request, execution: Execution = IN_WORKERS) -> U
     models = [unit for unit in units if unit.kind == "model" and not unit.is_part]
     models = models or [unit for unit in units if unit.kind == "model" and unit.is_explicit]
     if len(models) != 1:
-        names = f"{len(models)} models, name one of them: {', '.join(m.id for m in models)}" if models else "no model"
+        names = f"{len(models)} models; name one of them: {', '.join(m.id for m in models)}" if models else "no model"
         raise UrdfcheckError(f"{', '.join(map(str, request.paths))}: {names}")
     with audit_session(request, models, plan) as settings:
         ((_, report),) = stream_reports(models, settings, jobs=1, execution=execution)

@@ -13,8 +13,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core import Applicability, Finding, Fix, Location, Span
+from urdfcheck.core import Applicability, Finding, Fix, Location, Span, Verdict
+from urdfcheck.core.merging import merge_alike
 from urdfcheck.policy.fix_safety import ElementCounts
+from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.usage import EXPRESSION
@@ -178,6 +180,35 @@ def _join_calls(group: Sequence[Finding]) -> Finding:
         fix=Fix(title),
         related=tuple(places),
     )
+
+
+def merge_kinds(findings: Iterable[Finding], units: Iterable[Unit] = ()) -> list[Finding]:
+    """Merge what models show in one file, if it is one kind of mistake: left and right, all fingers, each call of a macro.
+
+    A kind is a rule with a cause; without a cause, with a message. Each place remains as an occurrence with its own numbers.
+    What is known, what fails the run, what can be repaired and what programs refuse does not become one with what does not. What
+    is about urdfcheck itself, or is why a model was not checked, stays alone.
+    """
+    by_id = {unit.id: unit for unit in units}
+
+    def get_kind(finding: Finding) -> tuple[Any, ...] | None:
+        span, unit = finding.location.span, by_id.get(finding.model)
+        if span is None or finding.is_about_urdfcheck or finding.blocks_check:
+            return None
+        fix = finding.fix
+        return (
+            finding.code,
+            finding.message_id if finding.cause is None else finding.cause.id,
+            finding.severity,
+            finding.confidence,
+            finding.suppressed,
+            None if fix is None else (fix.applicability, bool(fix.edits)),
+            span.file,
+            tuple((name, Verdict.from_sentence(text)) for name, text in sorted(finding.consequences.items())),
+            None if unit is None else (unit.fail_on, unit.baseline_home),
+        )
+
+    return merge_alike(findings, load_rules(), get_kind)
 
 
 # -- variants of one file ----------------------------------------------------------------------------------------------

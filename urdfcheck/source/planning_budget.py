@@ -22,7 +22,7 @@ class PlanningBudget:
         self.seconds = seconds
         self.seconds_per_file = seconds_per_file
         self.unread: list[tuple[str, str]] = []
-        """The files that were not looked at, each with the reason."""
+        """The files that were not read, each with the reason."""
         self._end = time.monotonic() + seconds if seconds else None
 
     def is_used_up(self) -> bool:

@@ -83,7 +83,8 @@ def watch(
                 say(f"urdfcheck: {error}", sys.stderr)
                 code, last = FAILED, None
             known = _exclude_written(stamps, written)
-            say(f"watching {sum(map(bool, known.values())):,} files; Ctrl-C ends it")
+            count = sum(map(bool, known.values()))
+            say(f"watching {count:,} {'file' if count == 1 else 'files'}; Ctrl-C ends it")
             sys.stdout.flush()
             # It loads what the next check needs while nothing changes.
             warm_worker = start_warm_worker()

@@ -83,7 +83,7 @@ def read_collada(data: bytes) -> ColladaScene:
         if declaration[1]:
             line = declaration[1].count("\n") + 1
             misplaced = (
-                f"is no XML to a strict parser: line {line}: the XML declaration is not at the beginning of the file"
+                f"is not XML to a strict parser: line {line}: the XML declaration is not at the beginning of the file"
             )
     content = text.encode("utf-8", "surrogatepass")
     _ensure_plain_xml(content)

@@ -219,7 +219,7 @@ def _get_primitive_mode(primitive: Json) -> Any:
 def _parse_index(value: Any) -> int:
     """Return a whole number from 0 up; a negative one would count from the end of a list."""
     if not isinstance(value, int) or value < 0:
-        raise ValueError(f"{str(value)[:40]!r} is no count and no index")
+        raise ValueError(f"{str(value)[:40]!r} is neither a count nor an index")
     return value
 
 

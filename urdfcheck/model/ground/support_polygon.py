@@ -58,7 +58,7 @@ def list_link_masses(model: Model) -> tuple[LinkMass, ...]:
             continue
         pose = inertial.origin.matrix
         if inertial.mass is None or pose is None or inertial.mass < 0:
-            raise FactUnavailableError(f"the mass or the centre of mass of link {link.name!r} is not known")
+            raise FactUnavailableError(f"the mass or the COM of link {link.name!r} is not known")
         if inertial.mass > 0:
             masses.append(LinkMass(link, inertial.mass, (model.frames[link.name] @ pose)[:3, 3]))
     return tuple(masses)

@@ -407,5 +407,5 @@ def _ensure_inertias(model: Model) -> None:
         moments = None if tensor is None else np.linalg.eigvalsh(tensor)
         if moments is None or not moments[0] > 1e-9 * moments[2]:
             raise FactUnavailableError(
-                f"the inertia tensor of link {body.links[0]!r} is that of no solid body (INR004)"
+                f"the inertia tensor of link {body.links[0]!r} is impossible for a solid body (INR004)"
             )

@@ -165,7 +165,7 @@ def _ensure_loadable(model: Model) -> None:
 
 def _ensure_type_and_axis(joint: Joint) -> None:
     if joint.type not in JOINT_TYPES:
-        raise FactUnavailableError(f"joint {joint.name!r} has no type that there is (KIN009)")
+        raise FactUnavailableError(f"the type of joint {joint.name!r} is unknown (KIN009)")
     if joint.origin.xyz is None or joint.origin.rpy is None or joint.axis is None:
         raise FactUnavailableError(f"the origin or the axis of joint {joint.name!r} is out of range (XML007)")
     if joint.has_axis and not any(joint.axis):

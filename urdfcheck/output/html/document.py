@@ -12,7 +12,7 @@ from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.html.page_frame import read_page_script, read_style_sheet, render_document_head
 from urdfcheck.output.html.report_parts import ReportPart, collect_report_parts
 from urdfcheck.output.html.sections.appendix import list_fired_rules, render_appendix
-from urdfcheck.output.html.sections.model_section import render_model
+from urdfcheck.output.html.sections.model_section import render_model, render_part_strip
 from urdfcheck.output.html.sections.page_header import make_report_title, render_header
 from urdfcheck.output.html.sections.toolbar import render_toolbar
 from urdfcheck.output.html.sections.unused_macros import render_unused_macros
@@ -20,13 +20,20 @@ from urdfcheck.output.html.viewer.scene_data import build_scene_data
 from urdfcheck.output.html.viewer.viewer_page import read_viewer_style, render_viewer, render_viewer_scripts
 from urdfcheck.output.shared.escaping import escape_for_html, escape_for_json
 
+# Layers of the 3D view, in the order of their keys.
+LAYERS = ("visual", "collision", "COM", "inertia", "ellipsoid", "axes", "frames", "holes", "overlaps", "ground")
 KEYS = (
     ("/", "search the findings"),
     ("j, k", "next and previous finding"),
     ("Enter", "open or close it"),
     ("h", "the whole robot in 3D"),
-    ("1 to 9", "layers in 3D"),
-    ("Esc", "nothing chosen, nothing searched for"),
+    ("1 to 9, 0", "3D layers: " + ", ".join(f"{number % 10} {layer}" for number, layer in enumerate(LAYERS, 1))),
+    ("b", "hold: the other state of a repair in 3D, before or after"),
+    (
+        "\u2190 \u2191 \u2192 \u2193, + \u2212",
+        "orbit and zoom the 3D view when it has the focus; with Shift, arrows move it",
+    ),
+    ("Esc", "clear selection, search and filters"),
     ("?", "this list"),
 )
 
@@ -40,15 +47,18 @@ def render_document(run: Run, parts: Sequence[ReportPart], *, title: str, index_
     """Render the document for the parts of a run; ``index_file``: the page with all models, for a page of a folder."""
     drawn = [part for part in parts if part.scene is not None]
     models = "\n".join(render_model(run, part, is_only_model=len(drawn) == 1) for part in parts)
+    strip = render_part_strip(run, drawn[0]) if len(run.models) == len(drawn) == 1 else ""
     body = escape_for_html(f"""{SYMBOLS}
 <a class="skip" href="#content">Skip to the findings</a>
 <div class="page">
-{render_header(run, title, index_file)}
+{render_header(run, title, index_file, strip=strip)}
 {render_viewer() if drawn else ""}
 <div class="column">
 {render_toolbar(run, parts, bool(list_fired_rules(run)))}
 <main id="content">
-{_render_failures(run)}{render_unused_macros(run.unused_macro_files)}{models}
+<p class="nothing" id="nothing" role="status" hidden></p>
+{_render_failures(run)}{models}
+{render_unused_macros(run.unused_macro_files)}
 {render_appendix(run)}
 </main>
 </div>

@@ -53,5 +53,6 @@ def _render_badge(severity: Severity, count: int) -> str:
 
 
 def pluralize_severity(count: int, severity: Severity) -> str:
-    """Return ``error`` or ``errors``; ``info`` has no plural."""
-    return str(severity) if count == 1 or severity == Severity.INFO else f"{severity}s"
+    """Return ``error`` or ``errors``; information is a ``note``."""
+    word = "note" if severity == Severity.INFO else str(severity)
+    return word if count == 1 else f"{word}s"

@@ -1,40 +1,32 @@
 "use strict";
-// Sorts and filters rows that are there. It reads their text and puts none of it anywhere.
-const collator = new Intl.Collator("en", { numeric: true });
-
-for (const table of document.querySelectorAll("table.sortable")) {
-  const body = table.tBodies[0];
-  const heads = [...table.tHead.rows[0].cells];
-  heads.forEach((head, column) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.append(...head.childNodes);
-    head.append(button);
-    button.addEventListener("click", () => {
-      const before = head.getAttribute("aria-sort");
-      const first = body.rows[0]?.cells[column].dataset.v === undefined ? "ascending" : "descending";
-      const now = before === null ? first : before === "ascending" ? "descending" : "ascending";
-      for (const other of heads) other.removeAttribute("aria-sort");
-      head.setAttribute("aria-sort", now);
-      const sign = now === "ascending" ? 1 : -1;
-      const rows = [...body.rows].map((row) => {
-        const cell = row.cells[column];
-        return [cell.dataset.v === undefined ? cell.textContent : Number(cell.dataset.v), row];
-      });
-      rows.sort(([a], [b]) => sign * (typeof a === "number" ? a - b : collator.compare(a, b)));
-      const sorted = document.createDocumentFragment();
-      for (const [, row] of rows) sorted.append(row);
-      body.append(sorted);
-      table.parentElement.scrollTop = 0;
-    });
-  });
-}
-
+// Filters rows that are there, and offers the command that makes the report of a model.
 const models = document.querySelector("#models tbody");
 const find = document.getElementById("find");
 const state = document.getElementById("status");
 const shown = document.getElementById("shown");
 let texts;
+
+// A button for each model without a page: the command that makes its report. Thousands of buttons would make the page slow.
+const MOST_BUTTONS = 300;
+
+function offer(rows) {
+  let room = MOST_BUTTONS;
+  for (const row of rows) {
+    if (row.hidden || row.dataset.path === undefined) continue;
+    if (!room--) return;
+    if (row.querySelector(".copy-command")) continue;
+    const button = document.createElement("button");
+    const path = /^[\w@%+=:,./-]+$/.test(row.dataset.path) ? row.dataset.path : `'${row.dataset.path.replaceAll("'", "'\\''")}'`;
+    button.type = "button";
+    button.className = "copy-command";
+    button.dataset.command = `urdfcheck ${path} -o html=report.html`;
+    button.title = button.dataset.command;
+    button.textContent = "Copy command";
+    button.setAttribute("aria-label", `Copy the command that makes the report of ${row.dataset.path}`);
+    row.cells[0].append(" ", button);
+  }
+}
+for (const body of document.querySelectorAll("#worst tbody, #models tbody")) offer(body.rows);
 
 function filter() {
   texts ??= [...models.rows].map((row) => [row, `${row.textContent} ${row.dataset.codes ?? ""}`.toLowerCase()]);
@@ -46,6 +38,7 @@ function filter() {
     count += hit;
   }
   models.closest(".scroll").scrollTop = 0;
+  offer(models.rows);
   shown.textContent = count === texts.length ? "" : `${count} of ${texts.length} shown`;
 }
 

@@ -6,6 +6,7 @@ same content.
 
 from __future__ import annotations
 
+import base64
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
@@ -14,18 +15,25 @@ from urdfcheck.core import Rule, Run, Severity
 from urdfcheck.output.html.file_groups import LAUNCH_FILE, classify_file
 from urdfcheck.output.html.glyphs import SYMBOLS, pluralize_severity, render_glyph
 from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_number, format_whole_number, render_prose
-from urdfcheck.output.html.page_frame import read_asset, read_style_sheet, render_document_head
+from urdfcheck.output.html.page_frame import read_asset, read_index_script, read_style_sheet, render_document_head
 from urdfcheck.output.html.report_parts import ReportPart
 from urdfcheck.output.html.rule_markdown import render_inline
+from urdfcheck.output.html.sections.page_header import render_command
 from urdfcheck.output.html.sections.unused_macros import render_unused_macros
 from urdfcheck.output.shared.audit.unit_lines import AuditSummary, RuleCount, UnitRow, build_unit_line, parse_unit_line
 from urdfcheck.output.shared.escaping import escape_for_html
+from urdfcheck.output.shared.robot_picture import render_scene
+from urdfcheck.output.shared.verdict.not_checked import STATUS_WORDS
 from urdfcheck.output.shared.wording import SEVERITY_ORDER, get_base_name
 
 # Rules named in a model's row; the filter finds all of them.
 MOST_CODES = 6
 # Rows of the table of the worst models, which only an audit of more models has.
 MOST_WORST = 10
+# Width and height in px of a picture; the style shows it at half the size, for screens with fine pixels.
+THUMBNAIL_SIZE = (160, 120)
+# More pictures would make the page slow to open.
+MOST_THUMBNAILS = 300
 _SENTENCE = re.compile(r".{40,}?[.:](?=\s+[A-Z])", re.DOTALL)
 _KINDS = (("model", "Models"), ("launch", "Launch files"), ("package", "Packages"))
 
@@ -37,13 +45,20 @@ def iter_audit_page(
     rules: Mapping[str, Rule],
     version: str,
     links: Mapping[str, str] = MappingProxyType({}),
+    thumbnails: Mapping[str, bytes] = MappingProxyType({}),
     unused_macro_files: Sequence[str] = (),
 ) -> Iterator[str]:
     """Yield the document in pieces of whole lines, which are the same for equal summaries and rows.
 
-    ``links``: the files with the pages about single units, by the id of the unit."""
+    ``links``: the files with the pages about single units, by the id of the unit; ``thumbnails``: their pictures, as PNG."""
     pieces = _iter_page_pieces(
-        summary, rows, rules=rules, version=version, links=links, unused_macro_files=unused_macro_files
+        summary,
+        rows,
+        rules=rules,
+        version=version,
+        links=links,
+        thumbnails=thumbnails,
+        unused_macro_files=unused_macro_files,
     )
     return map(escape_for_html, pieces)
 
@@ -53,6 +68,8 @@ def render_run_index(run: Run, parts: Sequence[ReportPart], file_names: Sequence
     run_row = parse_unit_line(build_unit_line("run", "", "", failures=run.failures))
     rows = [*map(_build_unit_row, parts), run_row]
     links = {_identify_part(part): name for part, name in zip(parts, file_names, strict=True)}
+    drawn = [part for part in parts if part.scene is not None][:MOST_THUMBNAILS]
+    pictures = {_identify_part(part): render_scene(part.scene, *THUMBNAIL_SIZE) for part in drawn if part.scene}
     version = run.versions.get("urdfcheck", "")
     page = iter_audit_page(
         AuditSummary.from_rows(rows),
@@ -60,6 +77,7 @@ def render_run_index(run: Run, parts: Sequence[ReportPart], file_names: Sequence
         rules=run.rules,
         version=version,
         links=links,
+        thumbnails=pictures,
         unused_macro_files=run.unused_macro_files,
     )
     return "".join(page)
@@ -90,26 +108,28 @@ def _iter_page_pieces(
     rules: Mapping[str, Rule],
     version: str,
     links: Mapping[str, str],
+    thumbnails: Mapping[str, bytes],
     unused_macro_files: Sequence[str],
 ) -> Iterator[str]:
     title = f"{format_whole_number(summary.kinds['model'])} model{'' if summary.kinds['model'] == 1 else 's'}"
-    style, script = read_style_sheet() + read_asset("index.css"), read_asset("index.js")
-    notices = _render_failures(summary) + _render_unchecked(summary) + render_unused_macros(unused_macro_files)
+    style, script = read_style_sheet() + read_asset("index.css"), read_index_script()
+    notices = _render_failures(summary) + _render_unchecked(summary, links)
     yield f"""{render_document_head(title, style, [script])}<body class="index">
 {SYMBOLS}
 <a class="skip" href="#models">Skip to the models</a>
 {_render_header(summary, title, version)}
 <div class="page">
 <main id="content">
-{notices}{_render_worst_models(summary, links)}
+{notices}{_render_worst_models(summary, links, thumbnails)}
 """
     # With pages to open, the models come first; an audit of thousands of models begins with what they have in common.
     if not links:
         yield _render_rules_table(summary, rules)
-    yield from _iter_models_table(summary, rows, links)
+    yield from _iter_models_table(summary, rows, links, thumbnails)
     if links:
         yield _render_rules_table(summary, rules)
-    yield f"</main>\n</div>\n<script>{script}</script>\n</body>\n</html>\n"
+    yield render_unused_macros(unused_macro_files)
+    yield f'</main>\n</div>\n<p id="said" class="sr" role="status"></p><script>{script}</script>\n</body>\n</html>\n'
 
 
 # -- head --------------------------------------------------------------------------------------------------------------
@@ -119,9 +139,9 @@ def _render_header(summary: AuditSummary, title: str, version: str) -> str:
     kind, verdict = _summarize_verdict(summary)
     tiles = "".join(_render_severity_tile(severity, summary.counts[severity]) for severity in SEVERITY_ORDER)
     facts = [(name, format_whole_number(summary.kinds[kind])) for kind, name in _KINDS if summary.kinds[kind]]
-    facts += [
-        (escape_html(status.capitalize()), format_whole_number(n)) for status, n in sorted(summary.statuses.items())
-    ]
+    checked = summary.statuses["checked"]
+    counts = (("Checked", checked), ("Not checked", summary.kinds["model"] - checked))
+    facts += [(name, format_whole_number(count)) for name, count in counts if count]
     return (
         f'<header class="top"><p class="brand">urdfcheck <span>{escape_html(version)}</span></p>'
         f'<h1>{title}</h1><p class="verdict {kind}">{render_glyph(kind)} {verdict}</p>'
@@ -140,23 +160,25 @@ def _render_severity_tile(severity: Severity, count: int) -> str:
 
 def _summarize_verdict(summary: AuditSummary) -> tuple[str, str]:
     """Return the verdict on an audit: error | unchecked | warning | ok, and a sentence without its full stop."""
-    unread = summary.kinds["model"] - summary.statuses["checked"]
+    unread, models = summary.kinds["model"] - summary.statuses["checked"], summary.kinds["model"]
+    of_models = f"of {format_whole_number(models)} model{'' if models == 1 else 's'}"
     if summary.failure_count:
-        return "error", "Not finished: a part of urdfcheck itself failed, so this verdict is incomplete"
-    if summary.models_with_errors:
-        has = "has" if summary.models_with_errors == 1 else "have"
-        kind, sentence = "error", f"{format_whole_number(summary.models_with_errors)} of the models {has} errors"
-    elif summary.counts[Severity.ERROR]:
-        kind, sentence = "error", "There are errors to repair"
-    elif summary.counts[Severity.WARNING]:
-        kind, sentence = "warning", "No errors, but warnings to look at"
+        failures = f"{format_whole_number(summary.failure_count)} failure{'' if summary.failure_count == 1 else 's'}"
+        return "error", f"Not finished: {failures}, so this verdict is incomplete"
+    errors, warnings = summary.counts[Severity.ERROR], summary.counts[Severity.WARNING]
+    if errors:
+        kind, sentence = "error", f"{format_whole_number(errors)} {pluralize_severity(errors, Severity.ERROR)}"
+        if summary.models_with_errors:
+            sentence += f" in {format_whole_number(summary.models_with_errors)} {of_models}"
+    elif warnings:
+        kind = "ok"
+        sentence = f"No errors, {format_whole_number(warnings)} {pluralize_severity(warnings, Severity.WARNING)}"
     else:
         kind, sentence = "ok", "No errors and no warnings"
     if not unread:
         return kind, sentence
-    total, were = format_whole_number(summary.kinds["model"]), "was" if unread == 1 else "were"
-    models = "model" if summary.kinds["model"] == 1 else "models"
-    return "unchecked", f"{format_whole_number(unread)} of {total} {models} {were} not checked. {sentence}"
+    were = "was" if unread == 1 else "were"
+    return "unchecked", f"{format_whole_number(unread)} {of_models} {were} not checked. {sentence}"
 
 
 def _render_failures(summary: AuditSummary) -> str:
@@ -164,23 +186,25 @@ def _render_failures(summary: AuditSummary) -> str:
         return ""
     items = [escape_html(failure) for failure in summary.failures]
     items += [f"and {format_whole_number(rest)} more"] if (rest := summary.failure_count - len(items)) else []
-    return _render_notice_box("What failed in urdfcheck", items)
+    return _render_notice_box("What failed", items)
 
 
-def _render_unchecked(summary: AuditSummary) -> str:
+def _render_unchecked(summary: AuditSummary, links: Mapping[str, str]) -> str:
     total = summary.kinds["model"] - summary.statuses["checked"]
     if not total:
         return ""
-    items = [_render_unchecked_row(row) for row in summary.unchecked]
+    items = [_render_unchecked_row(row, links) for row in summary.unchecked]
     items += [f"and {format_whole_number(rest)} more"] if (rest := total - len(items)) > 0 else []
     return _render_notice_box("What was not checked", items)
 
 
-def _render_unchecked_row(row: UnitRow) -> str:
-    reason = f": {render_prose(row.reason)}" if row.reason else f": {escape_html(row.status)}"
+def _render_unchecked_row(row: UnitRow, links: Mapping[str, str]) -> str:
+    reason = f": {render_prose(row.reason)}" if row.reason else f": {_describe_row_status(row)}"
     accepted = " (accepted)" if row.accepted else ""
-    command = f" <code>{escape_html(row.command)}</code>" if row.command else ""
-    return f"<code>{escape_html(row.id)}</code>{accepted}{reason}{command}"
+    name = f"<code>{escape_html(row.id)}</code>"
+    if row.id in links:
+        name = f'<a href="{escape_html(links[row.id])}">{name}</a>'
+    return f"{name}{accepted}{reason}{render_command(row.command)}"
 
 
 def _render_notice_box(title: str, items: Iterable[str]) -> str:
@@ -190,10 +214,10 @@ def _render_notice_box(title: str, items: Iterable[str]) -> str:
 # -- tables ------------------------------------------------------------------------------------------------------------
 
 
-def _render_worst_models(summary: AuditSummary, links: Mapping[str, str]) -> str:
+def _render_worst_models(summary: AuditSummary, links: Mapping[str, str], thumbnails: Mapping[str, bytes]) -> str:
     if len(summary.worst) < 2 or summary.unit_count <= MOST_WORST:
         return ""
-    rows = (_render_model_row(row, links) for row in summary.worst[:MOST_WORST])
+    rows = (_render_model_row(row, links, thumbnails) for row in summary.worst[:MOST_WORST])
     return "".join(_iter_table("worst", "Worst models", head=_MODEL_HEAD, rows=rows))
 
 
@@ -221,18 +245,25 @@ def _extract_first_sentence(text: str) -> str:
     return text[: match.end()].rstrip() if (match := _SENTENCE.match(text)) else text
 
 
-def _iter_models_table(summary: AuditSummary, rows: Iterable[UnitRow], links: Mapping[str, str]) -> Iterator[str]:
-    statuses = "".join(f"<option>{escape_html(status)}</option>" for status in sorted(summary.statuses))
+def _iter_models_table(
+    summary: AuditSummary, rows: Iterable[UnitRow], links: Mapping[str, str], thumbnails: Mapping[str, bytes]
+) -> Iterator[str]:
+    statuses = "".join(
+        f'<option value="{escape_html(status)}">{escape_html(STATUS_WORDS.get(status, status))}</option>'
+        for status in sorted(summary.statuses)
+    )
     tools = (
         '<div class="tools" hidden><label>Find <input type="search" id="find" placeholder="name, path or rule"></label>'
         f'<label>Status <select id="status"><option value="">all</option>{statuses}</select></label>'
         '<p role="status" id="shown"></p></div>'
     )
-    shown = (_render_model_row(row, links) for row in rows if row.kind != "run")
+    if not links:
+        tools += "<p>The report of one model: <code>urdfcheck PATH -o html=report.html</code></p>"
+    shown = (_render_model_row(row, links, thumbnails) for row in rows if row.kind != "run")
     yield from _iter_table("models", "Models", head=_MODEL_HEAD, rows=shown, css_class="sortable", tools=tools)
 
 
-def _render_model_row(row: UnitRow, links: Mapping[str, str]) -> str:
+def _render_model_row(row: UnitRow, links: Mapping[str, str], thumbnails: Mapping[str, bytes]) -> str:
     worst = "unchecked" if row.is_unchecked else str(row.worst or "ok")
     codes = " ".join(
         f'<span class="{severity}">{escape_html(code)}{f" <small>×{format_whole_number(n)}</small>" if n > 1 else ""}</span>'
@@ -245,18 +276,38 @@ def _render_model_row(row: UnitRow, links: Mapping[str, str]) -> str:
     robot = f" <small>{escape_html(row.robot)}</small>" if row.robot else ""
     if row.id in links:
         title = escape_html(row.robot or get_base_name(row.path) or row.id)
-        name, robot = f'<a class="to-page" href="{escape_html(links[row.id])}">{title}</a>', f" <small>{name}</small>"
+        name = f'<a class="to-page" href="{escape_html(links[row.id])}">{title}</a>'
+        robot = f" <small><code>{escape_html(row.id).replace('/', '/<wbr>')}</code></small>"
+    if picture := _render_thumbnail(thumbnails.get(row.id, b"")):
+        name, robot = f'<div class="pictured">{picture}<div>{name}{robot}</div></div>', ""
     counts = "".join(_render_count_cell(n, str(s)) for s, n in zip(SEVERITY_ORDER, row.counts, strict=True))
-    status = row.status if row.kind == "model" else row.kind if row.status == "checked" else f"{row.kind}, {row.status}"
     sign = f"{render_glyph('unchecked')} not checked: " if row.is_unchecked else ""
-    status += " (accepted)" if row.accepted else ""
+    # The page's script makes the command of it.
+    path = f' data-path="{escape_html(row.path)}"' if not links and row.kind == "model" else ""
     is_known = row.kind == "model" and not row.is_unchecked
     size = _render_count_cell(row.links) if is_known else f'<td class="num" data-v="-1">{NO_VALUE}</td>'
     return (
-        f'<tr class="{worst}" data-status="{escape_html(row.status)}"{hidden}><th scope="row">{name}{robot}</th>'
-        f'{counts}<td class="codes">{codes}{more}</td><td>{sign}{escape_html(status)}</td>{size}'
+        f'<tr class="{worst}" data-status="{escape_html(row.status)}"{hidden}{path}><th scope="row">{name}{robot}</th>'
+        f'{counts}<td class="codes">{codes}{more}</td><td>{sign}{_describe_row_status(row)}</td>{size}'
         f'<td class="num" data-v="{-1 if row.mass is None else row.mass!r}">{format_number(row.mass)}</td></tr>\n'
     )
+
+
+def _describe_row_status(row: UnitRow) -> str:
+    """Render the status of a unit; what it is, if it is no model."""
+    words = escape_html(STATUS_WORDS.get(row.status, row.status))
+    if row.kind != "model":
+        words = row.kind if row.status == "checked" else f"{row.kind}, {words}"
+    return f"{words}{' (accepted)' if row.accepted else ''}"
+
+
+def _render_thumbnail(picture: bytes) -> str:
+    """Render the picture of a robot, whose name is beside it; empty without one."""
+    if not picture:
+        return ""
+    width, height = THUMBNAIL_SIZE
+    source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+    return f'<img class="thumbnail" width="{width // 2}" height="{height // 2}" alt="" loading="lazy" src="{source}">'
 
 
 def _render_count_cell(value: int, severity: str = "") -> str:
@@ -279,7 +330,7 @@ _MODEL_HEAD = _render_table_head(
         "Model": "",
         "Errors": "num",
         "Warnings": "num",
-        "Info": "num",
+        "Notes": "num",
         "Rules": "",
         "Status": "",
         "Links": "num",

@@ -8,7 +8,6 @@ const main = by("content");
 const viewer = by("viewer");
 const tell = (name, detail) => document.dispatchEvent(new CustomEvent(name, { detail }));
 const narrow = matchMedia("(max-width: 79.99rem)");
-root.dataset.js = "";
 
 // -- the findings -----------------------------------------------------------------------------------------------------
 
@@ -23,29 +22,26 @@ for (const { findings } of JSON.parse(by("uc-data")?.textContent ?? '{"models": 
   }
 }
 
-const lines = new Map();
-for (const link of main.querySelectorAll(".contents a")) lines.set(link.hash.slice(1), link.parentElement);
-
 const findings = Array.from(main.querySelectorAll(".card"), (card) => {
   const subjects = card.querySelector(".subjects");
   const elements = [
     ...Array.from(subjects?.parentElement.querySelectorAll(".subjects li") ?? [], elementOf),
     ...(staged.get(card.id) ?? []),
   ];
-  const head = card.querySelector("h4").textContent;
-  const text = [head, card.querySelector(".headline").textContent, card.querySelector(".message").textContent, subjects?.textContent, card.dataset.file];
+  const named = card.querySelector(".rule-name").textContent.trim();
+  const text = [card.querySelector("h4").textContent, named, card.querySelector(".message").textContent, subjects?.textContent, card.dataset.file];
   return {
     card,
     home: card.parentElement,
     model: card.closest(".model"),
-    line: lines.get(card.id),
     severity: ["error", "warning", "info"].find((severity) => card.classList.contains(severity)),
     known: card.classList.contains("known"),
     code: card.dataset.code,
     confidence: card.dataset.confidence,
     elements: [...new Set(elements)].filter(Boolean),
+    programs: card.dataset.programs?.split(" ") ?? [],
     text: text.join(" ").toLowerCase(),
-    rule: head.replace(/^\s*\w+\s+/, "").trim(),
+    rule: named,
     shown: true,
   };
 });
@@ -65,6 +61,8 @@ const back = by("back");
 const tiles = document.querySelectorAll(".tile input");
 // What was clicked in the 3D view, as {model, name}; the list of elements knows no model.
 let picked = null;
+// The program whose chip is pressed, as {model, name, label}.
+let program = null;
 const opened = new Set();
 
 function fill(select, options) {
@@ -77,15 +75,36 @@ fill(rule, new Map(findings.map(({ code, rule }) => [code, rule])));
 fill(element, new Map(findings.flatMap(({ elements }) => elements.map((name) => [name, name]))));
 fill(confidence, new Map(findings.map(({ confidence }) => [confidence, confidence])));
 
+// -- the strip of programs: links to the table, and here filters
+
+const chips = Array.from(document.querySelectorAll(".programs a"), (link) => {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = link.className;
+  button.title = link.title;
+  button.setAttribute("aria-pressed", "false");
+  button.append(...link.childNodes);
+  link.replaceWith(button);
+  const name = link.dataset.program;
+  const { model } = button.closest(".programs").dataset;
+  button.addEventListener("click", () => {
+    const isOn = program?.name === name && program.model === model;
+    program = isOn ? null : { model, name, label: link.title.slice(0, -button.querySelector(".sr").textContent.length) };
+    search(!isOn);
+  });
+  return { button, model, name };
+});
+
 function filter() {
   const words = find.value.toLowerCase().split(/\s+/).filter(Boolean);
   const off = Array.from(tiles).flatMap((box) => (box.checked ? [] : [box.id.replace("show-", "")]));
-  const isActive = Boolean(words.length || off.length || rule.value || element.value || confidence.value || picked);
+  const isActive = Boolean(words.length || off.length || rule.value || element.value || confidence.value || picked || program);
   let total = 0;
   let count = 0;
   const kept = new Map();
   for (const finding of findings) {
-    const isCounted = counted(finding);
+    // A suppressed finding is a reason for what a program does, too.
+    const isCounted = counted(finding) || Boolean(program);
     finding.shown =
       (!isCounted && !isActive) ||
       (isCounted &&
@@ -94,20 +113,18 @@ function filter() {
         (!confidence.value || finding.confidence === confidence.value) &&
         (!element.value || finding.elements.includes(element.value)) &&
         (!picked || (finding.model.id === picked.model && finding.elements.includes(picked.name))) &&
+        (!program || (finding.model.id === program.model && finding.programs.includes(program.name))) &&
         words.every((word) => finding.text.includes(word)));
     total += isCounted;
     count += isCounted && finding.shown;
     if (finding.card.hidden === finding.shown) finding.card.hidden = !finding.shown;
-    if (finding.line && finding.line.hidden === finding.shown) finding.line.hidden = !finding.shown;
     if (!finding.shown) continue;
     for (let box = finding.card.parentElement; box !== main; box = box.parentElement) kept.set(box, (kept.get(box) ?? 0) + 1);
   }
-  for (const box of main.querySelectorAll(".group, .of-file, .fold, .suppressed")) {
+  for (const box of main.querySelectorAll(".model, .group, .fold")) {
     const number = kept.get(box) ?? 0;
-    box.hidden = !number;
-    const all = box.querySelectorAll(".card").length;
-    const told = box.matches(".suppressed") ? null : box.querySelector(".count");
-    if (told) told.textContent = number < all ? `${number} of ${all}` : all;
+    // A model without findings is on the page still, unless something is searched for.
+    box.hidden = !number && (isActive || !box.matches(".model"));
     if (box.tagName !== "DETAILS") continue;
     // What is searched for must not stay in a fold.
     if (isActive && number && !box.open) {
@@ -117,15 +134,18 @@ function filter() {
       box.open = false;
     }
   }
-  for (const list of main.querySelectorAll(".contents")) {
-    const fold = list.closest("details");
-    (fold ?? list).hidden = ![...list.children].some((line) => !line.hidden);
-  }
+  // One flat list: the tables and all else are out of the way meanwhile.
+  main.toggleAttribute("data-filtered", isActive);
+  const nothing = by("nothing");
+  nothing.hidden = !isActive || count > 0;
+  nothing.textContent = nothing.hidden ? "" : `No finding matches ${find.value.trim() ? `"${find.value.trim()}"` : "these filters"}.`;
+  for (const { button, model, name } of chips)
+    button.setAttribute("aria-pressed", String(program?.name === name && program.model === model));
   state.hidden = !isActive && back.hidden;
   by("reset").hidden = !isActive;
   by("shown").textContent = isActive ? `${count} of ${total} shown` : "";
-  chip.hidden = !picked;
-  if (picked) chip.textContent = `${picked.name} \u00d7`;
+  chip.hidden = !picked && !program;
+  if (!chip.hidden) chip.textContent = `${[picked?.name, program?.label].filter(Boolean).join(", ")} \u00d7`;
 }
 
 function reset() {
@@ -135,14 +155,14 @@ function reset() {
 }
 
 function unpick() {
-  picked = null;
+  picked = program = null;
   filter();
 }
 
 // What is found must not be out of sight.
-function search() {
+function search(isAsked = Boolean(find.value)) {
   filter();
-  const first = find.value && findings.find(({ shown, known }) => shown && !known)?.card;
+  const first = isAsked && findings.find(({ shown, known }) => shown && !known)?.card;
   if (!first) return;
   const { top, bottom } = first.getBoundingClientRect();
   if (bottom < 0 || top > innerHeight) first.scrollIntoView({ block: "start" });
@@ -151,7 +171,7 @@ function search() {
 let waiting = 0;
 find.addEventListener("input", () => {
   clearTimeout(waiting);
-  waiting = setTimeout(search, findings.length > 300 ? 120 : 0);
+  waiting = setTimeout(() => search(), findings.length > 300 ? 120 : 0);
 });
 for (const control of [rule, element, confidence, ...tiles]) control.addEventListener("change", filter);
 by("reset").addEventListener("click", () => {
@@ -202,12 +222,13 @@ function regroup() {
   made = [];
   for (const [model, places] of groups) {
     const into = model.querySelector(".findings");
+    const before = into.querySelector(":scope > .fold");
     for (const [name, cards] of [...places].sort(([a], [b]) => (a === WHOLE) - (b === WHOLE))) {
       const box = document.createElement("section");
       const head = document.createElement("h3");
       const count = document.createElement("span");
       const list = document.createElement("div");
-      box.className = "group";
+      box.className = "group made";
       count.className = "count";
       count.textContent = cards.length;
       list.className = "cards";
@@ -215,7 +236,7 @@ function regroup() {
       head.classList.add(ofCard.get(cards[0]).severity);
       list.append(...cards);
       box.append(head, list);
-      into.append(box);
+      into.insertBefore(box, before);
       made.push(box);
     }
   }
@@ -289,9 +310,11 @@ function clear() {
 // -- the robot --------------------------------------------------------------------------------------------------------
 
 const fold = by("fold");
+// On a telephone the findings are first, and the robot comes when it is asked for.
+const small = matchMedia("(max-width: 47.99rem)").matches;
 
 // none | coming (its room is kept) | shown | folded
-function arrange(isFolded = root.dataset.viewer === "folded") {
+function arrange(isFolded = root.dataset.viewer === "folded" || (small && root.dataset.viewer !== "shown")) {
   const isComing = !document.body.dataset.error && "WebGL2RenderingContext" in window && "DecompressionStream" in window;
   root.dataset.viewer = !viewer ? "none" : viewer.hidden ? (isComing ? "coming" : "none") : isFolded ? "folded" : "shown";
   fold.textContent = isFolded ? "Show 3D" : "Hide 3D";
@@ -344,9 +367,9 @@ document.addEventListener("uc:select", ({ detail }) => {
   forget();
   picked = name ? { model: detail.model, name } : null;
   filter();
-  // Under the head of their group; where the robot is above them it stays in sight.
+  // Where the robot is above them it stays in sight.
   const first = picked && findings.find(({ shown, known }) => shown && !known)?.card;
-  if (first && !narrow.matches) (first.closest(".group").querySelector("h3") ?? first).scrollIntoView({ block: "start" });
+  if (first && !narrow.matches) first.scrollIntoView({ block: "start" });
 });
 document.addEventListener("uc:clear", ({ detail }) => {
   if (detail.origin !== "viewer") return;
@@ -383,6 +406,8 @@ main.addEventListener("click", (event) => {
   const anchor = target.closest('a[href^="#f-"]');
   if (anchor && anchor.hash === location.hash) follow();
   if (card && !target.closest("a, button, summary, label, input") && getSelection().isCollapsed) {
+    const more = card.querySelector(".more");
+    if (!target.closest(".more, .frame")) more.open = !more.open;
     choose(ofCard.get(card));
     address(current);
   }
@@ -418,31 +443,24 @@ addEventListener("keydown", (event) => {
   event.preventDefault();
 });
 
-async function copy(text, button, what) {
-  let isDone = true;
-  try {
-    await navigator.clipboard.writeText(text);
-  } catch {
-    const area = document.createElement("textarea");
-    area.value = text;
-    document.body.append(area);
-    area.select();
-    isDone = document.execCommand("copy");
-    area.remove();
-  }
-  by("said").textContent = isDone ? `${what} copied` : `${what} could not be copied`;
-  const before = button.textContent;
-  button.textContent = isDone ? "Copied" : "Not copied";
-  setTimeout(() => {
-    button.textContent = before;
-    by("said").textContent = "";
-  }, 1500);
+// Each place can be copied as an editor takes it.
+for (const place of main.querySelectorAll("code.place")) {
+  const button = document.createElement("button");
+  const [text] = place.title.match(/^.*:\d+(?=:\d+$)/) ?? [place.title];
+  button.type = "button";
+  button.className = "copy-place";
+  button.title = `Copy ${text}`;
+  button.setAttribute("aria-label", button.title);
+  button.dataset.text = text;
+  place.after(button);
 }
+
 main.addEventListener("click", ({ target }) => {
-  if (target.matches(".copy-diff")) copy(target.closest(".fix").querySelector(".diff").textContent, target, "The diff");
+  if (target.matches(".copy-diff")) copyText(target.closest(".fix").querySelector(".diff").textContent, target, "The diff");
+  if (target.matches(".copy-place")) copyText(target.dataset.text, target, target.dataset.text);
   if (target.matches(".copy-link")) {
     const { href, hash } = location;
-    copy(`${href.slice(0, href.length - hash.length)}#${target.closest(".card").id}`, target, "The link");
+    copyText(`${href.slice(0, href.length - hash.length)}#${target.closest(".card").id}`, target, "The link");
   }
 });
 
@@ -473,7 +491,7 @@ try {
 const ways = new Map();
 for (const link of document.querySelectorAll(".bar nav a")) {
   const section = by(link.hash.slice(1));
-  if (section) ways.set(section, link);
+  if (section) ways.set(section.closest("details") ?? section, link);
 }
 const menu = document.querySelector(".menu");
 document.addEventListener("click", ({ target }) => {
@@ -497,6 +515,13 @@ const watch = new IntersectionObserver(
 );
 for (const section of ways.keys()) watch.observe(section);
 
+// The bar is as tall as its lines: what is jumped to must not be under it.
+const bar = document.querySelector(".bar");
+new ResizeObserver(() => {
+  const isSticky = getComputedStyle(bar).position === "sticky";
+  root.style.scrollPaddingTop = isSticky ? `${bar.offsetHeight + 12}px` : "";
+}).observe(bar);
+
 follow();
 
 // What is above a section gets its height as it is drawn, after the browser's own jump: go on until the section stays.
@@ -508,8 +533,12 @@ function arrive(section, tries = 20) {
 }
 
 function arriveAtAddress() {
-  const section = by(location.hash.slice(1));
-  if (section && !section.closest(".card")) arrive(section);
+  const target = by(location.hash.slice(1));
+  if (!target || target.closest(".card")) return;
+  if (main.hasAttribute("data-filtered")) reset();
+  const fold = target.closest("details");
+  if (fold) fold.open = true;
+  arrive(fold ?? target);
 }
 addEventListener("load", arriveAtAddress);
 addEventListener("hashchange", arriveAtAddress);

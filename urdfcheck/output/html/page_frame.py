@@ -47,8 +47,14 @@ def read_style_sheet() -> str:
 
 @cache
 def read_page_script() -> str:
-    """Read the script that searches, filters and groups the findings."""
-    return read_asset("page.js")
+    """Read the script that searches, filters and groups the findings, and sorts the tables."""
+    return read_asset("tables.js") + read_asset("page.js")
+
+
+@cache
+def read_index_script() -> str:
+    """Read the script of the page about many models."""
+    return read_asset("tables.js") + read_asset("index.js")
 
 
 def read_asset(name: str) -> str:

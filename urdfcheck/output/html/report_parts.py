@@ -60,16 +60,20 @@ class ReportPart:
             return []
         names = {
             "findings": "Findings",
-            "tree": "Tree",
-            **({"drop": "Drop test"} if self.drop is not None else {}),
+            **({"info": "Notes"} if any(self._is_note(card) for card in self.cards) else {}),
             "consumers": "Programs",
+            "tree": "Tree",
             "physics": "Physics",
             "meshes": "Meshes",
             **({"joints": "Joints"} if self.scene.joints else {}),
+            **({"drop": "Drop test"} if self.drop is not None else {}),
             **({"launch": "Launch"} if self.scene.launches else {}),
-            **({"info": "Information"} if self.counts.get(Severity.INFO) else {}),
         }
         return [(f"{self.id}-{anchor}", name) for anchor, name in names.items()]
+
+    @staticmethod
+    def _is_note(card: FindingCard) -> bool:
+        return card.finding.suppressed is None and card.finding.severity == Severity.INFO
 
 
 def collect_report_parts(run: Run) -> list[ReportPart]:

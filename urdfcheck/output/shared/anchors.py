@@ -67,9 +67,9 @@ def compute_severity_marks(
     for card in model_cards:
         if card.finding.suppressed is not None:
             continue
-        place = card.finding.location.span
+        places = [own.location.span for own in card.finding.list_occurrences()]
         keys = [key for subject in card.finding.subjects if (key := parse_element_key(subject)) is not None]
-        keys += [key for key, span in spans if place is not None and _is_overlapping(place, span)]
+        keys += [key for key, span in spans if any(p is not None and _is_overlapping(p, span) for p in places)]
         for key in dict.fromkeys(keys):
             mark = marks.get(key)
             if mark is None or card.finding.severity > mark.severity:

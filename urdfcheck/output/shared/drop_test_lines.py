@@ -66,8 +66,8 @@ def _iter_contact_lines(drop_test: DropTest, release: ReleaseResult, is_shared: 
     for number, row in enumerate(rows):
         cells = [row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))]
         yield Text("  ".join(cells), "dim" if not number else "")
-    if len(release.touching) > len(shown):
-        yield Text(f"… and {len(release.touching) - len(shown)} more links")
+    if (rest := len(release.touching) - len(shown)) > 0:
+        yield Text(f"… and {rest} more {'link' if rest == 1 else 'links'}")
     yield Text(
         f"together {sum(t.load for t in release.touching):.4g} N of {drop_test.mass * 9.81:.4g} N, the robot's weight"
     )

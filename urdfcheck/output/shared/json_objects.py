@@ -46,9 +46,6 @@ def build_skip_object(skip: SkippedCheck) -> dict[str, Any]:
 
 def build_finding_object(finding: Finding, arguments: Mapping[str, str] = _NO_ARGUMENTS) -> dict[str, Any]:
     """Build the schema's object of a finding. ``arguments``: the xacro arguments with which it appears."""
-    location = None
-    if finding.location.span is not None:
-        location = {**_build_start(finding.location.span), **_build_end(finding.location.span)}
     return {
         "code": finding.code,
         "name": finding.name,
@@ -65,8 +62,9 @@ def build_finding_object(finding: Finding, arguments: Mapping[str, str] = _NO_AR
         else [],
         "fingerprints": list(finding.fingerprints),
         "subjects": [build_subject_object(s) for s in finding.subjects],
-        "location": location,
+        "location": _build_range(finding.location.span),
         "via": [_build_start(span) for span in finding.location.via],
+        "occurrences": [_build_occurrence(own) for own in finding.occurrences],
         "related": [
             {"subject": r.subject, "location": _build_start(r.span)} for r in finding.related if r.span is not None
         ],
@@ -77,6 +75,20 @@ def build_finding_object(finding: Finding, arguments: Mapping[str, str] = _NO_AR
         "suppressed": None
         if finding.suppressed is None
         else {"kind": finding.suppressed.kind, "reason": finding.suppressed.reason},
+    }
+
+
+def _build_occurrence(finding: Finding) -> dict[str, Any]:
+    """Build the object of one place of a finding."""
+    return {
+        "subjects": [build_subject_object(s) for s in finding.subjects],
+        "message_id": finding.message_id,
+        "headline": finding.headline,
+        "message": finding.message,
+        "location": _build_range(finding.location.span),
+        "via": [_build_start(span) for span in finding.location.via],
+        "data": to_json_value(finding.data),
+        "fix": None if finding.fix is None else _build_fix(finding.fix),
     }
 
 
@@ -91,6 +103,10 @@ def build_subject_object(subject: str) -> dict[str, str]:
     match = _SUBJECT.match(subject)
     kind, name = (match["kind"], match["name"]) if match else (subject.split("/")[0].split("@")[0], "")
     return {"kind": kind, "name": name, "path": subject}
+
+
+def _build_range(span: Span | None) -> dict[str, Any] | None:
+    return None if span is None else {**_build_start(span), **_build_end(span)}
 
 
 def _build_start(span: Span) -> dict[str, Any]:

@@ -73,6 +73,9 @@ def _iter_facts(run: Run, finding: Finding, width: int, told: ToldEffects) -> It
     if arguments := run.find_variant_arguments(finding):
         given = " ".join(f"{name}:={value}" for name, value in sorted(arguments.items()))
         yield _format_line("with", Text(escape_one_line(given)), width)
+    others = _name_other_places(finding) if finding.occurrences else []
+    if others and "(also " not in _format_places(finding, width).plain:  # a long path left no room
+        yield _format_line("also", Text(join_first(others, _MOST_PLACES)), width)
     if len(names := _list_names(finding)) > 1:
         yield _format_line("for", Text(escape_one_line(join_first(names, _MOST_SUBJECTS))), width)
     hits = describe_hits(run, finding, width - _INDENT)
@@ -108,18 +111,19 @@ def _format_places(finding: Finding, width: int) -> Text:
     if span is None:
         return Text.assemble(("  --> ", "dim"), (finding.name, "dim"))
     line = Text.assemble(("  --> ", "dim"), (f"{escape_one_line(span.file)}:{span.line}:{span.col}", "bold"))
-    others = [place.span for place in finding.related if place.span is not None]
-    names = list(
-        dict.fromkeys(
-            f":{o.line}" if o.file == span.file else f"{escape_one_line(get_base_name(o.file))}:{o.line}"
-            for o in others
-        )
-    )
-    if names:
+    if names := _name_other_places(finding):
         also = f"  (also {join_first(names, _MOST_PLACES)})"
         if line.cell_len + len(also) <= width:
             line.append(also, "dim")
     return line
+
+
+def _name_other_places(finding: Finding) -> list[str]:
+    """Return ``:225`` for each related place in the file of a finding, and ``arm.xacro:12`` for the others."""
+    here = finding.location.file
+    others = [place.span for place in finding.related if place.span is not None]
+    names = (f":{o.line}" if o.file == here else f"{escape_one_line(get_base_name(o.file))}:{o.line}" for o in others)
+    return list(dict.fromkeys(names))
 
 
 def _format_line(label: str, text: Text, width: int) -> Text:

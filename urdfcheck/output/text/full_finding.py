@@ -10,6 +10,7 @@ from urdfcheck.core import Applicability, Finding, Fix, Run
 from urdfcheck.output.shared.diffs import list_line_changes
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.effects import ToldEffects, list_new_effects
+from urdfcheck.output.shared.verdict.finding_details import describe_other_places
 from urdfcheck.output.shared.wording import describe_models
 from urdfcheck.output.text.change_lines import iter_change_lines
 from urdfcheck.output.text.code_frame_lines import iter_code_frame
@@ -51,7 +52,10 @@ def iter_full_finding(run: Run, finding: Finding, width: int, told: ToldEffects)
     for call in reversed(finding.location.via):
         caller = f"{escape_one_line(call.file)}:{call.line}:{call.col}  {get_first_line(run, call)}"
         yield from wrap_labelled("from", caller, width)
-    related = [(place.subject, place.span) for place in finding.related if place.span is not None]
+    for other in describe_other_places(finding):
+        yield from wrap_labelled("also", escape_invisible(other), width)
+    places = {own.location.span for own in finding.occurrences}
+    related = [(place.subject, place.span) for place in finding.related if place.span and place.span not in places]
     for subject, place in related[:MAX_RELATED]:
         yield from wrap_labelled(
             "see", f"{escape_one_line(place.file)}:{place.line}  {escape_one_line(subject)}", width

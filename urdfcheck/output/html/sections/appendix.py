@@ -38,7 +38,7 @@ def _render_rule_page(rule: Rule) -> str:
     )
     code = escape_html(rule.code)
     return (
-        f'<details class="rule"><summary><h3><span class="rule-code">{code}</span> {escape_html(rule.name)}</h3></summary>'
+        f'<details class="rule screen"><summary><h3><span class="rule-code">{code}</span> {escape_html(rule.name)}</h3></summary>'
         # A browser opens a fold whose content is the target of a link, but not a fold that is itself the target.
         f'<div id="rule-{code}"><p class="facts">{rule.severity} · {rule.confidence} · since {escape_html(rule.since)}</p>'
         f"{shown}</div></details>"
@@ -47,9 +47,9 @@ def _render_rule_page(rule: Rule) -> str:
 
 def _render_skipped_checks(run: Run) -> str:
     if not run.skipped and run.unchecked_models:
-        text = "<p>Every check could run on the models that were checked.</p>"
+        text = "<p>All checks ran on the checked models.</p>"
     elif not run.skipped:
-        text = "<p>Every check of this run could run on every model.</p>"
+        text = "<p>All checks ran on every model.</p>"
     else:
         count = len({(s.code, s.reason) for s in run.skipped})
         text = f"<details><summary>{format_count(count, 'check')} could not run</summary>{render_skipped_table(run)}</details>"

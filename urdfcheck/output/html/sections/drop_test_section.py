@@ -30,7 +30,7 @@ def render_drop_test(drop_test: DropTest) -> str:
         _render_contacts_table(drop_test, release, len(runs) == 1) for release in runs if release.touching
     )
     return (
-        f"<h3>Drop test</h3><p>Let go for {SECONDS:g} s at a time step of {1e3 * STEP:g} ms in "
+        f"<p>Let go for {SECONDS:g} s at a time step of {1e3 * STEP:g} ms in "
         f"{escape_html(drop_test.simulator)}.</p>{setup}{_render_outcomes_table(drop_test)}{contacts}{_render_stability_figure(drop_test.curves)}"
     )
 
@@ -43,7 +43,7 @@ def _render_outcomes_table(drop_test: DropTest) -> str:
         cells = "".join(f"<td>{escape_html(_replace_minus_sign(word(release)))}</td>" for release in runs)
         rows.append(f'<tr><th scope="row">{name}</th>{cells}</tr>')
     return render_table(
-        f"What came of it. {escape_html(describe_reference_scales(drop_test))}", f"<tr><td></td>{heads}</tr>", rows
+        f"Results. {escape_html(describe_reference_scales(drop_test))}", f"<tr><td></td>{heads}</tr>", rows
     )
 
 

@@ -5,21 +5,30 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from urdfcheck.core import Confidence, Finding, Fix, Location, Run, Span
-from urdfcheck.output.html.element_names import render_data_attribute
+from urdfcheck.output.html.element_names import render_data_attribute, render_element_name
+from urdfcheck.output.html.file_groups import MODEL, classify_file
 from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import escape_html, render_prose
+from urdfcheck.output.html.program_outcomes import VERBS, is_news, list_affected_programs, mark_effect
 from urdfcheck.output.html.sections.code_listing import render_code_frame, render_diff
 from urdfcheck.output.shared.anchors import FindingCard, parse_element_key
+from urdfcheck.output.shared.verdict.claim import join_names
 from urdfcheck.output.shared.verdict.effects import list_effects
 from urdfcheck.output.shared.verdict.not_checked import explain_block
 from urdfcheck.output.shared.wording import (
+    PROGRAM_NAMES,
     describe_models,
     format_count,
     format_place,
     get_base_name,
 )
+from urdfcheck.policy.consumers import get_verdict
 
 MOST_SUBJECTS = 6
+# Elements named in the line with the place.
+MOST_NAMES = 3
+# Other places named there.
+MOST_PLACES = 2
 MOST_EDITS = 4
 MOST_FRAMES = 8
 SHOWN_DIGITS = 8
@@ -30,56 +39,134 @@ CONFIDENCE_TEXTS = {
     Confidence.HEURISTIC: "a hint: judge for yourself",
 }
 APPLICABILITY_TEXTS = {
-    "safe": "safe to apply as shown",
-    "unsafe": "review it before it is applied",
-    "display": "by hand",
+    "safe": "safe to apply",
+    "unsafe": "review first",
+    "display": "manual",
 }
+FIX_TAGS = {"safe": "safe fix", "unsafe": "fix", "display": "fix by hand"}
 
 
-def render_card(run: Run, card: FindingCard, is_open: bool) -> str:
-    """Render a finding; ``is_open``: whether its details are unfolded."""
+def render_card(run: Run, card: FindingCard, *, model_file: str = "", is_first: bool = False) -> str:
+    """Render a finding, folded to its claim and its place; ``is_first``: with the line of code and who minds.
+
+    ``model_file``: the model's own file, which needs no word for what it is."""
     finding = card.finding
-    details = (
-        _render_variants(run, finding),
-        _render_subjects(card),
-        _render_call_chain(run, card),
-        _render_explanation(run, finding),
-        "" if finding.fix is None else _render_fix(run, finding.fix),
-        _render_related(run, finding.related),
-        _render_card_footer(card),
-    )
-    span = finding.location.span
-    summary = "Details" if span is None else _render_place(span)
-    file = "" if span is None else escape_html(span.file)
-    css_class, reason = f"card {finding.severity}", ""
+    file = "" if finding.location.span is None else escape_html(finding.location.span.file)
+    css_class, reason = f"card {finding.severity}{' first' if is_first else ''}", ""
     if finding.suppressed is not None:
         css_class += " known"
         reason = f'<p class="reason">Known, {escape_html(str(finding.suppressed))}</p>'
+    programs = list_affected_programs(finding)
+    affected = f' data-programs="{" ".join(programs)}"' if programs else ""
+    details = (
+        f'<p class="message">{render_prose(finding.message)}</p>',
+        _render_occurrences(finding),
+        _render_explanation(run, finding),
+        "" if finding.fix is None else _render_fix(run, finding.fix),
+        _render_evidence(run, card),
+    )
     return (
         f'<article class="{css_class}" id="{card.anchors[0]}" tabindex="-1" data-code="{escape_html(finding.code)}" '
-        f'data-confidence="{finding.confidence}" data-file="{file}">{_render_card_header(run, card)}'
-        f'<p class="headline">{escape_html(finding.headline)}</p><p class="message">{render_prose(finding.message)}</p>{reason}'
-        f'<details class="more"{" open" if is_open else ""}><summary>{summary}</summary>{"".join(details)}</details></article>'
+        f'data-confidence="{finding.confidence}" data-file="{file}"{affected}>'
+        f"{_render_card_header(run, finding)}{_render_place_line(card, model_file)}{reason}{_render_code(run, finding)}"
+        f'{_render_minds(run, finding)}<details class="more"><summary><span class="sr">Details of {escape_html(finding.code)}, '
+        f"{escape_html(finding.location.subject)}</span></summary>{''.join(details)}</details></article>"
     )
 
 
-def _render_card_header(run: Run, card: FindingCard) -> str:
-    finding = card.finding
+def _render_card_header(run: Run, finding: Finding) -> str:
     code = escape_html(finding.code)
-    rule = f'<span class="rule-code">{code}</span> {escape_html(finding.name)}'
+    rule = f'<span class="rule-code">{code}</span><span class="sr"> {escape_html(finding.name)}</span>'
     if finding.code in run.rules:
-        rule = f'<a href="#rule-{code}">{rule}</a>'
-    button = '<button type="button" class="in-3d" hidden>Show in 3D</button>' if _has_element(finding) else ""
+        rule = f'<a href="#rule-{code}" title="{escape_html(finding.name)}">{rule}</a>'
     return (
-        f'<header><h4>{render_glyph(finding.severity)} <span class="severity">{finding.severity}</span> {rule}</h4>{button}'
-        f'<a class="permalink" href="#{card.anchors[0]}"><span aria-hidden="true">#</span>'
-        f'<span class="sr">link to this finding: {code} {escape_html(finding.location.subject)}</span></a></header>'
+        f'<header><h4>{render_glyph(finding.severity)}<span class="sr severity">{finding.severity}</span> '
+        f'<span class="headline">{escape_html(finding.headline)}</span></h4><span class="rule-name">{rule}</span></header>'
     )
 
 
-def _has_element(finding: Finding) -> bool:
-    """Whether a finding is about a link or a joint."""
-    return any(parse_element_key(subject) is not None for subject in finding.subjects)
+def _render_place_line(card: FindingCard, model_file: str) -> str:
+    """Render where to type: the place, the elements, and whether there is a repair."""
+    finding = card.finding
+    span = finding.location.span
+    parts = []
+    if span is not None:
+        kind = classify_file(span.file, model_file)
+        word = f'<span class="kind">{kind}</span> ' if kind not in ("", MODEL) else ""
+        parts.append(f"<span>{word}{_render_file_line(span)}{_render_other_places(finding, span)}</span>")
+    keys = list(dict.fromkeys(filter(None, map(parse_element_key, finding.subjects))))
+    if finding.fix is not None and finding.fix.edits:
+        parts.append(f'<span class="tag">{FIX_TAGS[str(finding.fix.applicability)]}</span>')
+    if keys:
+        parts.append(
+            '<button type="button" class="in-3d" title="Show in 3D" aria-label="Show in 3D" hidden>3D</button>'
+        )
+    # Names that the headline has in full need no repetition.
+    if any(key[-1] not in finding.headline for key in keys):
+        rest = f" and {len(keys) - MOST_NAMES} more" if len(keys) > MOST_NAMES else ""
+        parts.append(f'<span class="names">{", ".join(map(render_element_name, keys[:MOST_NAMES]))}{rest}</span>')
+    return f'<p class="at">{"".join(parts)}</p>' if parts else ""
+
+
+def _render_other_places(finding: Finding, first: Span) -> str:
+    """Render the other places of one kind of mistake; nothing for a finding of one place."""
+    spans = {own.location.span: None for own in finding.list_occurrences() if own.location.span is not None}
+    others = [span for span in spans if span != first]
+    if not finding.occurrences:
+        return ""
+    shown = "".join(
+        f" {_render_place_code(span, f':{span.line}') if span.file == first.file else _render_file_line(span)}"
+        for span in others[:MOST_PLACES]
+    )
+    rest = f" and {len(others) - MOST_PLACES} more" if len(others) > MOST_PLACES else ""
+    return f'{shown}{rest} <b class="times">×{len(finding.occurrences)}</b>'
+
+
+def _render_code(run: Run, finding: Finding) -> str:
+    """Render the text to change; a closed card hides all but the lines that are meant."""
+    span = finding.location.span
+    if span is None:
+        return ""
+    shown = render_code_frame(run.sources, span, 1)
+    return (
+        f'<figure class="frame typed"><figcaption>{_render_place(span)}</figcaption>{shown}</figure>' if shown else ""
+    )
+
+
+def _render_minds(run: Run, finding: Finding) -> str:
+    """Render what programs do with the defect, apart from those that load what was typed, the worst first."""
+    groups: dict[tuple[int, str, str, str], list[str]] = {}
+    for program in finding.consequences:
+        if is_news(finding, program):
+            verdict = get_verdict(finding.consequences, program)
+            kind = mark_effect(finding, program, run.rules)
+            verbs = VERBS.get(verdict, (finding.consequences[program],) * 2)
+            groups.setdefault((-verdict, kind, *verbs), []).append(PROGRAM_NAMES.get(program, program))
+    phrases = [
+        f'<span class="{kind}">{render_glyph(kind) if kind != "ok" else "·"} <b>{escape_html(join_names(names))}</b> '
+        f"{render_prose(one if len(names) == 1 else several)}</span>"
+        for (_, kind, one, several), names in sorted(groups.items())
+    ]
+    return f'<p class="minds">{"".join(phrases)}</p>' if phrases else ""
+
+
+def _render_evidence(run: Run, card: FindingCard) -> str:
+    """Render what few readers need, folded: each program's sentence, the way to the text, related places, the fingerprint."""
+    finding = card.finding
+    parts = (
+        _render_variants(run, finding),
+        _render_consequences(run, finding),
+        _render_subjects(card),
+        _render_call_chain(run, card),
+        _render_related(run, finding.related),
+        _render_hidden_rules(finding),
+        _render_card_footer(card),
+    )
+    names = ["programs"] if finding.consequences else []
+    names += ["macro calls"] if finding.location.via else []
+    names += [format_count(len(finding.related), "related place")] if finding.related else []
+    told = f": {', '.join(names)}" if names else ""
+    return f'<details class="evidence screen"><summary>Details{told}</summary>{"".join(parts)}</details>'
 
 
 def _render_variants(run: Run, finding: Finding) -> str:
@@ -97,6 +184,21 @@ def _render_variants(run: Run, finding: Finding) -> str:
     return f'<p class="variants">{sentence}.</p>' if sentence else ""
 
 
+def _render_occurrences(finding: Finding) -> str:
+    """Render the places of one kind of mistake, each with what is said of it."""
+    items = [
+        "<li>"
+        + ("" if own.location.span is None else f"{_render_file_line(own.location.span)} ")
+        + f"{escape_html(own.headline)}</li>"
+        for own in finding.occurrences
+    ]
+    if not items:
+        return ""
+    head, rest = "".join(items[:MOST_SUBJECTS]), "".join(items[MOST_SUBJECTS:])
+    more = f"<details><summary>{len(items) - MOST_SUBJECTS} more</summary><ul>{rest}</ul></details>" if rest else ""
+    return f'<div class="occurrences"><h5>{len(items)} places</h5><ul>{head}</ul>{more}</div>'
+
+
 def _render_subjects(card: FindingCard) -> str:
     # Every subject has its own fingerprint and anchor; the anchor of the first is the card's.
     anchors = ["", *(f' id="{i}"' for i in card.anchors[1:])]
@@ -107,9 +209,10 @@ def _render_subjects(card: FindingCard) -> str:
     if len(items) <= MOST_SUBJECTS:
         return f'<ul class="subjects">{"".join(items)}</ul>'
     head, rest = "".join(items[:MOST_SUBJECTS]), "".join(items[MOST_SUBJECTS:])
+    source = "" if card.finding.occurrences else " places made by the same text"
     return (
-        f'<ul class="subjects">{head}</ul><details><summary>{len(items) - MOST_SUBJECTS} more places '
-        f'made by the same text</summary><ul class="subjects">{rest}</ul></details>'
+        f'<ul class="subjects">{head}</ul><details><summary>{len(items) - MOST_SUBJECTS} more{source}</summary>'
+        f'<ul class="subjects">{rest}</ul></details>'
     )
 
 
@@ -121,40 +224,46 @@ def _render_source(run: Run, span: Span | None) -> str:
 
 
 def _render_call_chain(run: Run, card: FindingCard) -> str:
-    """Render the text of the finding; with macros or includes, all calls from the outermost on, linked in both directions."""
+    """Render all calls of macros and includes from the outermost on, linked in both directions; nothing without any."""
     span, via = card.finding.location.span, card.finding.location.via
-    if span is None:
+    if span is None or not via:
         return ""
-    if not via:
-        # The summary line above shows the place.
-        shown = render_code_frame(run.sources, span)
-        return f'<figure class="frame">{shown}</figure>' if shown else ""
     steps = [*via, span]
     last = len(steps) - 1
     ids = [f"{card.anchors[0]}-at{number}" for number in range(len(steps))]
     items = []
     for i, step in enumerate(steps):
-        before = f'<a href="#{ids[i - 1]}">called at {_render_file_line(steps[i - 1])}</a>' if i else ""
-        after = f'<a href="#{ids[i + 1]}">brings in {_render_file_line(steps[i + 1])}</a>' if i < last else ""
+        before = f'<a href="#{ids[i - 1]}">called at {_name_step(steps[i - 1])}</a>' if i else ""
+        after = f'<a href="#{ids[i + 1]}">brings in {_name_step(steps[i + 1])}</a>' if i < last else ""
         is_quoted = i < MOST_FRAMES // 2 or i > last - MOST_FRAMES // 2
-        shown = render_code_frame(run.sources, step, 2 if i == last else 0) if is_quoted else ""
+        shown = render_code_frame(run.sources, step, 0) if is_quoted else ""
         items.append(
             f'<li id="{ids[i]}"><figure class="frame"><figcaption>{_render_place(step)}'
             f'<span class="steps">{before}{after}</span></figcaption>{shown}</figure></li>'
         )
     calls = "a macro call or include" if len(via) == 1 else f"{len(via)} macro calls or includes"
-    return f'<div class="via"><h5>Brought here by {calls}</h5><ol class="chain">{"".join(items)}</ol></div>'
+    return f'<div class="via"><h5>Expanded from {calls}</h5><ol class="chain">{"".join(items)}</ol></div>'
 
 
 def _render_place(span: Span) -> str:
-    """Render a place; on a narrow page the style hides its folder."""
+    """Render a place with its folder."""
     name = get_base_name(span.file)
     folder = span.file[: len(span.file) - len(name)]
     shown = f'<span class="folder">{escape_html(folder)}</span>' if folder else ""
-    return f'<code title="{escape_html(format_place(span))}">{shown}{escape_html(format_place(span)[len(folder) :])}</code>'
+    return _render_place_code(span, f"{shown}{escape_html(format_place(span)[len(folder) :])}")
 
 
 def _render_file_line(span: Span) -> str:
+    """Render a place by the name of its file and the line."""
+    return _render_place_code(span, f"{escape_html(get_base_name(span.file))}:{span.line}")
+
+
+def _render_place_code(span: Span, shown: str) -> str:
+    """Render a place with all of it in the tooltip, which the page's script offers to copy."""
+    return f'<code class="place" title="{escape_html(format_place(span))}">{shown}</code>'
+
+
+def _name_step(span: Span) -> str:
     return f"<code>{escape_html(get_base_name(span.file))}:{span.line}</code>"
 
 
@@ -165,28 +274,36 @@ def _render_related(run: Run, related: Sequence[Location]) -> str:
         f"<li><code>{escape_html(r.subject)}</code>{_render_source(run, r.span)}</li>" for r in related[:MOST_FRAMES]
     )
     items += "".join(
-        f"<li><code>{escape_html(r.subject)}</code>"
-        + (f" <code>{escape_html(format_place(r.span))}</code></li>" if r.span else "</li>")
+        f"<li><code>{escape_html(r.subject)}</code>{f' {_render_place(r.span)}' if r.span else ''}</li>"
         for r in related[MOST_FRAMES:]
     )
-    return f'<details class="related"><summary>Related places ({len(related)})</summary><ul>{items}</ul></details>'
+    return f'<div class="related"><h5>Related places</h5><ul>{items}</ul></div>'
 
 
 def _render_explanation(run: Run, finding: Finding) -> str:
     parts = []
     if block := explain_block(run, finding):
-        parts.append(f'<div class="why"><h5>Not checked</h5><p>{render_prose(block)}</p></div>')
+        parts.append(f'<p class="why"><b>Not checked:</b> {render_prose(block)}</p>')
     if finding.cause_text is not None:
-        parts.append(f'<div class="why"><h5>Why</h5><p>{render_prose(finding.cause_text)}</p></div>')
-    if effects := list_effects(run, finding):
-        rows = [f"<div><dt>{escape_html(names)}</dt><dd>{render_prose(effect)}</dd></div>" for names, effect in effects]
-        parts.append(f'<div class="then"><h5>What follows</h5><dl>{"".join(rows)}</dl></div>')
+        parts.append(f'<p class="why"><b>Why:</b> {render_prose(finding.cause_text)}</p>')
+    return "".join(parts)
+
+
+def _render_consequences(run: Run, finding: Finding) -> str:
+    rows = [
+        f"<div><dt>{escape_html(names)}</dt><dd>{render_prose(effect)}</dd></div>"
+        for names, effect in list_effects(run, finding)
+    ]
+    return f'<div class="then"><h5>In simulators</h5><dl>{"".join(rows)}</dl></div>' if rows else ""
+
+
+def _render_hidden_rules(finding: Finding) -> str:
     hidden = finding.data.get("hides", ())
-    if hidden:
-        parts.append(
-            f'<p class="hides">Set aside on the same element until this is repaired: {_render_codes(hidden)}</p>'
-        )
-    return f'<div class="explanation">{"".join(parts)}</div>' if parts else ""
+    return (
+        f'<p class="hides">Not reported on the same element until this is repaired: {_render_codes(hidden)}</p>'
+        if hidden
+        else ""
+    )
 
 
 def _render_codes(codes: Iterable[object]) -> str:
@@ -202,7 +319,7 @@ def _render_fix(run: Run, fix: Fix) -> str:
     if len(fix.edits) > MOST_EDITS:
         edits = f"<details><summary>{format_count(len(fix.edits), 'edit')}</summary>{edits}</details>"
     return (
-        f'<div class="fix"><div class="fix-head"><h5>Repair <span class="how">{how}</span></h5>{button}</div>'
+        f'<div class="fix"><div class="fix-head"><h5>Fix <span class="how">{how}</span></h5>{button}</div>'
         f"<p>{render_prose(fix.title)}</p>{edits}</div>"
     )
 
@@ -214,7 +331,9 @@ def _render_card_footer(card: FindingCard) -> str:
         f'<span>fingerprint <data class="print" value="{text}" title="{text}">{text[:SHOWN_DIGITS]}</data></span>'
         for text in finding.fingerprints[:1]
     )
+    link = f'<a class="permalink" href="#{card.anchors[0]}">link to this finding</a>'
     return (
-        f"<footer><span><b>{finding.confidence}</b>: {CONFIDENCE_TEXTS[finding.confidence]}</span> {fingerprint} "
+        f"<footer><span>{escape_html(finding.name)} · <b>{finding.confidence}</b>: "
+        f"{CONFIDENCE_TEXTS[finding.confidence]}</span> {fingerprint} {link} "
         '<button type="button" class="act copy-link" hidden>Copy link</button></footer>'
     )

@@ -8,7 +8,7 @@ from urdfcheck.core import Run, Severity
 from urdfcheck.output.html.glyphs import pluralize_severity, render_badges, render_glyph
 from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.html.report_parts import ReportPart
-from urdfcheck.output.shared.wording import SEVERITY_ORDER
+from urdfcheck.output.shared.wording import SEVERITY_ORDER, format_count
 
 # Up to this many models and files are in the bar itself; more are in a menu.
 MOST_ROWS = 4
@@ -71,11 +71,16 @@ def _render_navigation(parts: Sequence[ReportPart], has_rules: bool) -> str:
     rest = [("rules" if has_rules else "skipped", "Rules and checks"), ("about", "About")]
     more = "".join(f'<li><a href="#{i}">{name}</a></li>' for i, name in rest)
     if len(parts) > MOST_ROWS:
-        listed = (
-            f'<details class="menu"><summary>{len(parts)} models and files</summary><ul>{"".join(rows)}</ul></details>'
-        )
+        listed = f'<details class="menu"><summary>{_count_parts(parts)}</summary><ul>{"".join(rows)}</ul></details>'
         return f'<nav aria-label="Contents">{listed}<ul>{more}</ul></nav>'
     return f'<nav aria-label="Contents"><ul>{"".join(rows)}{more}</ul></nav>'
+
+
+def _count_parts(parts: Sequence[ReportPart]) -> str:
+    """Return ``4 models and 1 other file``."""
+    models = sum(part.info is not None for part in parts)
+    others = len(parts) - models
+    return " and ".join(format_count(n, word) for n, word in ((models, "model"), (others, "other file")) if n)
 
 
 def _render_file_label(part: ReportPart, titles: Sequence[str]) -> str:

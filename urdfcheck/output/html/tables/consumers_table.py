@@ -4,22 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from urdfcheck.core import Finding, Rule, Verdict
+from urdfcheck.core import Finding, Rule
 from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import NO_VALUE, escape_html
+from urdfcheck.output.html.program_outcomes import VERDICT_TEXTS, select_launch_findings
 from urdfcheck.output.html.tables.html_table import render_table
 from urdfcheck.output.shared.wording import PROGRAM_NAMES
 from urdfcheck.policy.consumers import ConsumerOutcome, predict_outcomes
-
-VERDICT_TEXTS = {
-    Verdict.LOADS: ("ok", "loads it as typed"),
-    Verdict.IGNORES: ("warning", "loads it changed: ignores a part"),
-    Verdict.REPLACES: ("warning", "loads it changed: replaces values"),
-    Verdict.SWAPS: ("warning", "loads it changed: swaps values"),
-    Verdict.NAN: ("warning", "loads it and computes NaN"),
-    Verdict.DROPS: ("error", "loads it changed: drops a part"),
-    Verdict.REFUSES: ("error", "refuses it"),
-}
 
 
 def render_consumers_table(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> str:
@@ -28,16 +19,14 @@ def render_consumers_table(findings: Iterable[Finding], rules: Mapping[str, Rule
     Codes of the given rules are links to their pages.
     """
     findings = list(findings)
-    launched = [f for f in findings if f.code in rules and rules[f.code].scopes == ("launch",) and f.suppressed is None]
+    launched = select_launch_findings(findings, rules)
     columns = ["Program", "What it does", "Because of", *(["When launched"] if launched else [])]
     head = "".join(f'<th scope="col">{column}</th>' for column in columns)
     rows = (
         _render_consumer_row(name, outcome, rules, _render_launch_cell(name, launched, rules))
         for name, outcome in predict_outcomes(findings).items()
     )
-    return render_table(
-        "What each program does with the model, as far as these findings tell", f"<tr>{head}</tr>", rows
-    )
+    return render_table("What each program does with the model, according to these findings", f"<tr>{head}</tr>", rows)
 
 
 def _render_consumer_row(name: str, outcome: ConsumerOutcome, rules: Collection[str], launch_cell: str) -> str:

@@ -10,11 +10,12 @@ from urdfcheck.output.shared.anchors import ElementKey, SeverityMark
 from urdfcheck.output.shared.wording import format_count
 
 
-def render_table(caption: str, head: str, rows: Iterable[str], *, foot: str = "") -> str:
-    """Render a table in a box that scrolls on a narrow page."""
+def render_table(caption: str, head: str, rows: Iterable[str], *, foot: str = "", is_sortable: bool = False) -> str:
+    """Render a table in a box that scrolls on a narrow page; the page's script makes a sortable one sort by its columns."""
     foot = f"<tfoot>{foot}</tfoot>" if foot else ""
+    kind = ' class="sortable"' if is_sortable else ""
     return (
-        f'<div class="scroll" role="group" tabindex="0" aria-label="{caption}"><table><caption>{caption}</caption>'
+        f'<div class="scroll" role="group" tabindex="0" aria-label="{caption}"><table{kind}><caption>{caption}</caption>'
         f"<thead>{head}</thead><tbody>{''.join(rows)}</tbody>{foot}</table></div>"
     )
 
@@ -29,6 +30,6 @@ def render_name_cell(element_key: ElementKey, mark: SeverityMark | None) -> str:
     return f'<th scope="row">{render_element_name(element_key)}{sign}</th>'
 
 
-def render_number_cell(text: str) -> str:
-    """Render a cell that is aligned as a number."""
-    return f'<td class="num">{text}</td>'
+def render_number_cell(text: str, value: float | None = None) -> str:
+    """Render a cell that is aligned as a number; ``value``: what to sort it by where the text alone does not say."""
+    return f'<td class="num">{text}</td>' if value is None else f'<td class="num" data-v="{value:.4g}">{text}</td>'

@@ -26,7 +26,7 @@ def render_joints_table(scene: Scene, marks: Mapping[ElementKey, SeverityMark]) 
     )
     rows = (_render_joint_row(joint, marks.get(("joint", joint.name)), extra) for joint in scene.joints)
     linear = ". Of a prismatic joint: N, m/s, N·s/m" if any(column.css_class == "num" for column in extra) else ""
-    return render_table(f"Axes in the base frame, all joints at zero{linear}", head, rows)
+    return render_table(f"Axes in the base frame, all joints at zero{linear}", head, rows, is_sortable=True)
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,7 +46,7 @@ def render_meshes_table(scene: Scene) -> str:
         count = format_count(len(scene.meshes), "file")
         foot = f'<tr><th scope="row">{count}</th><td colspan="7"></td>{render_number_cell(total)}</tr>'
     where = f", with files in {escape_html(folder)}" if folder else ""
-    return render_table(f"What is drawn and what collides{where}", head, rows, foot=foot)
+    return render_table(f"What is drawn and what collides{where}", head, rows, foot=foot, is_sortable=True)
 
 
 def _render_mesh_row(

@@ -25,24 +25,26 @@ def render_physics_table(scene: Scene, marks: Mapping[ElementKey, SeverityMark])
     """Render the inertial of each link, compared with its drawn geometry filled uniformly with the same mass."""
     head = (
         '<tr><th scope="col" rowspan="2">Link</th><th scope="col" rowspan="2" class="num">Mass<br><small>kg</small></th>'
-        '<th scope="colgroup" colspan="3">Centre of mass <small>mm, link frame</small></th>'
-        '<th scope="colgroup" colspan="4">Principal moments <small>kg·m²</small></th>'
-        '<th scope="col" rowspan="2" class="num">Density<br><small>kg/m³</small></th>'
         '<th scope="colgroup" colspan="4">Moments ÷ solid’s</th>'
-        '<th scope="col" rowspan="2" class="num">COMs apart<br><small>mm</small></th></tr>'
-        "<tr>"
-        + "".join(f'<th scope="col" class="num">{name}</th>' for name in ("x", "y", "z", "I₁", "I₂", "I₃"))
-        + '<th scope="col"><span class="sr">power of ten</span></th>'
+        '<th scope="col" rowspan="2" class="num">COMs apart<br><small>mm</small></th>'
+        '<th scope="col" rowspan="2" class="num">Density<br><small>kg/m³</small></th>'
+        '<th scope="colgroup" colspan="3">Centre of mass <small>mm, link frame</small></th>'
+        '<th scope="colgroup" colspan="4">Principal moments <small>kg·m²</small></th></tr><tr>'
         + "".join(f'<th scope="col" class="num">{name}</th>' for name in ("I₁", "I₂", "I₃"))
-        + '<th scope="col"><span class="sr">verdict</span></th></tr>'
+        + '<th scope="col"><span class="sr">verdict</span></th>'
+        + "".join(f'<th scope="col" class="num">{name}</th>' for name in ("x", "y", "z", "I₁", "I₂", "I₃"))
+        + '<th scope="col" class="power"><span class="sr">power of ten</span></th></tr>'
     )
     rows = (_render_physics_row(link, marks.get(("link", link.name))) for link in scene.links)
     solid = (
-        "<p>The solid of a link is its drawn geometry, filled uniformly with its mass. Moments are far off where they differ "
-        "from those of the solid by a factor of five or more.</p>"
+        "<p>The solid of a link is its drawn geometry, filled uniformly with its mass. "
+        f'<span class="marks warning">{render_glyph("warning")}</span> marks moments that differ from those of the solid '
+        "by a factor of five or more.</p>"
     )
     foot = _render_total_row(scene)
-    return solid + render_table("What the file says, and how far it is from the solid", head, rows, foot=foot)
+    return solid + render_table(
+        "What the file says, and how far it is from the solid", head, rows, foot=foot, is_sortable=True
+    )
 
 
 def _render_physics_row(link: SceneLink, mark: SeverityMark | None) -> str:
@@ -54,16 +56,27 @@ def _render_physics_row(link: SceneLink, mark: SeverityMark | None) -> str:
     density = NO_VALUE if link.density is None else _format_density(link.density)
     ratios = _compute_moment_ratios(inertial.moments, link.drawn_moments)
     far = any(not 1 / FAR_RATIO < ratio < FAR_RATIO for ratio in ratios)
-    verdict = f'<td class="warning">{render_glyph("warning")} far off</td>' if far else "<td></td>"
+    verdict = (
+        f'<td class="warning">{render_glyph("warning")}<span class="sr"> far off</span></td>' if far else "<td></td>"
+    )
     ratio_texts = [format_number(ratio, 3) for ratio in ratios] or [NO_VALUE] * 3
     has_both_coms = inertial.com and link.drawn_com
     distance = format_millimetres(math.dist(inertial.com, link.drawn_com)) if has_both_coms else NO_VALUE
-    typed = "".join(map(render_number_cell, (format_number(inertial.mass), *com, *moments)))
-    compared = "".join(map(render_number_cell, ratio_texts))
-    return (
-        f"<tr>{render_name_cell(('link', link.name), mark)}{typed}"
-        f'<td class="power">{power}</td>{render_number_cell(density)}{compared}{verdict}{render_number_cell(distance)}</tr>'
+    typed = [
+        render_number_cell(moment, value)
+        for moment, value in zip(moments, inertial.moments or (None,) * 3, strict=True)
+    ]
+    cells = (
+        render_number_cell(format_number(inertial.mass)),
+        *map(render_number_cell, ratio_texts),
+        verdict,
+        render_number_cell(distance),
+        render_number_cell(density),
+        *map(render_number_cell, com),
+        *typed,
+        f'<td class="power">{power}</td>',
     )
+    return f"<tr>{render_name_cell(('link', link.name), mark)}{''.join(cells)}</tr>"
 
 
 def _compute_moment_ratios(moments: Sequence[float], drawn_moments: Sequence[float]) -> list[float]:
@@ -85,7 +98,8 @@ def _render_total_row(scene: Scene) -> str:
         com = [format_millimetres(math.fsum(mass * place[i] for mass, place in placed) / total) for i in range(3)]
     return (
         f'<tr><th scope="row">All together<br><small>base frame, joints at zero</small></th>'
-        f'{"".join(map(render_number_cell, (format_number(total), *com)))}<td colspan="10"></td></tr>'
+        f'{render_number_cell(format_number(total))}<td colspan="6"></td>{"".join(map(render_number_cell, com))}'
+        '<td colspan="4"></td></tr>'
     )
 
 

@@ -80,7 +80,10 @@ def _build_model(
     active = [card for card in cards if card.finding.suppressed is None]
     links = frozenset(link.name for link in scene.links)
     by_pair = {
-        frozenset(pair): card.anchors[0] for card in active if len(pair := _list_named_links(card.finding, links)) == 2
+        frozenset(pair): card.anchors[0]
+        for card in active
+        for own in card.finding.list_occurrences()
+        if len(pair := _list_named_links(own, links)) == 2
     }
     ground = scene.ground
     return {
@@ -217,7 +220,8 @@ def _build_finding(
 ) -> dict[str, Any]:
     finding = card.finding
     keys = [key for subject in finding.subjects if (key := parse_element_key(subject)) is not None]
-    preview = previews.get((finding.code, finding.message_id, finding.location.span), [])
+    places = {(own.code, own.message_id, own.location.span): None for own in finding.list_occurrences()}
+    preview = [shown for place in places for shown in previews.get(place, [])]
     return {
         "id": card.anchors[0],
         "code": finding.code,

@@ -42,11 +42,11 @@ def _iter_lines(summary: AuditSummary, rules: Mapping[str, Rule]) -> Iterator[st
             yield f"  {escape_one_line(row.command)}"
     rest = sum(n for status, n in summary.statuses.items() if status != "checked") - len(summary.unchecked)
     if rest > 0:
-        yield f"and {rest:,} more that were not checked"
+        yield f"and {rest:,} more not checked"
     for failure in summary.failures:
         yield f"not checked: {escape_one_line(failure)}"
-    if summary.failure_count > len(summary.failures):
-        yield f"and {summary.failure_count - len(summary.failures):,} more failures"
+    if (more := summary.failure_count - len(summary.failures)) > 0:
+        yield f"and {more:,} more {'failure' if more == 1 else 'failures'}"
     yield _format_totals(summary)
 
 

@@ -1,0 +1,99 @@
+"""A number that a macro only hands on is reported where it was typed: in a yaml file, a call or a property."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import check
+
+from urdfcheck.core import Finding, Run
+
+XACRO = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
+MACRO = (
+    '<xacro:macro name="disc" params="name m:=1 i:=^|0">\n<link name="${name}"><inertial><mass value="1"/>\n'
+    '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="${m}"/></inertial></link></xacro:macro>\n'
+)
+HANDED = MACRO.replace('ixx="0.1"', 'ixx="${i.xx}"').replace('iyy="0.1"', 'iyy="${i.yy}"').replace("${m}", "${i.zz}")
+LOADED = (
+    '<xacro:property name="all" value="${xacro.load_yaml(\'sizes.yaml\')}"/>\n'
+    '<xacro:disc name="wheel" i="${all[\'wheel\']}"/>'
+)
+SIZES = "other: 1\nwheel:\n  xx: 0.1\n  yy: 0.1\n  zz: 0.9\n"
+
+
+def find(folder: Path, body: str, sizes: str = "") -> Run:
+    (folder / "r.urdf.xacro").write_text(XACRO.format(body))
+    (folder / "sizes.yaml").write_text(sizes)
+    return check(folder / "r.urdf.xacro", codes={"INR003", "INR010", "URC902"}, tier="source", root=folder)
+
+
+def get_place(finding: Finding, folder: Path) -> tuple[str, str]:
+    """Name of the file, and the text at the place of a finding."""
+    span = finding.location.span
+    assert span is not None
+    return Path(span.file).name, (folder / Path(span.file).name).read_text()[span.start : span.end]
+
+
+def test_an_argument_of_the_call(tmp_path: Path) -> None:
+    # As an attribute the number is the place; the others of the inertia are typed in the macro, which stays to blame.
+    (found,) = find(tmp_path, MACRO + '<xacro:disc name="wheel" m="9"/>').findings
+    assert get_place(found, tmp_path)[1].startswith("<inertia")
+    zeros = MACRO.replace('"0.1"', '"${m}"').replace('izz="${m}"', 'izz="${n}"').replace("m:=1", "m n")
+    (found,) = find(tmp_path, zeros + '<xacro:disc name="wheel" m="0.1" n="9"/>').findings
+    assert get_place(found, tmp_path) == ("r.urdf.xacro", '0.1" n="9')
+    assert found.location.subject == "link[wheel]/inertial/inertia"
+    assert found.location.via[-1].line == 3
+
+
+def test_a_block_of_yaml(tmp_path: Path) -> None:
+    run = find(tmp_path, HANDED + LOADED, SIZES)
+    (found,) = run.findings
+    assert get_place(found, tmp_path) == ("sizes.yaml", "0.1\n  yy: 0.1\n  zz: 0.9")
+    assert Path(found.location.via[-1].file).name == "r.urdf.xacro"
+    assert found.location.span not in [place.span for place in found.related]
+    assert any(Path(file).name == "sizes.yaml" for file in run.sources)
+
+
+def test_values_that_are_not_beside_each_other_are_told_at_the_first(tmp_path: Path) -> None:
+    sizes = SIZES.replace("  yy", "  # the wheel is round\n\n  yy")
+    (found,) = find(tmp_path, HANDED + LOADED, sizes).findings
+    assert get_place(found, tmp_path) == ("sizes.yaml", "0.1")
+
+
+@pytest.mark.parametrize(
+    "line", ['<inertia ixx="${i.xx}"', "  xx: 0.1", '<xacro:disc name="wheel" i'], ids=["macro", "yaml", "call"]
+)
+def test_a_comment_suppresses_at_the_macro_and_where_the_number_is(tmp_path: Path, line: str) -> None:
+    text, hint = "urdfcheck: ignore[INR003] measured", line.strip()[0] == "<"
+    comment = f"<!-- {text} -->\n" if hint else f"  # {text}\n"
+    body, sizes = ((HANDED + LOADED).replace(line, comment + line), SIZES.replace(line, comment + line))
+    (found,) = find(tmp_path, body, sizes).findings
+    assert (found.code, found.suppressed is not None) == ("INR003", True)
+
+
+def test_links_of_one_number_are_one_finding_and_of_other_numbers_other_places(tmp_path: Path) -> None:
+    call, last = '<xacro:disc name="{}" i="${{all[\'{}\']}}"/>', LOADED.splitlines()[0]
+    calls = "".join(call.format(name, key) for name, key in (("a", "wheel"), ("b", "wheel"), ("c", "lidar")))
+    joints = "".join(
+        f'<joint name="{n}" type="fixed"><parent link="o"/><child link="{n}"/></joint>' for n in ("a", "b", "c")
+    )
+    sizes = SIZES + "lidar:\n  xx: 0.1\n  yy: 0.1\n  zz: 0.8\n"
+    (found,) = find(tmp_path, f'{HANDED}{last}<link name="o"/>{calls}{joints}', sizes).findings
+    assert [len(own.subjects) for own in found.occurrences] == [2, 1]
+    assert [own.location.span.line for own in found.occurrences if own.location.span] == [3, 7]
+
+
+@pytest.mark.parametrize(
+    ("macro", "call"),
+    [
+        (MACRO, '<xacro:disc name="wheel" m="${3 * 3}"/>'),
+        (MACRO.replace("m:=1", "m:=9"), '<xacro:disc name="wheel"/>'),
+        (MACRO.replace("${m}", "${9 * m}"), '<xacro:disc name="wheel" m="1"/>'),
+        (MACRO.replace("${m}", "9"), '<xacro:disc name="wheel"/>'),
+    ],
+    ids=["computed in the call", "default of the macro", "computed in the macro", "typed in the macro"],
+)
+def test_what_is_not_typed_elsewhere_stays_in_the_macro(tmp_path: Path, macro: str, call: str) -> None:
+    (found,) = find(tmp_path, macro + call).findings
+    assert get_place(found, tmp_path)[1].startswith("<inertia")

@@ -1,0 +1,71 @@
+"""The verdict on a run as one claim: how many errors, which programs refuse the model, or why it was not checked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from urdfcheck.core import Finding, Run, Severity, Verdict
+from urdfcheck.output.shared.verdict.not_checked import describe_not_checked, explain_unchecked, is_accepted
+from urdfcheck.output.shared.verdict.verdict import summarize_verdict
+from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, get_base_name, join_first
+from urdfcheck.policy.consumers import predict_outcomes
+
+# Models that were not checked and programs that a claim names.
+_MOST_NAMED = 3
+
+
+def state_claim(run: Run) -> tuple[str, str]:
+    """Return the claim: error | unchecked | warning | ok, and a sentence without its full stop.
+
+    What was not checked comes first: whatever else is said holds for the rest only.
+    """
+    kind, sentence = summarize_verdict(run)
+    errors, warnings = run.count_findings(Severity.ERROR), run.count_findings(Severity.WARNING)
+    if run.failures:
+        return "error", f"Not finished: {format_count(len(run.failures), 'failure')}, so this verdict is incomplete"
+    if kind == "unchecked" and len(run.models) == 1 and run.unchecked_models:
+        (info,) = run.unchecked_models
+        accepted = " (accepted)" if is_accepted(info) else ""
+        return "unchecked", f"Not checked{accepted}: {explain_unchecked(info)}"
+    if errors:
+        said, found = "error", format_count(errors, "error") + _describe_models_with_errors(run)
+    elif warnings:
+        said, found = "ok", f"No errors, {format_count(warnings, 'warning')}"
+    else:
+        return kind, sentence if not run.unchecked_models else f"{_name_unchecked(run)}. No errors and no warnings"
+    if len(run.models) == 1 and (refusing := describe_refusals(run.findings)):
+        said, found = "warning" if said == "ok" else said, f"{found}: {refusing}"
+    if unchecked := describe_not_checked(run):
+        said = "unchecked" if run.unchecked_models or said == "ok" else said
+        found = f"{_name_unchecked(run) if run.unchecked_models else unchecked}. {found}"
+    return said, found
+
+
+def describe_refusals(findings: Iterable[Finding]) -> str:
+    """Return ``MuJoCo and Drake refuse this model``; empty if no program is known to."""
+    outcomes = predict_outcomes(findings)
+    names = [PROGRAM_NAMES.get(name, name) for name, o in outcomes.items() if o.verdict == Verdict.REFUSES]
+    if not names:
+        return ""
+    return f"{join_names(names)} {'refuses' if len(names) == 1 else 'refuse'} this model"
+
+
+def join_names(names: list[str]) -> str:
+    """Join names, ``a, b and c``; of more than four the first three and how many more there are."""
+    if len(names) > _MOST_NAMED + 1:
+        return join_first(names, _MOST_NAMED)
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+
+
+def _name_unchecked(run: Run) -> str:
+    names = [get_base_name(info.path) for info in run.unchecked_models]
+    return f"{describe_not_checked(run)} ({join_first(list(dict.fromkeys(names)), _MOST_NAMED)})"
+
+
+def _describe_models_with_errors(run: Run) -> str:
+    """Return `` in 2 of 4 models``; empty for a single model."""
+    if len(run.models) < 2:
+        return ""
+    ids = {info.id for info in run.models}
+    bad = {m for f in run.active_findings if f.severity == Severity.ERROR for m in (f.model, *f.subjects_by_model)}
+    return f" in {len(ids & bad)} of {format_count(len(run.models), 'model')}" if ids & bad else ""
