@@ -456,7 +456,7 @@ def test_the_hind_legs_decide_about_the_front_legs(tmp_path: Path) -> None:
     limited = one(tmp_path, with_(quadruped(), "joint[@name='FL_joint']/limit", upper="1.0"))
     assert (limited.message_id, limited.location.subject) == ("limits", "joint[FL_joint]/limit")
     assert limited.fix is not None
-    assert [(e.expected, e.replacement) for e in limited.fix.edits] == [("1.0", "2")]
+    assert [(e.expected, e.replacement) for e in limited.fix.edits] == [("1.0", "2.0")]
 
 
 def test_limits_that_slipped_by_one_joint_are_one_finding(tmp_path: Path) -> None:
