@@ -7,6 +7,7 @@ between two fences ``---`` begins the next tree.
 from __future__ import annotations
 
 import inspect
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -168,6 +169,12 @@ def test_good_block_does_not(case: Case, tmp_path: Path) -> None:
 def test_an_example_gets_the_repair_that_the_page_promises(rule: Rule, tmp_path: Path) -> None:
     found = (f for number, case in enumerate(cases(rule, "Bad")) for f in findings_of(case, tmp_path / str(number)))
     assert any(offered(finding) is rule.fix for finding in found)  # the first that does is enough
+
+
+@pytest.mark.parametrize("rule", [rule for rule in RULES if rule.excess], ids=lambda rule: rule.code)
+def test_the_number_that_orders_findings_is_one(rule: Rule, tmp_path: Path) -> None:
+    found = (f for number, case in enumerate(cases(rule, "Bad")) for f in findings_of(case, tmp_path / str(number)))
+    assert any(math.isfinite(finding.excess) for finding in found), f"no example has a number {rule.excess!r}"
 
 
 def sentences(rule: Rule) -> Iterator[str]:

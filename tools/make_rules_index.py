@@ -6,7 +6,7 @@ from pathlib import Path
 
 from urdfcheck.core import Applicability, Rule, Verdict
 from urdfcheck.policy.consumers import CONSUMERS
-from urdfcheck.rules import load_families, load_rules
+from urdfcheck.rules import describe_on_request, load_families, load_rules
 
 FIX = {Applicability.SAFE: "safe", Applicability.UNSAFE: "unsafe", Applicability.DISPLAY: "–"}
 
@@ -17,7 +17,9 @@ One page per rule: its metadata, its documentation and its first test. `urdfchec
 [CONTRIBUTING](../CONTRIBUTING.md) says how to add one. This index is made by `make reports`.
 
 *fix*: `--fix` repairs it (**safe**), repairs it with `--unsafe-fixes` (**unsafe**), or a person has to (–). *programs*: the worst
-that programs do with the defect, if they do not just load what was typed; the page says it in words.
+that programs do with the defect, if they do not just load what was typed; the page says it in words. *Notes only on request*:
+they are reported with `-v`, if `--select`, `select`, `severity` or `options` name the rule (`ALL` names every rule), or if they
+matter to a target.
 """
 
 
@@ -34,7 +36,7 @@ def render_index() -> str:
             page = f"{rule.code}-{rule.name}.md"
             parts.append(
                 f"| [{rule.code}]({page}) | {rule.name} | {rule.severity} | {rule.confidence} | {FIX[rule.fix]} "
-                f"| {_escape_cell(rule.summary)} | {_list_programs(rule)} |\n"
+                f"| {_escape_cell(rule.summary)}{_format_on_request(rule)} | {_list_programs(rule)} |\n"
             )
     return "".join(parts)
 
@@ -51,6 +53,11 @@ def _list_programs(rule: Rule) -> str:
         names = [name for name in CONSUMERS if worst.get(name) is verdict]
         told.append(f"**{verdict}** {', '.join(names)}")
     return "; ".join(told) or "–"
+
+
+def _format_on_request(rule: Rule) -> str:
+    told = describe_on_request(rule)
+    return f" *({told.partition(' (')[0]})*" if told else ""
 
 
 def _escape_cell(text: str) -> str:

@@ -36,6 +36,8 @@ _KEYS = {
     "layers",
     "depends_on_targets",
     "fix",
+    "excess",
+    "on_request",
     "options",
     "messages",
     "headlines",
@@ -102,6 +104,8 @@ def load_page(path: Path) -> Rule:
         for message in meta["messages"]:
             if message not in meta["headlines"]:
                 raise ValueError(f"[headlines] has no {message!r}: every message needs one")
+        if "on_request" in meta and "run" in scope:
+            raise ValueError("on_request: notes about several models are always reported")
         consumers = meta["consumers"]
         if consumers == "none":
             consumers = {}
@@ -132,10 +136,31 @@ def load_page(path: Path) -> Rule:
             consumers=consumers,
             stem=path.stem.lower().replace("-", "_"),
             page=text,
+            excess=str(meta.get("excess", "")),
+            on_request=_parse_on_request(meta.get("on_request", ()), meta["messages"]),
             layers=tuple(meta.get("layers", family.layers)),
         )
     except (KeyError, ValueError, TypeError) as error:
         raise UrdfcheckError(f"{path}: {type(error).__name__}: {error}") from error
+
+
+def _parse_on_request(value: Any, messages: Iterable[str]) -> frozenset[str]:
+    """Read ``on_request``: true for all messages, or a list of ids.
+
+    :raises ValueError: for an id of no message.
+    """
+    ids = frozenset(messages if value is True else value)
+    if unknown := sorted(ids - set(messages)):
+        raise ValueError(f"on_request: there is no message {unknown[0]!r}")
+    return ids
+
+
+def describe_on_request(rule: Rule) -> str:
+    """Say which notes of a rule are reported on request only; empty if all are always reported."""
+    if not rule.on_request:
+        return ""
+    which = "notes" if rule.on_request == set(rule.messages) else f"notes {', '.join(sorted(rule.on_request))}"
+    return f"{which} only on request (-v, --select, a severity or a target that they concern)"
 
 
 def _split_page(page: str) -> tuple[str, str]:
@@ -156,6 +181,8 @@ def explain_rule(rule: Rule) -> str:
         facts.append(f"gives way to {', '.join(rule.hidden_by)} on the same element")
     if rule.concerns:
         facts.append(f"concerns {', '.join(rule.concerns)} only")
+    if rule.on_request:
+        facts.append(describe_on_request(rule))
     parts = [f"# {rule.code} {rule.name}", " · ".join(facts)]
     body = _split_page(_TITLE.sub("", rule.page))[1].strip()
     parts.append(body)

@@ -169,7 +169,7 @@ def test_a_sign_is_named_when_the_other_one_is_near_the_parts_own(tmp_path: Path
     assert finding.message_id == message
     assert finding.fix is not None
     edits = [(e.expected, e.replacement) for e in finding.fix.edits]
-    assert edits == ([("-0.16 0.001 0.0", "0.16 0.001 0")] if message == "sign" else [])
+    assert edits == ([("-0.16 0.001 0.0", "0.16 0.001 0.0")] if message == "sign" else [])
 
 
 def test_a_centre_of_mass_that_was_not_given_is_told(tmp_path: Path) -> None:

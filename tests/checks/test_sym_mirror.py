@@ -409,7 +409,7 @@ def test_a_macro_that_forgets_to_reflect_is_not_edited(tmp_path: Path) -> None:
     assert finding.cause.id == "copied"
     assert finding.fix is not None
     assert not finding.fix.edits
-    assert "a parameter, `reflect` for instance, that is 1 for left_arm and -1 for right_arm" in finding.fix.title
+    assert "a parameter such as `reflect`, 1 for left_arm and -1 for right_arm" in finding.fix.title
     assert re.search(r'xyz="[0-9.]+ \$\{reflect\*[0-9.]+\} -?[0-9.]+"', finding.fix.title)
     assert re.search(r'iyz="\$\{reflect\*-?[0-9.e-]+\}"', finding.fix.title)
 
@@ -456,7 +456,7 @@ def test_the_hind_legs_decide_about_the_front_legs(tmp_path: Path) -> None:
     limited = one(tmp_path, with_(quadruped(), "joint[@name='FL_joint']/limit", upper="1.0"))
     assert (limited.message_id, limited.location.subject) == ("limits", "joint[FL_joint]/limit")
     assert limited.fix is not None
-    assert [(e.expected, e.replacement) for e in limited.fix.edits] == [("1.0", "2")]
+    assert [(e.expected, e.replacement) for e in limited.fix.edits] == [("1.0", "2.0")]
 
 
 def test_limits_that_slipped_by_one_joint_are_one_finding(tmp_path: Path) -> None:

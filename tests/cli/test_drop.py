@@ -342,7 +342,7 @@ def test_a_finding_of_it_can_fail_a_gate(tmp_path: Path, capsys: pytest.CaptureF
     path = tmp_path / "table.urdf"
     path.write_text(page.partition("```urdf\n")[2].partition("```")[0], encoding="utf-8")
     assert main(["drop", str(path), "--no-cache", "--fail-on", "warning"]) == 1
-    assert "▲ warning DYN005 dropped with no torques, " in capsys.readouterr().out
+    assert "▲ DYN005 dropped with no torques, " in capsys.readouterr().out
 
 
 def test_without_mujoco_it_says_what_to_install(

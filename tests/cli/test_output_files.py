@@ -153,3 +153,11 @@ def test_dots_do_not_hide_a_link(tmp_path: Path) -> None:
     for bad in ("in/link/x", "in/side/../link/x", "in/link/../x", "in/link/../../in/x"):
         with pytest.raises(cli.UrdfcheckError, match="link is a link"):
             checked.ensure_own(tmp_path / bad)
+
+
+def test_a_picture_of_two_models_is_refused_before_they_are_checked(tmp_path: Path) -> None:
+    for name in ("a.urdf", "b.urdf"):
+        (tmp_path / name).write_text("<robot name='r'><link name='a'/></robot>")
+    done = urdfcheck("a.urdf", "b.urdf", "-o", "png=r.png", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "a png shows one model, and 2 are named" in done.stderr

@@ -52,7 +52,7 @@ def test_a_model_comes_through_a_pipe(check: Check, tmp_path: Path) -> None:
     assert check(SOUND).returncode == cli.OK
     done = check(TWICE, "--tier", "source")
     assert done.returncode == cli.FINDINGS
-    assert re.search(r"^✖ error KIN001 duplicate link name: .*\n  --> stdin\.urdf:1:48\b", done.stdout, re.MULTILINE)
+    assert re.search(r"^✖ KIN001 duplicate link name: .*\n  --> stdin\.urdf:1:48\b", done.stdout, re.MULTILINE)
     assert check(TWICE, "--fail-on", "never", "--tier", "source").returncode == cli.OK
     assert sorted(path.name for path in tmp_path.iterdir()) == ["package.xml", "urdf"], "nothing is written"
 

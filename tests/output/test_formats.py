@@ -10,6 +10,7 @@ import os
 import re
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -238,7 +239,7 @@ READERS: dict[str, Callable[[str], Any]] = {
         ("rdjson", '"column": ', '"offset": '),
         ("rdjson", '"severity": "ERROR"', '"severity": "error"'),
         ("markdown", PLACE, "[rover](rover.urdf)"),
-        ("markdown", PLACE, "rover|rover.urdf|8"),
+        ("markdown", "`rover.urdf:9`", "rover|rover.urdf|8"),
         ("markdown", PLACE, "@rover"),
         ("markdown", PLACE, "<img>"),
     ],
@@ -657,7 +658,41 @@ def test_junit_tells_what_a_person_needs() -> None:
 
 def test_a_comment_begins_with_its_marker_and_the_verdict() -> None:
     lines = render(a_run(), "markdown").splitlines()
-    assert lines[:2] == [MARKER, "### ❌ urdfcheck: 1 error to repair"]
+    assert lines[:2] == [MARKER, "### ❌ `rover`: 1 error to repair; MuJoCo refuses it"]
+
+
+def test_the_title_names_who_refuses_the_model() -> None:
+    refused = dict.fromkeys(("mujoco", "drake"), "refuses the file")
+    run = a_run(finding(consequences=refused))
+
+    def title(run: Run) -> str:
+        return render(run, "markdown").splitlines()[1].partition(": ")[2]
+
+    assert title(run) == "1 error to repair; MuJoCo and Drake refuse it"
+    assert title(replace(run, targets=("drake", "gazebo"))) == "1 error to repair; Drake refuses it"
+    assert title(replace(run, targets=("gazebo",))) == "1 error to repair"
+    # The other programs read it through urdfdom.
+    assert title(a_run(finding(consequences={"urdfdom": "refuses"}))) == "1 error to repair; 6 programs refuse it"
+    two = replace(run, models=(*run.models, replace(run.models[0], id="b")))
+    assert render(two, "markdown").splitlines()[1] == "### ❌ urdfcheck: 1 error to repair"
+
+
+def test_twins_are_a_row_with_all_places() -> None:
+    places = [span_of("-1"), span_of("0.09")]
+    twins = [finding(location=Location(f"link[{i}]", at), related=()) for i, at in enumerate(places)]
+    (row,) = (line for line in render(a_run(*twins), "markdown").splitlines() if "×2" in line)
+    assert row.endswith("×2 (INR003) | `rover.urdf:7`, `:9` |")
+
+
+def test_many_errors_and_warnings_are_folded() -> None:
+    found = [finding(severity=Severity.WARNING, headline=f"it is {i} mm too long") for i in range(20)]
+    document = render(a_run(*found), "markdown")
+    head, _, rest = document.partition("<details>")
+    assert head.count("too long") == 12
+    assert rest.startswith("\n<summary>8 more errors and warnings</summary>")
+    visible = len(re.sub(r"<details>.*?</details>", "", document, flags=re.DOTALL).splitlines())
+    assert visible < 60
+    assert "8 more errors" not in render_job_summary(a_run(*found)), "a summary has room"
 
 
 @pytest.mark.parametrize("name", ["text", "github", "markdown"])
@@ -671,9 +706,9 @@ def test_a_launch_file_alone_is_counted_as_one(name: str) -> None:
 
 def test_a_comment_tells_the_worst_first_and_folds_the_rest() -> None:
     document = render(a_run(), "markdown")
-    severities = [row[0].split("&nbsp;")[-1] for row in rows_of(as_markdown(document)) if row[0]]
-    assert severities == ["error", "warning", "info"]
-    assert document.index("warning |") < document.index("<details>") < document.index("info |")
+    assert [row[0] for row in rows_of(as_markdown(document)) if row[0]] == ["❌", "⚠️", "ℹ️"]
+    assert document.index("| ⚠️ |") < document.index("<details>") < document.index("| ℹ️ |")
+    assert document.index("<details>") < document.index("MuJoCo: refuses to compile")
     fences = {token.info: token.content for token in as_markdown(document) if token.type == "fence"}
     assert '-               iyy="0.01" iyz="0" izz="0.09"/>' in fences["diff"]
     assert fences["mermaid"].startswith("flowchart ")
@@ -681,17 +716,23 @@ def test_a_comment_tells_the_worst_first_and_folds_the_rest() -> None:
 
 def test_a_comment_keeps_its_size_and_says_what_is_left_out() -> None:
     found = [
-        finding(message=f"{i}: {'a long word of 車輪 ' * 60}", severity=Severity(1 + i % 3), subjects=(f"link[{i}]",))
+        finding(
+            headline=f"wheel {i} is {'車輪 ' * 10}",
+            message=f"{i}: {'a long word of 車輪 ' * 60}",
+            severity=Severity(1 + i % 3),
+            subjects=(f"link[{i}]",),
+        )
         for i in range(600)
     ]
     document = render(a_run(*found, scenes=(chain(900),)), "markdown")
     assert len(document.encode()) < COMMENT_LIMIT
     tokens = as_markdown(document)
-    assert {row[0].split("&nbsp;")[-1] for row in rows_of(tokens) if row[0]} == {"error"}
     assert document.count("<details>") == document.count("</details>")
-    left = re.search(r"Left out.*: (\d+) error or warnings, 200 info, .*repairs", document)
+    left = re.search(r"Left out.*: (\d+) explanations, (\d+) notes", document)
     assert left is not None
-    assert int(left[1]) + sum(row[0].startswith("❌") for row in rows_of(tokens)) == 400
+    signs = Counter(row[0] for row in rows_of(tokens) if row[0])
+    assert signs["❌"] + signs["⚠️"] == 400, "each has a row"
+    assert signs["ℹ️"] + int(left[2]) == 200
 
 
 def test_a_summary_has_models_tree_and_the_place_of_the_report() -> None:
@@ -761,7 +802,7 @@ def test_the_summary_of_a_job_is_appended_while_there_is_room(tmp_path: Path, mo
     assert job_summary.find_summary_file() == file
     file.write_text("another step\n")
     job_summary.append_summary(a_run(), (), file)
-    assert file.read_text().startswith("another step\n### ❌ urdfcheck: 1 error to repair\n")
+    assert file.read_text().startswith("another step\n### ❌ `rover`: 1 error to repair; MuJoCo refuses it\n")
     file.write_text("x" * 999_000)
     job_summary.append_summary(a_run(), (), file)
     assert file.stat().st_size == 999_000

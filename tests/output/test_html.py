@@ -462,6 +462,8 @@ def test_a_card_begins_with_the_claim_the_place_the_elements_and_the_fix() -> No
     assert '<span class="headline">axle turns &lt;i&gt;twice&lt;/i&gt;</span>' in card
     line = paragraph(html, "at")
     assert line == "rover.urdf:9fix3Da, b, c and 1 more"
+    named = render(a_run(finding(headline="wheel: no body can have this inertia")))
+    assert paragraph(named, "at") == "rover.urdf:9fix3D", "the headline has the name"
     by_hand = render(a_run(finding(fix=Fix("think"), subjects=("robot",))))
     assert paragraph(by_hand, "at") == "rover.urdf:9"
 
@@ -526,9 +528,11 @@ def test_many_related_places_are_named_but_not_all_quoted() -> None:
 
 
 def test_consumers_that_do_the_same_share_a_line() -> None:
-    found = document(a_run(finding(consequences={"mujoco": "refuses", "drake": "refuses", "my_sim": "loads"})))
+    effects = {"mujoco": "refuses", "drake": "refuses", "my_sim": "loads", "other_sim": "ignores"}
+    found = document(a_run(finding(consequences=effects)))
     assert "MuJoCo, Drake" in found.text
-    assert "my_sim" in found.text
+    assert "other_sim" in found.text
+    assert "my_sim" not in found.text  # it loads what was typed, like every program that is not named
 
 
 def test_a_finding_of_an_unknown_rule_links_nowhere() -> None:
@@ -647,7 +651,7 @@ def test_later_hunks_count_the_lines_that_earlier_ones_add() -> None:
 
 def test_diff_of_a_text_that_changed_shows_old_and_new_only() -> None:
     edit = Edit(span_of("0.09"), "0.08", "0.019")
-    assert plain(render_diff({FILE: SOURCE}, [edit])) == f"{FILE}:9:40\n-0.08\n+0.019\n"
+    assert plain(render_diff({FILE: SOURCE}, [edit])) == f"{FILE}:9\n-0.08\n+0.019\n"
 
 
 def test_many_edits_are_folded() -> None:
@@ -854,4 +858,4 @@ def test_finding_type_is_the_contract() -> None:
         "cause",
     }
     shown |= {"consequences", "data", "fix", "model", "suppressed", "variants", "blocks_check", "occurrences"}
-    assert set(Finding.__dataclass_fields__) - shown == {"message_id", "message_ids", "blames_text"}
+    assert set(Finding.__dataclass_fields__) - shown == {"message_id", "message_ids", "blames_text", "excess"}

@@ -172,7 +172,7 @@ def test_another_target_makes_nothing_known_be_gone(folder: Path) -> None:
     (folder / "urdf/m.stl").write_text(MESH)
     shape = '<collision><geometry><mesh filename="m.stl"/></geometry></collision>'
     (folder / "urdf/r.urdf").write_text(f'<robot name="r"><link name="base">{shape}</link></robot>')
-    assert main(["baseline", "write", "--tier", "full"]) == OK
+    assert main(["baseline", "write", "--tier", "full", "--target", "drake"]) == OK
     assert "MSH011" in (folder / baseline.DEFAULT_NAME).read_text()
     shown = check(
         folder,

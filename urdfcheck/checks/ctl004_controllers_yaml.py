@@ -18,6 +18,7 @@ from urdfcheck.model.motion.controllers import (
     find_launched_configs,
     list_parameter_files,
 )
+from urdfcheck.model.repairs.number_text import keep_notation
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.controllers import Controller
 from urdfcheck.source.ros.yaml_files import find_yaml_error
@@ -186,7 +187,7 @@ def _check_wheel_geometry(
                 at=typed,
                 related=[model.joint_by_name[name] for name in names],
                 severity=Severity.WARNING,
-                edits=typed.build_edits(f"{nearest:.4g}"),
+                edits=typed.build_edits(keep_notation(typed.text, f"{nearest:.4g}")),
                 controller=controller.name,
                 value=value,
                 real=nearest,

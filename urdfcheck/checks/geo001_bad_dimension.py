@@ -9,7 +9,7 @@ from typing import Any
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model, Shape
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.source.text.engine_reactions import describe_loss
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
@@ -90,7 +90,7 @@ def _check_dimensions(
         if shape.kind == "sphere":
             reactions["pinocchio"] = INSIDE_OUT
         positive = " ".join(word.removeprefix("-") for word in attribute.typed.split())
-        yield rule.finding("negative", at=attribute, edits=edit_literal(attribute, positive), **data)
+        yield rule.finding("negative", at=attribute, edits=edit_numbers(attribute, positive), **data)
     elif zero and mesh:
         severity = Severity.WARNING if shape.role == "visual" else None
         yield rule.finding("flattened", at=attribute, severity=severity, axes=", ".join(zero), **data)

@@ -11,7 +11,7 @@ from urdfcheck.core import Edit, Finding, Located, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.model import CompleteInertial, Link, Model
-from urdfcheck.model.repairs.edits import edit_literals
+from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.source.text.xml import Element
 
 # A rewritten number has the digits of a double, less the two that the rotation costs.
@@ -75,4 +75,4 @@ def _propose_edits(part: _RotatedInertial) -> list[Edit]:
     residue = 1e-12 * float(np.abs(tensor).max())
     values = [tensor[i, j] if abs(tensor[i, j]) > residue else 0.0 for i in range(3) for j in range(i, 3)]
     components = [(part.declared.get_attribute(i), f"{value:.{DIGITS}g}") for i, value in enumerate(values)]
-    return edit_literals([(part.origin.attributes.get("rpy"), "0 0 0"), *components])
+    return edit_all_numbers([(part.origin.attributes.get("rpy"), "0 0 0"), *components])

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.number_text import keep_notation
 
 
 def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[Finding]:
@@ -19,7 +20,7 @@ def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[
         length = math.hypot(*axis)
         if length < 1e-12 or abs(length - 1) <= tol:
             continue  # no direction at all: JNT001
-        unit = " ".join(_format_number(a / length) for a in axis)
+        unit = keep_notation(attribute.value, " ".join(_format_number(a / length) for a in axis))
         rounded = abs(length - 1) < rounding
         yield rule.finding(
             "rounded" if rounded else "length",

@@ -16,7 +16,7 @@ from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, com
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
 from urdfcheck.model import Inertial, Joint, Link, Model, Shape
 from urdfcheck.model.ground.wheels import WHEEL_NAME, rolling_wheels
-from urdfcheck.model.repairs.edits import edit_literal, swap_literals
+from urdfcheck.model.repairs.edits import edit_numbers, swap_literals
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
@@ -140,7 +140,7 @@ def _build_axis_finding(
     return rule.finding(
         "default" if attribute is None else "axis",
         at=joint.axis_location,
-        edits=edit_literal(attribute, _format_axis(own)),
+        edits=edit_numbers(attribute, _format_axis(own)),
         witnesses=" and ".join(agreeing),
         tell="shows" if len(agreeing) == 1 else "show",
         angle=math.degrees(measure_line_angle(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),

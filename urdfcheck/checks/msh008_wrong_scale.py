@@ -12,7 +12,7 @@ from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule
 from urdfcheck.core.text import join_names, join_numbers
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 # The units of CAD systems, in metres.
@@ -157,7 +157,7 @@ def _propose_edits(model: Model, uses: list[MeshUse], units: list[float] | None)
             end = place.end + 1  # behind the quotation mark
             edits[Edit(files[place.file].make_span(end, end), "", f' scale="{new}"')] = None
         else:
-            rewritten = edit_literal(typed, new)
+            rewritten = edit_numbers(typed, new)
             if not rewritten:
                 return []
             edits |= dict.fromkeys(rewritten)

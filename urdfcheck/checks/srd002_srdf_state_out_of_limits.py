@@ -14,6 +14,7 @@ from urdfcheck.model.motion.planning_limits import (
     list_own_srdfs,
     load_joint_limits,
 )
+from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.source.ros.joint_limits import JointLimits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
@@ -114,5 +115,5 @@ def _propose_edits(model: Model, state: Element) -> list[Edit]:
         if joint is None or at is None or value is None or not at.literal or at.span is None or state.via:
             return []
         if joint.type in {"revolute", "continuous"} and value != 0:
-            edits.append(Edit(at.span, at.typed, f"{math.radians(value):.5g}"))
+            edits += edit_numbers(at, f"{math.radians(value):.5g}")
     return edits

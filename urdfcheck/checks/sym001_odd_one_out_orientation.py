@@ -23,7 +23,7 @@ from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.likeness.sibling_joints import find_common_base, sibling_joints, trace_fixed_chain
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
 from urdfcheck.source.text.values import parse_number
 
@@ -353,4 +353,4 @@ def _format_angle(angle: float, *, xacro: bool) -> str:
 
 def _propose_edits(model: Model, joint: Joint, rpy: Sequence[float]) -> list[Edit]:
     text = " ".join(_format_angle(angle, xacro=model.source.is_xacro) for angle in rpy)
-    return edit_literal(joint.origin.get_attribute("rpy"), text)
+    return edit_numbers(joint.origin.get_attribute("rpy"), text)

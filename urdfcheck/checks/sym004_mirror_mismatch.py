@@ -34,7 +34,7 @@ from urdfcheck.model.likeness.mirrored_joints import (
     group_by_chain,
     is_shifted,
 )
-from urdfcheck.model.repairs.edits import AttributeChange, describe_remedy, make_attribute_edits
+from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, make_attribute_edits
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.source.text.values import read_attribute_number
 
@@ -233,7 +233,7 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
     cause = "limits_copied" if mismatch.copied else None
     shared = limits[0].span == limits[1].span
     changes = [
-        AttributeChange(limits[0].attributes.get(name), name, f"{value + 0.0:.10g}")
+        change_numbers(limits[0].attributes.get(name), name, f"{value + 0.0:.10g}")
         for name, value in mismatch.expected.items()
     ]
     return rule.finding(
@@ -324,4 +324,4 @@ def _describe_move(joint: Joint, twin: Joint, place: Array) -> str:
     text = format_point(place, decimals=6)
     attributes = [one.origin.get_attribute("xyz") for one in (joint, twin)]
     shared = attributes[0] is not None and attributes[1] is not None and attributes[0].span == attributes[1].span
-    return describe_remedy([AttributeChange(attributes[0], "xyz", text)], joint.name, twin.name, shared=shared)
+    return describe_remedy([change_numbers(attributes[0], "xyz", text)], joint.name, twin.name, shared=shared)

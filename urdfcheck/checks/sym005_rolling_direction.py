@@ -8,7 +8,7 @@ from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.core.text import format_point
 from urdfcheck.model import Model
 from urdfcheck.model.ground.wheels import LEVEL, DrivenWheel, find_driven_wheels
-from urdfcheck.model.repairs.edits import edit_literals
+from urdfcheck.model.repairs.edits import edit_all_numbers
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -55,7 +55,7 @@ def _propose_edits(wheels: Sequence[DrivenWheel]) -> list[Edit]:
     elements = [wheel.joint.axis_element for wheel in wheels]
     axes = [None if element is None else element.attributes.get("xyz") for element in elements]
     words = ([] if axis is None else axis.value.split() for axis in axes)
-    return edit_literals(
+    return edit_all_numbers(
         (axis, " ".join(map(_invert_sign, numbers))) for axis, numbers in zip(axes, words, strict=True)
     )
 

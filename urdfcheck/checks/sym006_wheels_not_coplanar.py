@@ -11,7 +11,8 @@ from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.model import Model
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
 from urdfcheck.model.parts import Joint
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_numbers
+from urdfcheck.model.repairs.number_text import keep_notation
 
 
 def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[Finding]:
@@ -64,8 +65,8 @@ def _propose_origin_xyz(model: Model, joint: Joint, rise: float) -> tuple[str, s
         word if abs(step) < 1e-3 * abs(rise) else f"{round(value + step, 6) + 0.0:.10g}"
         for word, value, step in zip(words, typed, shift.tolist(), strict=True)
     ]
-    before, after = " ".join(words), " ".join(moved)
-    return before, after, edit_literal(attribute, after)
+    before, after = " ".join(words), keep_notation(" ".join(words), " ".join(moved))
+    return before, after, edit_numbers(attribute, after)
 
 
 def _locate_xyz(joint: Joint) -> Location:

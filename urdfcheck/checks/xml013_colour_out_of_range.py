@@ -8,7 +8,7 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import format_repetition, join_numbers
 from urdfcheck.model import Model
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.source.text.grammar import iter_urdf_elements
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
@@ -36,7 +36,7 @@ def _build_finding(rule: Rule, rgba: tuple[float, ...], attributes: list[Attribu
         "scaled" if _scale_to_unit_range(rgba) else "outside",
         at=attributes[0],
         related=[a for span, a in places.items() if span != attributes[0].span],
-        edits=[edit for attribute in places.values() if text for edit in edit_literal(attribute, text)],
+        edits=[edit for attribute in places.values() if text for edit in edit_numbers(attribute, text)],
         rgba=join_numbers(rgba, separator=" "),
         better=text or "each component between 0 and 1",
         times=format_repetition(len(attributes)),

@@ -45,9 +45,14 @@ def parse_outputs(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str,
     """Split each ``--output`` into format and file.
 
     :raises UrdfcheckError: if two reports would share a file, one would replace a model, or one would be written through a link
-        of what is checked.
+        of what is checked; or if several models are to be in one picture.
     """
+    from urdfcheck.output import PICTURE_FORMAT
+
     outputs = [parse_output(text) for text in texts]
+    models = {os.path.realpath(path) for path in paths if path.lower().endswith(".urdf")}
+    if len(models) > 1 and PICTURE_FORMAT in {name for name, _ in outputs}:  # else known when all are checked
+        raise UrdfcheckError(f"a png shows one model, and {len(models)} are named")
     text_by_path: dict[str, str] = {}
     inputs = {os.path.realpath(path) for path in paths}
     checked = CheckedFolders.around(paths)

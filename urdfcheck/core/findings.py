@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 # What ends a line for every span: str.splitlines() would also break at form feeds and Unicode separators.
 NEWLINE = re.compile(r"\r\n|\n|\r")
@@ -196,6 +197,8 @@ class Finding:
     """What each program does with the defect."""
     data: Mapping[str, Any] = field(default_factory=dict)
     """The values of the message and further measured ones, for programs."""
+    excess: float = -math.inf
+    """How bad it is among the findings of its rule, for their order: see `Rule.excess`."""
     fix: Fix | None = None
     model: str = ""
     """Id of the model; of several the one with the fewest arguments."""
@@ -258,6 +261,9 @@ def iter_occurrences(findings: Iterable[Finding]) -> Iterator[Finding]:
 @dataclass(frozen=True, slots=True)
 class SkippedCheck:
     """A check that could not run on a model, and why."""
+
+    TIER_REASON: ClassVar[str] = "needs --tier "
+    """What the reason of a check begins with that takes more than was to be computed."""
 
     code: str
     model: str

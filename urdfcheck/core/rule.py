@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -80,6 +81,11 @@ class Rule:
     """Name of its check module."""
     page: str
     """Text of its page."""
+    excess: str = ""
+    """Name of the number in a finding's data by which those of this rule are ordered, the largest first; with a minus before it
+    the smallest first."""
+    on_request: frozenset[str] = frozenset()
+    """Ids of the messages whose notes (infos) are reported only when somebody asks for them."""
     layers: tuple[str, ...] = ("visual",)
     """What the 3D view of the report shows for a finding: layers of its viewer."""
 
@@ -136,12 +142,20 @@ class Rule:
             else Cause(cause, _fill_template(self.causes, cause, data, where=f"[causes] of {self.code}")),
             consequences={**{k: v.format_map(data) for k, v in consumers.items()}, **(consequences or {})},
             data=data,
+            excess=self._measure_excess(data),
             fix=Fix(
                 _fill_template(self.fixes, message, data, where=f"[fixes] of {self.code}"),
                 applicability if edits else Applicability.DISPLAY,
                 edits,
             ),
         )
+
+    def _measure_excess(self, data: Mapping[str, Any]) -> float:
+        """Return how bad a finding is among those of this rule; -inf where the page names no number, or it is not known."""
+        value = data.get(self.excess.removeprefix("-"))
+        if not isinstance(value, (int, float)) or math.isnan(value):
+            return -math.inf
+        return -abs(value) if self.excess.startswith("-") else abs(value)
 
 
 def _fill_template(

@@ -95,6 +95,10 @@ class Run:
     """Versions of urdfcheck, Python and libraries."""
     sources: Mapping[str, str]
     """Text of the files with findings, by name."""
+    requested: frozenset[str] = frozenset()
+    """Codes of the rules that the command line or the configuration names."""
+    unrequested: tuple[Finding, ...] = ()
+    """Notes that nobody asked for: no output lists them, but they tell what programs do with a model too."""
     scenes: tuple[Scene, ...] = ()
     """The models as graphical outputs draw them, if the request asks for them."""
     drops: tuple[DropTest, ...] = ()
@@ -113,6 +117,8 @@ class Run:
     """How much was computed: source | mesh | full."""
     targets: tuple[str, ...] = ()
     """Programs that will read the models."""
+    targets_by_unit: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Unit id → its targets, where a configuration names others."""
     partial: bool = False
     """Whether the run was interrupted."""
     undeclared_arguments: Mapping[str, str] = field(default_factory=dict)
@@ -127,6 +133,10 @@ class Run:
     def count_findings(self, severity: Severity) -> int:
         """Count the findings of exactly this severity that are not suppressed."""
         return sum(f.severity == severity for f in self.active_findings)
+
+    def get_targets(self, unit: str) -> tuple[str, ...]:
+        """Return the programs that will read a model; empty where none are named."""
+        return self.targets_by_unit.get(unit, self.targets)
 
     def find_variant_arguments(self, finding: Finding) -> Mapping[str, str]:
         """Return the arguments that reproduce a finding of a model with several variants."""

@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Run, Severity
+from urdfcheck.core.merging import join_on_lines
 from urdfcheck.output.shared.escaping import escape_for_log
-from urdfcheck.output.shared.line_entries import join_on_lines
 from urdfcheck.output.shared.positions import to_utf16_region
+from urdfcheck.output.shared.verdict.effects import ToldEffects
 from urdfcheck.output.shared.verdict.finding_details import iter_details
 from urdfcheck.output.shared.verdict.verdict import describe_checked_units, summarize_verdict
 from urdfcheck.output.shared.wording import (
@@ -46,7 +47,8 @@ def _iter_lines(run: Run) -> Iterator[str]:
         group = [finding for finding in findings if finding.severity == severity]
         shown += group[:room]
         hidden += len(group[room:])
-    yield from (_format_annotation(run, finding) for finding in shown)
+    told: ToldEffects = set()
+    yield from (_format_annotation(run, finding, told) for finding in shown)
     if hidden:
         yield f"{hidden} more: see the job summary"
     _, sentence = summarize_verdict(run)
@@ -54,7 +56,7 @@ def _iter_lines(run: Run) -> Iterator[str]:
     yield f"{sentence}: {counts}  in {describe_checked_units(run)}"
 
 
-def _format_annotation(run: Run, finding: Finding) -> str:
+def _format_annotation(run: Run, finding: Finding, told: ToldEffects) -> str:
     properties: list[tuple[str, object]] = []
     span = finding.location.span
     if span is not None:
@@ -64,7 +66,7 @@ def _format_annotation(run: Run, finding: Finding) -> str:
         properties += [("col", at.column), ("endColumn", at.end_column)] if at.line == at.end_line else []
     elif file := find_finding_file(run, finding):
         properties = [("file", file)]
-    message = [finding.message, *(f"{label}: {text}" for label, text in iter_details(run, finding))]
+    message = [finding.message, *(f"{label}: {text}" for label, text in iter_details(run, finding, told))]
     properties.append(("title", f"{finding.code} {finding.headline}"))
     return format_workflow_command(COMMANDS[finding.severity], properties, "\n".join(message))
 

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Rule, Run, Severity, Verdict
+from urdfcheck.core.merging import list_line_entries
 from urdfcheck.output.shared.escaping import escape_for_json, escape_for_markdown
-from urdfcheck.output.shared.line_entries import list_line_entries
+from urdfcheck.output.shared.verdict.effects import ToldEffects
 from urdfcheck.output.shared.verdict.finding_details import iter_details
 from urdfcheck.output.shared.wording import find_finding_file, sort_worst_first
 from urdfcheck.policy.consumers import get_verdict
@@ -37,6 +38,7 @@ def _iter_failure_issues(run: Run) -> Iterator[dict[str, Any]]:
 
 def _iter_finding_issues(run: Run) -> Iterator[dict[str, Any]]:
     counts: dict[str, int] = {}
+    told: ToldEffects = set()
     for finding in sort_worst_first(list_line_entries(run.active_findings, run.rules)):
         fingerprint = next(iter(finding.fingerprints), finding.code)
         number = counts[fingerprint] = counts.get(fingerprint, 0) + 1
@@ -47,7 +49,7 @@ def _iter_finding_issues(run: Run) -> Iterator[dict[str, Any]]:
             "type": "issue",
             "check_name": finding.code,
             "description": f"{finding.headline} [{finding.name}]",
-            "content": {"body": _format_issue_body(run, finding)},
+            "content": {"body": _format_issue_body(run, finding, told)},
             "categories": ["Bug Risk"],
             "severity": _classify_severity(run, finding),
             # From the second finding of one fingerprint on there is a number, so that none hides another.
@@ -59,7 +61,7 @@ def _iter_finding_issues(run: Run) -> Iterator[dict[str, Any]]:
 def _classify_severity(run: Run, finding: Finding) -> str:
     """Return GitLab's severity: a blocker if urdfdom or a target refuses the model; a heuristic warning is minor."""
     if finding.severity == Severity.ERROR:
-        readers = run.targets or ("urdfdom",)
+        readers = run.get_targets(finding.model) or ("urdfdom",)
         refused = any(get_verdict(finding.consequences, reader) == Verdict.REFUSES for reader in readers)
         return "blocker" if refused else "critical"
     if finding.severity == Severity.WARNING:
@@ -67,10 +69,11 @@ def _classify_severity(run: Run, finding: Finding) -> str:
     return "info"
 
 
-def _format_issue_body(run: Run, finding: Finding) -> str:
+def _format_issue_body(run: Run, finding: Finding, told: ToldEffects) -> str:
     """Format the message and the details of a finding and the summary of its rule as Markdown."""
     details = [
-        f"**{escape_for_markdown(label)}:** {escape_for_markdown(text)}" for label, text in iter_details(run, finding)
+        f"**{escape_for_markdown(label)}:** {escape_for_markdown(text)}"
+        for label, text in iter_details(run, finding, told)
     ]
     return "\n\n".join(
         [escape_for_markdown(finding.message), *details, *_format_rule_help(run.rules.get(finding.code))]

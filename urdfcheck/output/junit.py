@@ -17,6 +17,7 @@ from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.output.shared.code_frames import extract_code_frame
 from urdfcheck.output.shared.diffs import iter_diff_lines
 from urdfcheck.output.shared.escaping import escape_for_xml, escape_invisible, escape_one_line
+from urdfcheck.output.shared.verdict.effects import ToldEffects
 from urdfcheck.output.shared.verdict.finding_details import iter_details
 from urdfcheck.output.shared.verdict.not_checked import (
     build_command,
@@ -50,9 +51,10 @@ class JUnitCase:
 def render(run: Run) -> str:
     """Render an XML document. Only ``time`` differs between equal runs."""
     root = ElementTree.Element("testsuites", name="urdfcheck")
+    told: ToldEffects = set()
     for info in run.models:
-        _add_suite(root, info.id, _iter_model_cases(run, info), seconds=info.seconds, file=info.path)
-    _add_suite(root, OTHER_SUITE, _iter_other_cases(run))
+        _add_suite(root, info.id, _iter_model_cases(run, info, told), seconds=info.seconds, file=info.path)
+    _add_suite(root, OTHER_SUITE, _iter_other_cases(run, told))
     _add_suite(root, "urdfcheck", _iter_urdfcheck_cases(run))
     for name in ("tests", "failures", "errors"):
         root.set(name, str(sum(int(suite.get(name, "0")) for suite in root)))
@@ -64,9 +66,9 @@ def render(run: Run) -> str:
 # -- cases -------------------------------------------------------------------------------------------------------------
 
 
-def _iter_model_cases(run: Run, info: ModelInfo) -> Iterator[JUnitCase]:
+def _iter_model_cases(run: Run, info: ModelInfo, told: ToldEffects) -> Iterator[JUnitCase]:
     findings = [finding for finding in run.findings if info.id in finding.subjects_by_model]
-    yield from _iter_finding_cases(run, findings, info.id)
+    yield from _iter_finding_cases(run, findings, told, info.id)
     if info.status == "checked":
         fired = {finding.code for finding in findings}
         yield from _iter_passed_cases(run, info.id, fired=fired, scopes={"file", "model"})
@@ -82,11 +84,11 @@ def _iter_model_cases(run: Run, info: ModelInfo) -> Iterator[JUnitCase]:
     yield from _iter_skipped_cases(run, {info.id})
 
 
-def _iter_other_cases(run: Run) -> Iterator[JUnitCase]:
+def _iter_other_cases(run: Run, told: ToldEffects) -> Iterator[JUnitCase]:
     """Yield the cases of launch files and packages, and of everything else that belongs to no model."""
     models = {info.id for info in run.models}
     findings = [finding for finding in run.findings if not models.intersection(finding.subjects_by_model)]
-    yield from _iter_finding_cases(run, findings)
+    yield from _iter_finding_cases(run, findings, told)
     for name in sorted(run.unit_ids - models):
         scopes = {"package"} if name.rsplit("/", 1)[-1] == "package.xml" else {"launch"}
         fired = {finding.code for finding in findings if name in finding.subjects_by_model}
@@ -120,12 +122,14 @@ def _iter_urdfcheck_cases(run: Run) -> Iterator[JUnitCase]:
         )
 
 
-def _iter_finding_cases(run: Run, findings: Iterable[Finding], model: str = "") -> Iterator[JUnitCase]:
+def _iter_finding_cases(
+    run: Run, findings: Iterable[Finding], told: ToldEffects, model: str = ""
+) -> Iterator[JUnitCase]:
     """Yield a case for each subject of findings, for those of one ``model`` its own, with the numbers of its place."""
     for finding in iter_occurrences(findings):
         if model and model not in finding.subjects_by_model:
             continue
-        text = "\n".join(_iter_detail_lines(run, finding))
+        text = "\n".join(_iter_detail_lines(run, finding, told))
         for subject in finding.subjects_by_model.get(model, finding.subjects) or ("",):
             name = f"{finding.code} {finding.headline}"
             if len(finding.subjects) > 1:
@@ -170,7 +174,7 @@ def _is_failing(run: Run, finding: Finding) -> bool:
 # -- text of a case ----------------------------------------------------------------------------------------------------
 
 
-def _iter_detail_lines(run: Run, finding: Finding) -> Iterator[str]:
+def _iter_detail_lines(run: Run, finding: Finding, told: ToldEffects) -> Iterator[str]:
     """Yield the place, the headline, the message, the lines of the source, the cause, the consequences and the fix."""
     span = finding.location.span
     where = "" if span is None else f"{format_place(span)}: "
@@ -181,7 +185,7 @@ def _iter_detail_lines(run: Run, finding: Finding) -> Iterator[str]:
         for line in extract_code_frame(run.sources.get(span.file, ""), span):
             yield f"{'>' if line.marked else ' '} {line.number:>5} | {line.text[:LONGEST_LINE]}"
         yield from (f"from {format_place(call)}" for call in reversed(finding.location.via))
-    for label, text in iter_details(run, finding):
+    for label, text in iter_details(run, finding, told):
         yield f"{label}: {text}"
     if finding.fix is not None:
         yield from (line[:LONGEST_LINE] for _, line in iter_diff_lines(run.sources, finding.fix.edits))

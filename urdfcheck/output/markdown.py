@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from urdfcheck.core import Applicability, Finding, Run, Severity
+from urdfcheck.core import Applicability, Finding, Run, Severity, Verdict
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.diffs import iter_diff_lines
 from urdfcheck.output.shared.escaping import (
@@ -21,6 +22,7 @@ from urdfcheck.output.shared.escaping import (
     format_code_span,
 )
 from urdfcheck.output.shared.mermaid_chart import build_mermaid_chart
+from urdfcheck.output.shared.verdict.effects import ToldEffects, join_programs, list_new_effects
 from urdfcheck.output.shared.verdict.not_checked import (
     ACCEPTING_KEY,
     ACCEPTING_OPTION,
@@ -32,16 +34,16 @@ from urdfcheck.output.shared.verdict.not_checked import (
 )
 from urdfcheck.output.shared.verdict.verdict import describe_checked_units, summarize_verdict
 from urdfcheck.output.shared.wording import (
-    PROGRAM_NAMES,
     SEVERITY_ORDER,
     describe_found_arguments,
     describe_models,
     format_count,
     format_place,
-    group_by_effect,
+    get_base_name,
     join_first,
     sort_worst_first,
 )
+from urdfcheck.policy.consumers import predict_outcomes
 
 # At the top of a comment, so that a bot finds and replaces its own.
 MARKER = "<!-- urdfcheck report -->"
@@ -53,8 +55,13 @@ APPLICABILITY_TEXTS = {
     Applicability.SAFE: "safe to apply as shown",
     Applicability.UNSAFE: "review first",
 }
-# Limits of a table cell and of a diff, in characters, effects and lines: the other reports have everything.
-LONGEST_TEXT, MOST_EFFECTS, MOST_LINES = 600, 3, 30
+TABLE = ("| | what | where |", "| --- | --- | --- |")
+# Limits of a text in characters and of a diff in lines: the other reports have everything.
+LONGEST_TEXT, MOST_LINES = 600, 30
+# Rows of errors and warnings that are not folded, in a comment and in a summary.
+MOST_ROWS, MOST_SUMMARY_ROWS = 12, 100
+# Places in a row, and programs in the title.
+MOST_PLACES, MOST_PROGRAMS = 3, 4
 MOST_TREES = 5
 # Models that are named together.
 MOST_NAMED = 5
@@ -64,11 +71,12 @@ _TICKS = re.compile("`+")
 
 
 def render(run: Run) -> str:
-    """Render a comment: the verdict, a table of errors and warnings, and the less urgent rest folded."""
+    """Render a comment: the verdict, a table of headlines and places, and everything else folded."""
     page = _BoundedPage(COMMENT_LIMIT, [MARKER])
     _add_head(page, run)
-    _add_findings(page, run)
-    _add_repairs(page, run)
+    _add_findings(page, run, most=MOST_ROWS)
+    _add_details(page, run)
+    _add_notes(page, run)
     _add_trees(page, run, folded=True)
     return page.build_text()
 
@@ -79,10 +87,11 @@ def render_job_summary(run: Run, reports: Sequence[str] = (), byte_limit: int = 
     _add_head(page, run)
     for report in reports:
         page.add_lines(f"The whole report, with the robot in 3D: {format_code_span(report)}", "")
-    _add_findings(page, run)
+    _add_findings(page, run, most=MOST_SUMMARY_ROWS)
+    _add_details(page, run)
+    _add_notes(page, run)
     _add_models(page, run)
     _add_trees(page, run, folded=False)
-    _add_repairs(page, run)
     _add_skipped(page, run)
     return page.build_text()
 
@@ -140,7 +149,7 @@ def _make_fold(summary: str) -> tuple[list[str], list[str]]:
 
 def _add_head(page: _BoundedPage, run: Run) -> None:
     kind, sentence = summarize_verdict(run)
-    page.add_lines(f"### {VERDICT_SIGNS[kind]} urdfcheck: {sentence}", "")
+    page.add_lines(f"### {VERDICT_SIGNS[kind]} {_describe_robot(run)}: {sentence}{_describe_refusals(run)}", "")
     counts = " · ".join(f"{SIGNS[s]} {format_count(run.count_findings(s), str(s))}" for s in SEVERITY_ORDER)
     suppressed = sum(run.suppressed_counts.values())
     hidden = f" · {suppressed} known and not shown" if suppressed else ""
@@ -160,43 +169,100 @@ def _format_unchecked_group(group: UncheckedGroup) -> str:
     return f"- {GLYPH} {names} not checked, {escape_for_markdown(_truncate_text(group.reason))}{how}"
 
 
-def _add_findings(page: _BoundedPage, run: Run) -> None:
-    findings = sort_worst_first(run.active_findings)
-    table = ["| | rule | what, where, and → what follows |", "| --- | --- | --- |"]
-    urgent = [[_format_finding_row(run, finding)] for finding in findings if finding.severity > Severity.INFO]
-    page.add_group("error or warning", head=table, blocks=urgent, foot=[""])
-    notes = [[_format_finding_row(run, finding)] for finding in findings if finding.severity == Severity.INFO]
-    head, foot = _make_fold(f"{SIGNS[Severity.INFO]} {format_count(len(notes), 'info')}: worth knowing")
-    page.add_group("info", head=[*head, *table], blocks=notes, foot=foot)
+def _describe_robot(run: Run) -> str:
+    """Return the name of the robot if there is one model, else that of urdfcheck."""
+    name = run.models[0].robot if len(run.models) == 1 else ""
+    return format_code_span(name) if name else "urdfcheck"
 
 
-def _format_finding_row(run: Run, finding: Finding) -> str:
+def _describe_refusals(run: Run) -> str:
+    """Return ``; MuJoCo and Drake refuse it``, of the targets if there are any; nothing for several models."""
+    if len(run.models) != 1:
+        return ""
+    targets = run.get_targets(run.models[0].id)
+    outcomes = predict_outcomes(run.active_findings)
+    names = [n for n, o in outcomes.items() if o.verdict is Verdict.REFUSES and (not targets or n in targets)]
+    if not names:
+        return ""
+    who = join_programs(names) if len(names) <= MOST_PROGRAMS else format_count(len(names), "program")
+    return f"; {who} {'refuses' if len(names) == 1 else 'refuse'} it"
+
+
+def _add_findings(page: _BoundedPage, run: Run, *, most: int) -> None:
+    """Add the errors and warnings, a row each, those beyond the first ``most`` folded."""
+    urgent = [f for f in sort_worst_first(run.active_findings) if f.severity > Severity.INFO]
+    rows = [[row] for row in _iter_finding_rows(run, urgent)]
+    page.add_group("error or warning", head=TABLE, blocks=rows[:most], foot=[""])
+    head, foot = _make_fold(f"{len(rows) - most} more errors and warnings")
+    page.add_group("error or warning", head=[*head, *TABLE], blocks=rows[most:], foot=foot)
+
+
+def _add_notes(page: _BoundedPage, run: Run) -> None:
+    notes = [f for f in sort_worst_first(run.active_findings) if f.severity == Severity.INFO]
+    head, foot = _make_fold(f"{SIGNS[Severity.INFO]} {format_count(len(notes), 'note')}")
+    blocks = [[row] for row in _iter_finding_rows(run, notes)]
+    page.add_group("note", head=[*head, *TABLE], blocks=blocks, foot=foot)
+
+
+def _iter_finding_rows(run: Run, findings: Sequence[Finding]) -> Iterator[str]:
+    """Yield a row for each headline: what is wrong, and the places."""
+    groups: dict[tuple[Severity, str, str], list[Finding]] = {}
+    for finding in findings:
+        groups.setdefault((finding.severity, finding.code, finding.headline), []).append(finding)
+    names = Counter(map(get_base_name, run.sources))
+    for (severity, code, headline), group in groups.items():
+        times = f" ×{len(group)}" if len(group) > 1 else ""
+        places = _list_places(group, names)
+        shown = ", ".join(map(format_code_span, places[:MOST_PLACES]))
+        more = f" and {len(places) - MOST_PLACES} more" if len(places) > MOST_PLACES else ""
+        yield f"| {SIGNS[severity]} | {escape_for_markdown(headline)}{times} ({code}) | {shown}{more} |"
+
+
+def _list_places(findings: Iterable[Finding], names: Mapping[str, int]) -> list[str]:
+    """Return the places of findings: ``file:line``, without the folder where one file has this name; ``:line`` for the same
+    file."""
+    places: dict[str, None] = {}
+    last = ""
+    for finding in findings:
+        here = finding.location.file
+        if not here:
+            places.setdefault(finding.location.subject)
+        for span in (finding.location.span, *(place.span for place in finding.related)):
+            if span is not None and span.file == here:
+                name = get_base_name(here) if names.get(get_base_name(here)) == 1 else here
+                places.setdefault(f"{'' if here == last else name}:{span.line}")
+                last = here
+    return list(places)
+
+
+def _add_details(page: _BoundedPage, run: Run) -> None:
+    """Add the evidence, the consequences and the repairs of errors and warnings, and the repairs of notes, folded."""
+    told: ToldEffects = set()
+    blocks = []
+    for finding in sort_worst_first(run.active_findings):
+        repair = _format_repair(run, finding)
+        if finding.severity > Severity.INFO or repair:
+            blocks.append([*_format_evidence(run, finding, told), *repair])
+    head, foot = _make_fold(f"🔧 evidence, consequences and repairs ({len(blocks)})")
+    page.add_group("explanation", head=head, blocks=blocks, foot=foot)
+
+
+def _format_evidence(run: Run, finding: Finding, told: ToldEffects) -> list[str]:
     span = finding.location.span
     where = format_code_span(finding.location.subject if span is None else format_place(span))
     arguments = " ".join(
         format_code_span(f"{name}:={value}") for name, value in sorted(run.find_variant_arguments(finding).items())
     )
-    message = escape_for_markdown(_truncate_text(finding.message))
-    effects = []
-    for effect, programs in group_by_effect(finding.consequences).items():
-        names = ", ".join(escape_for_markdown(PROGRAM_NAMES.get(program, program)) for program in programs)
-        effects.append(f"→ {names}: {escape_for_markdown(_truncate_text(effect))}")
     models = describe_models(run, finding)
     shared = f" in {escape_for_markdown(models)}" if models else ""
-    headline = f"**{escape_for_markdown(finding.headline)}**"
-    lines = [headline, f"{where}{f' with {arguments}' if arguments else ''}{shared}", message, *effects[:MOST_EFFECTS]]
-    lines += ["→ …"] if len(effects) > MOST_EFFECTS else []
-    severity = f"{SIGNS[finding.severity]}&nbsp;{finding.severity}"
-    return f"| {severity} | **{finding.code}**<br>{finding.name} | {'<br>'.join(lines)} |"
-
-
-def _add_repairs(page: _BoundedPage, run: Run) -> None:
-    repairs = (_format_repair(run, finding) for finding in sort_worst_first(run.active_findings))
-    blocks = [block for block in repairs if block]
-    head, foot = _make_fold(
-        f"🔧 {format_count(len(blocks), 'repair')} to copy, or to apply with <code>urdfcheck --fix</code>"
-    )
-    page.add_group("repair", head=head, blocks=blocks, foot=foot)
+    title = f"**{SIGNS[finding.severity]} {finding.code} {escape_for_markdown(finding.headline)}**"
+    effects = [
+        f"- {escape_for_markdown(names)}: {escape_for_markdown(_truncate_text(effect))}"
+        for names, effect in list_new_effects(run, finding, told)
+    ]
+    place = f"{where}{f' with {arguments}' if arguments else ''}{shared}"
+    message = escape_for_markdown(_truncate_text(finding.message))
+    return [title, "", f"{place}: {message}", "", *effects, *([""] if effects else [])]
 
 
 def _format_repair(run: Run, finding: Finding) -> list[str]:
@@ -206,7 +272,7 @@ def _format_repair(run: Run, finding: Finding) -> list[str]:
     lines = [line for _, line in iter_diff_lines(run.sources, fix.edits)]
     if len(lines) > MOST_LINES:
         lines = [*lines[:MOST_LINES], f"… {len(lines) - MOST_LINES} more lines"]
-    title = f"**{finding.code}** {escape_for_markdown(_truncate_text(fix.title))} ({APPLICABILITY_TEXTS[fix.applicability]})"
+    title = f"Repair: {escape_for_markdown(_truncate_text(fix.title))} ({APPLICABILITY_TEXTS[fix.applicability]})"
     return [title, "", *_wrap_in_fence("diff", [_truncate_text(escape_invisible(line)) for line in lines]), ""]
 
 

@@ -6,9 +6,10 @@ import json
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Run, Severity, Span
+from urdfcheck.core.merging import list_line_entries
 from urdfcheck.output.shared.escaping import escape_for_json, escape_for_markdown
-from urdfcheck.output.shared.line_entries import list_line_entries
 from urdfcheck.output.shared.positions import to_utf8_region
+from urdfcheck.output.shared.verdict.effects import ToldEffects
 from urdfcheck.output.shared.verdict.finding_details import iter_details
 from urdfcheck.output.shared.wording import find_finding_file, sort_worst_first
 
@@ -16,13 +17,14 @@ from urdfcheck.output.shared.wording import find_finding_file, sort_worst_first
 def render(run: Run) -> str:
     """Render one JSON object. Messages are inert Markdown, because reviewdog turns them into comments."""
     findings = sort_worst_first(list_line_entries(run.active_findings, run.rules))
+    told: ToldEffects = set()
     worst = Severity.ERROR if run.failures else max((f.severity for f in findings), default=None)
     result = {
         "source": {"name": "urdfcheck"},
         **({} if worst is None else {"severity": _get_severity_name(worst)}),
         "diagnostics": [
             *(_build_failure(run, failure) for failure in run.failures),
-            *(_build_diagnostic(run, finding) for finding in findings),
+            *(_build_diagnostic(run, finding, told) for finding in findings),
         ],
     }
     return escape_for_json(json.dumps(result, indent=2, ensure_ascii=False) + "\n")
@@ -40,11 +42,11 @@ def _build_failure(run: Run, failure: str) -> dict[str, Any]:
     }
 
 
-def _build_diagnostic(run: Run, finding: Finding) -> dict[str, Any]:
+def _build_diagnostic(run: Run, finding: Finding, told: ToldEffects) -> dict[str, Any]:
     span = finding.location.span
     lines = [escape_for_markdown(text) for text in (finding.headline, finding.message)]
     lines += [
-        f"{escape_for_markdown(label)}: {escape_for_markdown(text)}" for label, text in iter_details(run, finding)
+        f"{escape_for_markdown(label)}: {escape_for_markdown(text)}" for label, text in iter_details(run, finding, told)
     ]
     related = [
         {"message": escape_for_markdown(r.subject), "location": _build_location(run, r.span)}

@@ -16,11 +16,12 @@ from typing import Any
 from urllib.parse import quote
 
 from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Rule, Run, Severity, SkippedCheck, Span, Suppression
+from urdfcheck.core.merging import list_line_entries
 from urdfcheck.output.shared.escaping import escape_for_json, escape_invisible, escape_one_line
 from urdfcheck.output.shared.json_objects import build_subject_object
-from urdfcheck.output.shared.line_entries import list_line_entries
 from urdfcheck.output.shared.positions import to_utf16_region
 from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, iter_inline_pieces, split_sections
+from urdfcheck.output.shared.verdict.effects import ToldEffects, list_new_effects
 from urdfcheck.output.shared.verdict.finding_details import BLOCK_LABEL, describe_other_places
 from urdfcheck.output.shared.verdict.not_checked import (
     build_command,
@@ -30,11 +31,9 @@ from urdfcheck.output.shared.verdict.not_checked import (
     is_accepted,
 )
 from urdfcheck.output.shared.wording import (
-    PROGRAM_NAMES,
     describe_models,
     format_count,
     get_base_name,
-    group_by_effect,
     join_first,
 )
 
@@ -74,7 +73,8 @@ def render(run: Run) -> str:
     index = {code: number for number, code in enumerate(run.rules)}
     entries = list_line_entries(run.findings, run.rules)
     selected = _select_most_important(entries)
-    results = ",".join(f"\n        {_dump_json(_build_result(run, finding, index))}" for finding in selected)
+    told: ToldEffects = set()
+    results = ",".join(f"\n        {_dump_json(_build_result(run, finding, index, told))}" for finding in selected)
     log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [_build_run(run, len(entries) - len(selected), index)]}
     # Indenting thousands of results would take longer than everything else.
     before, after = _dump_json(log, indent=2).rsplit("[]", 1)
@@ -211,13 +211,13 @@ def _describe_skip(skip: SkippedCheck) -> str:
 # -- results -----------------------------------------------------------------------------------------------------------
 
 
-def _build_result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
+def _build_result(run: Run, finding: Finding, index: Mapping[str, int], told: ToldEffects) -> Json:
     related = _list_related_places(finding)
     result: Json = {
         "ruleId": finding.code,
         "kind": "fail",
         "level": LEVELS[finding.severity],
-        "message": {"text": _format_message_text(run, finding, related)},
+        "message": {"text": _format_message_text(run, finding, related, told)},
         "locations": [
             {
                 "physicalLocation": _build_physical_location(run, _locate_finding(run, finding)),
@@ -251,7 +251,7 @@ def _build_result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
     return result
 
 
-def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str, Span]]) -> str:
+def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str, Span]], told: ToldEffects) -> str:
     """Return the headline and, a paragraph each, the message and everything needed by readers who see only the message."""
     paragraphs = [finding.headline, finding.message]
     if models := describe_models(run, finding):
@@ -263,8 +263,7 @@ def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str
     paragraphs += describe_other_places(finding)
     if finding.cause_text is not None:
         paragraphs.append(f"Why: {finding.cause_text}")
-    for effect, programs in group_by_effect(finding.consequences).items():
-        paragraphs.append(f"{', '.join(PROGRAM_NAMES.get(p, p) for p in programs)}: {effect}")
+    paragraphs += [f"{programs}: {effect}" for programs, effect in list_new_effects(run, finding, told)]
     if finding.fix is not None:
         paragraphs.append(f"Fix: {finding.fix.title}")
     if len(finding.subjects) > 1:

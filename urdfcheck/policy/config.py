@@ -122,6 +122,8 @@ class CliOverrides:
     target: tuple[str, ...] | None = None
     unchecked: str | None = None
     baseline: Path | None = None
+    shows_all: bool = False
+    """Whether notes on request are reported too."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -195,21 +197,27 @@ def resolve_config(
 
     ``unchecked``: see `Config.grade_unchecked`.
     """
-    codes = frozenset(load_rules()) if overrides.select is None else overrides.select
+    everything = frozenset(load_rules())
+    codes = everything if overrides.select is None else overrides.select
+    requested = everything if overrides.shows_all else overrides.select or frozenset()
     severities = {STALE_BASELINE: "error"} if config.strict_baseline else {}
     options: dict[str, dict[str, Any]] = {}
     targets: tuple[str, ...] = ()
     for number, section in enumerate(sections):
         if overrides.select is None and section.select is not None:
             codes = codes | section.select if number else section.select
+            requested |= section.select
         if overrides.ignore is None and section.ignore is not None:
             codes -= section.ignore
         severities.update(section.severity)
+        requested |= section.severity.keys()
+        requested |= section.options.keys()
         for code, values in section.options.items():
             options[code] = {**options.get(code, {}), **values}
         targets = targets if section.target is None else section.target
     policy = Policy(
         codes=codes - (overrides.ignore or frozenset()),
+        unrequested=everything - requested,
         tier=overrides.tier or config.tier,
         options=options,
         severities=severities,

@@ -58,6 +58,11 @@ def get_verdict(consequences: Mapping[str, str], consumer: str) -> Verdict:
     return Verdict.from_sentence(sentence or "")
 
 
+def is_news(sentence: str) -> bool:
+    """Whether a sentence about a program says more than that it loads what was typed, which is the default."""
+    return not sentence.startswith("loads")
+
+
 def apply_severity_policy(
     finding: Finding, rule: Rule, *, targets: Sequence[str], severities: Mapping[str, str]
 ) -> Finding:

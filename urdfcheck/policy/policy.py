@@ -19,6 +19,8 @@ class Policy:
 
     codes: frozenset[str]
     """Codes of the selected rules."""
+    unrequested: frozenset[str] = frozenset()
+    """Codes of rules that nobody asked for by name: of these, notes on request are left out (`Rule.on_request`)."""
     tier: str = "full"
     """How much is computed: source | mesh | full."""
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

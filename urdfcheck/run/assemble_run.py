@@ -61,6 +61,8 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
     return Run(
         models=models,
         findings=findings,
+        requested=request.policy.codes - request.policy.unrequested,
+        unrequested=tuple(finding for report in reports for finding in report.unrequested),
         skipped=skipped,
         rules=_select_rules(request, units, findings),
         versions=collect_versions(full=request.options.scene),
@@ -75,6 +77,11 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
         baseline_unit_names=unit_names,
         tier=request.policy.tier,
         targets=request.policy.targets,
+        targets_by_unit={
+            unit.id: unit.policy.targets
+            for unit in units
+            if unit.policy is not None and unit.policy.targets != request.policy.targets
+        },
         undeclared_arguments=_collect_undeclared_arguments(request, audited_units),
         fail_on={unit.id: unit.fail_on for unit in units if unit.fail_on is not None},
         baselines=frozenset(format_path(known.path) for known, _ in baselines),

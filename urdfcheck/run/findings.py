@@ -21,6 +21,7 @@ from urdfcheck.core.merging import merge_same_text
 from urdfcheck.core.text import format_count
 from urdfcheck.policy.consumers import apply_severity_policy
 from urdfcheck.policy.fix_safety import mark_unsafe_across_models, mark_unsafe_in_model
+from urdfcheck.policy.on_request import split_unrequested
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.report_limits import MAX_FINDINGS_SIZE, limit_number, limit_size, truncate_texts
 from urdfcheck.policy.superseding import drop_superseded
@@ -47,6 +48,8 @@ class FinalFindings:
     """The findings of a unit as its report holds them."""
 
     findings: tuple[Finding, ...]
+    unrequested: tuple[Finding, ...]
+    """Notes that nobody asked for: they are not reported, and tell what programs do with the model."""
     needed_comments: frozenset[Span]
     """Comments in the source that suppress some of them."""
     size: int
@@ -77,7 +80,8 @@ def finalize_unit_findings(
     )
     merged = merge_macro_lines(merge_same_text(marked), root, texts or {})
     remaining = drop_superseded(merged, rules)
-    safe = mark_unsafe_in_model(remaining, root)
+    wanted, unrequested = split_unrequested(remaining, rules, unrequested=policy.unrequested, targets=policy.targets)
+    safe = mark_unsafe_in_model(wanted, root)
     listed, unlisted = limit_number(sorted(safe, key=get_sort_key))
     skips = [
         SkippedCheck(
@@ -92,7 +96,13 @@ def finalize_unit_findings(
     skips += explain_left_out(
         unit.id, listed, small, f"those of one model take more than {MAX_FINDINGS_SIZE // 1024**2} MiB"
     )
-    return FinalFindings(tuple(small), frozenset(needed), size, tuple(skips))
+    return FinalFindings(
+        findings=tuple(small),
+        unrequested=tuple(limit_number(sorted(unrequested, key=get_sort_key))[0]),
+        needed_comments=frozenset(needed),
+        size=size,
+        unlisted=tuple(skips),
+    )
 
 
 def explain_left_out(

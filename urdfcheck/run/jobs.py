@@ -175,6 +175,8 @@ class UnitReport:
     findings: tuple[Finding, ...] = ()
     skipped: tuple[SkippedCheck, ...] = ()
     info: ModelInfo | None = None
+    unrequested: tuple[Finding, ...] = ()
+    """Notes that nobody asked for."""
     findings_size: int = 0
     """Bytes that the findings take."""
     scene: Scene | None = None

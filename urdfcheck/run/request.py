@@ -65,6 +65,8 @@ class RunOptions:
     """Seconds for one model; 0: unlimited."""
     memory: int | None = None
     """MiB for one model."""
+    show_all: bool = False
+    """Whether notes on request are reported too, without being selected."""
     samples: int = SAMPLES
     """Number of joint configurations to sample."""
     jobs: int | None = None
@@ -118,6 +120,7 @@ def make_config_resolver(options: RunOptions) -> ConfigResolver:
         target=None if options.target is None else tuple(options.target),
         unchecked=options.unchecked,
         baseline=None if options.baseline is None else Path(options.baseline),
+        shows_all=options.show_all,
     )
     return ConfigResolver(overrides, options.isolated, tuple(map(Path, options.paths)))
 

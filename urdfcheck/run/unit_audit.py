@@ -308,7 +308,7 @@ class _UnitAudit:
                 continue
             missing = _find_missing_tier(rule, self.policy.tier)
             if missing:
-                self.add_skip(rule.code, f"needs --tier {missing}")
+                self.add_skip(rule.code, f"{SkippedCheck.TIER_REASON}{missing}")
                 continue
             self.run_guarded(rule.code, partial(self.collect_findings, rule, subject, self.get_options(rule)))
 
@@ -413,6 +413,7 @@ class _UnitAudit:
             findings=settled.findings,
             skipped=(*self.skipped, *settled.unlisted, *undrawn),
             info=None if info is None else replace(info, seconds=round(seconds, 3)),
+            unrequested=settled.unrequested,
             findings_size=settled.size,
             scene=scene,
             scene_size=scene_size,

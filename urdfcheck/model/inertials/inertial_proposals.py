@@ -24,7 +24,8 @@ from urdfcheck.facts.inertials.tensor_slips import (
 )
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import DeclaredTensor, Link
-from urdfcheck.model.repairs.inertial_edits import NEGLIGIBLE_DIFFERENCE, InertialRepair, build_inertial_repair
+from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
+from urdfcheck.model.repairs.number_text import NEGLIGIBLE_DIFFERENCE
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 

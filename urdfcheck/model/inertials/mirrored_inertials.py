@@ -26,9 +26,11 @@ from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_e
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.parts import TENSOR_NAMES, Link
 from urdfcheck.model.repairs.edits import AttributeChange
+from urdfcheck.model.repairs.number_text import write_numbers
 from urdfcheck.model.rigid_bodies import is_point_mass
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.source.text.xml import Attribute
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -201,18 +203,22 @@ def list_inertial_changes(side: PairSide) -> list[AttributeChange]:
         return []
     changes: list[AttributeChange] = []
     if not _is_same_number(side.actual.mass, side.expected.mass):
-        changes.append(AttributeChange(inertial.mass_attribute, "mass", f"{side.expected.mass:.10g}"))
+        changes.append(_write_change(inertial.mass_attribute, "mass", [side.expected.mass]))
     com = _clear_rounding(side.expected.com)
     if not all(map(_is_same_number, side.actual.com.tolist(), com)):
-        text = " ".join(f"{v:.10g}" for v in com)
-        changes.append(AttributeChange(inertial.origin.get_attribute("xyz"), "xyz", text))
+        changes.append(_write_change(inertial.origin.get_attribute("xyz"), "xyz", com))
     tensor = _clear_rounding(np.array(list_inertia_components(turn.T @ side.expected.inertia @ turn)))
     element = inertial.tensor_element
     for name, old, new in zip(TENSOR_NAMES, list_inertia_components(side.actual.tensor), tensor, strict=True):
         if not _is_same_number(old, new):
             attribute = None if element is None else element.attributes.get(name)
-            changes.append(AttributeChange(attribute, name, f"{new:.10g}"))
+            changes.append(_write_change(attribute, name, [new]))
     return changes
+
+
+def _write_change(attribute: Attribute | None, name: str, values: Sequence[float]) -> AttributeChange:
+    typed = "" if attribute is None else attribute.value
+    return AttributeChange(attribute, name, write_numbers(typed, values, digits=10))
 
 
 def _clear_rounding(values: Array) -> list[float]:

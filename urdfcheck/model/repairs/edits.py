@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Location
 from urdfcheck.core.text import join_names
+from urdfcheck.model.repairs.number_text import keep_notation
 from urdfcheck.model.repairs.origin_edits import describe_definitions
 from urdfcheck.source.text.tokens import find_content_span
 from urdfcheck.source.text.values import parse_number
@@ -28,11 +29,22 @@ class AttributeChange:
         return f'{"mass value" if self.name == "mass" else self.name}="{self.text}"'
 
 
+def change_numbers(attribute: Attribute | None, name: str, text: str) -> AttributeChange:
+    """Return the change that writes numbers in an attribute, in the notation of those that are typed there."""
+    return AttributeChange(attribute, name, text if attribute is None else keep_notation(attribute.value, text))
+
+
 def edit_literal(attribute: Attribute | None, text: str) -> list[Edit]:
     """Return the edit that writes ``text`` in an attribute; nothing unless its value is typed literally."""
     if attribute is None or not attribute.literal or attribute.span is None:
         return []
     return [Edit(attribute.span, attribute.typed, text)]
+
+
+def edit_numbers(attribute: Attribute | None, text: str) -> list[Edit]:
+    """Return the edit that writes these numbers in an attribute, in the notation of those that are typed there; nothing unless
+    they are typed literally."""
+    return [] if attribute is None else edit_literal(attribute, keep_notation(attribute.typed, text))
 
 
 def edit_literals(texts: Iterable[tuple[Attribute | None, str]]) -> list[Edit]:
@@ -44,6 +56,11 @@ def edit_literals(texts: Iterable[tuple[Attribute | None, str]]) -> list[Edit]:
             return []
         edits += edit
     return edits
+
+
+def edit_all_numbers(texts: Iterable[tuple[Attribute | None, str]]) -> list[Edit]:
+    """Return the edits that write numbers in each attribute, in its notation; nothing unless all values are typed literally."""
+    return edit_literals((a, text if a is None else keep_notation(a.typed, text)) for a, text in texts)
 
 
 def swap_literals(one: Attribute | None, other: Attribute | None) -> list[Edit]:
@@ -80,7 +97,7 @@ def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *,
     if definitions:
         where = join_names(describe_definitions(list(definitions.values())))
         if len(computed) > 1 or len(changes) > 1:
-            return f"make {name} get {numbers}, computed from {where}"
+            return f"give {name} {numbers}, computed from {where}"
         change, attribute = computed[0]
         return f"make `{attribute.typed}` give `{change.text}` for {name}: it is computed from {where}"
     if not shared:
@@ -89,10 +106,7 @@ def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *,
     if None in reflected:
         return f"give the macro that makes both a parameter for them, so that {name} gets {numbers}"
     written = " ".join(f'{change.name}="{text}"' for change, text in zip(changes, reflected, strict=True))
-    return (
-        f"give the macro that makes both a parameter, `reflect` for instance, that is 1 for {twin} and -1 for {name}, "
-        f"and write {written} in it"
-    )
+    return f"give the macro a parameter such as `reflect`, 1 for {twin} and -1 for {name}, and write {written} in it"
 
 
 def _reflect_numbers(change: AttributeChange) -> str | None:

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from decimal import Decimal
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,17 +12,11 @@ from urdfcheck.core import Edit
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial
+from urdfcheck.model.repairs.number_text import NEGLIGIBLE_DIFFERENCE, write_number, write_numbers
 from urdfcheck.source.text.xml import Attribute, Element
 
-if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array
-
-# Numbers are the same when they agree to within this share, which a file's digits can express.
-NEGLIGIBLE_DIFFERENCE = 1e-6
-_DIGITS = 6
 # A repair of more numbers is not spelled in a sentence where a diff shows it.
 _MOST_SPELLED = 3
-_EXPONENT = re.compile(r"[+-]?([\d.]+)([eE])([+-]?)(\d+)")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,17 +56,21 @@ def _list_changes(
     """Yield the attribute (or the element that lacks it), its name and its new text, for each that has to change."""
     if inertial.mass is None or not math.isclose(inertial.mass, expected.mass, rel_tol=NEGLIGIBLE_DIFFERENCE):
         attribute = inertial.mass_attribute
-        yield attribute, "mass value", _format_numbers([] if attribute is None else [attribute.value], [expected.mass])
+        yield attribute, "mass value", write_number("" if attribute is None else attribute.value, expected.mass)
     xyz = inertial.origin.xyz
     reach = max(float(np.abs(expected.com).max()), *map(abs, xyz or ()), 1e-12)
     if xyz is None or float(np.abs(np.array(xyz) - expected.com).max()) > NEGLIGIBLE_DIFFERENCE * reach:
         com = np.where(np.abs(expected.com) > NEGLIGIBLE_DIFFERENCE * reach, expected.com, 0.0)
-        yield _locate_attribute(inertial, "xyz"), "xyz", _format_numbers(_split_attribute(inertial, "xyz"), com)
+        yield _locate_attribute(inertial, "xyz"), "xyz", write_numbers(_read_attribute(inertial, "xyz"), com.tolist())
     matrix = inertial.origin.matrix
     if matrix is None or float(np.abs(matrix[:3, :3] - expected.rotation).max()) > NEGLIGIBLE_DIFFERENCE:
         angles = np.array(matrix_to_rpy(expected.rotation))
         angles[np.abs(angles) < 1e-12] = 0.0
-        yield _locate_attribute(inertial, "rpy"), "rpy", _format_numbers(_split_attribute(inertial, "rpy"), angles)
+        yield (
+            _locate_attribute(inertial, "rpy"),
+            "rpy",
+            write_numbers(_read_attribute(inertial, "rpy"), angles.tolist()),
+        )
     yield from _list_tensor_changes(inertial, expected)
 
 
@@ -90,7 +85,7 @@ def _list_tensor_changes(
     for i, (name, old, new) in enumerate(zip(TENSOR_NAMES, components, values, strict=True)):
         if not abs(old - new) <= NEGLIGIBLE_DIFFERENCE * max(abs(new), 1e-3 * largest):
             value = new if abs(new) > 1e-9 * largest else 0.0
-            yield attributes.get(name), name, _format_like_typed(typed[i], value, typed)
+            yield attributes.get(name), name, write_number(typed[i], value, typed)
 
 
 def _is_already_written(attribute: Attribute | Element | None, text: str) -> bool:
@@ -103,47 +98,12 @@ def _locate_attribute(inertial: Inertial, name: str) -> Attribute | Element | No
     return None if element is None else element.attributes.get(name, element)
 
 
-def _split_attribute(inertial: Inertial, name: str) -> list[str]:
+def _read_attribute(inertial: Inertial, name: str) -> str:
     attribute = inertial.origin.get_attribute(name)
-    return [] if attribute is None else attribute.value.split()
+    return "" if attribute is None else attribute.value
 
 
 def _make_edit(attribute: Attribute | Element | None, text: str) -> Edit | None:
     if not isinstance(attribute, Attribute) or not attribute.literal or attribute.span is None:
         return None
     return Edit(attribute.span, attribute.typed, text)
-
-
-def _format_numbers(typed: Sequence[str], values: Sequence[float] | Array) -> str:
-    words = typed if len(typed) == len(values) else [""] * len(values)
-    return " ".join(_format_like_typed(word, float(value), words) for word, value in zip(words, values, strict=True))
-
-
-def _format_like_typed(typed: str, value: float, others: Iterable[str] = ()) -> str:
-    """Format a number as it was typed where only its sign or a power of ten changes, else with six digits.
-
-    ``others`` are its neighbours: a number that changed places with one is written as that one was typed.
-    """
-    for word, powers in ((typed, True), *((other, False) for other in others)):
-        try:
-            old = Decimal(word.strip())
-        except ArithmeticError:
-            continue
-        if old and value and old.is_finite() and abs(old.adjusted()) < 300:
-            shift = round(math.log10(abs(value)) - math.log10(abs(float(old)))) if powers else 0
-            scaled = old.scaleb(shift).copy_sign(Decimal(value))
-            if math.isclose(float(scaled), value, rel_tol=NEGLIGIBLE_DIFFERENCE):
-                return word.strip() if scaled == old else _rewrite_number(word.strip(), scaled, shift)
-    return f"{value:.{_DIGITS}g}" if value else "0"
-
-
-def _rewrite_number(typed: str, value: Decimal, shift: int) -> str:
-    """Return a number with another sign or power of ten (``shift``) in the notation in which it was typed."""
-    match = _EXPONENT.fullmatch(typed)
-    if match is not None:
-        digits, mark, sign, power = match.groups()
-        shifted = int(f"{sign}{power}") + shift
-        minus, before_power = "-" if value.is_signed() else "", "-" if shifted < 0 else "+" if sign else ""
-        return f"{minus}{digits}{mark}{before_power}{abs(shifted):0{len(power)}d}"
-    text = format(value, "f")
-    return text if len(text) <= len(str(value)) + 6 else str(value).replace("E", "e")

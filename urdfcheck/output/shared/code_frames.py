@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -12,8 +11,6 @@ from urdfcheck.core import NEWLINE, Span
 MOST_LINES = 6
 # Characters of a line kept on each side of the marked range: a file in one line would be copied for each of its findings.
 KEPT_CHARACTERS = 1000
-_LONGEST_NAME = 80
-_LAST_NAME = re.compile(r"[\w:.-]+$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,26 +42,6 @@ def extract_code_frame(source: str, span: Span, context: int = 1, most_lines: in
             marked = (start, max(end, start + 1))
         frame.append(_crop_line(FrameLine(number, text, marked)))
     return frame
-
-
-def find_attribute_around(source: str, span: Span) -> tuple[str, str]:
-    """Return what stands around an attribute's value that an edit changes: ``ixx="`` and ``"``; empty for other text.
-
-    Where the edit is one of several words, an ellipsis stands for the others.
-    """
-    lines = split_lines(source)
-    if not 1 <= span.line <= len(lines):
-        return "", ""
-    line = lines[span.line - 1]
-    before, rest = line[: span.col - 1], line[span.end_col - 1 :] if span.end_line == span.line else ""
-    quote = max(before.rfind('"'), before.rfind("'"))
-    head = before[: max(quote, 0)].rstrip()
-    name = _LAST_NAME.search(head[:-1].rstrip()[-_LONGEST_NAME:]) if head.endswith("=") else None
-    if name is None:
-        return "", ""
-    others = (before[quote + 1 :], rest.partition(before[quote])[0])
-    first, last = ("…" if text.strip() else "" for text in others)
-    return f'{name[0]}="{first}', f'{last}"'
 
 
 def _crop_line(line: FrameLine) -> FrameLine:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from urdfcheck.core import Confidence, Finding, ModelInfo, Run, Severity, Span, Verdict
 from urdfcheck.output.shared.escaping import escape_one_line
@@ -41,9 +41,11 @@ def format_place(span: Span) -> str:
 def sort_worst_first(findings: Iterable[Finding]) -> list[Finding]:
     """Sort findings by weight: severity, how many programs refuse the model or drop a part of it, and confidence.
 
-    Those of one weight keep their order.
+    Of one weight those of a rule stand together, the largest excess first: millimetres of one rule and percents of another
+    cannot be compared. The rules, and findings without a difference, keep their order.
     """
     confidences = list(Confidence)
+    findings = list(findings)
 
     def weigh(finding: Finding) -> tuple[int, int, int, int]:
         verdicts = [Verdict.from_sentence(effect) for effect in finding.consequences.values()]
@@ -54,7 +56,12 @@ def sort_worst_first(findings: Iterable[Finding]) -> list[Finding]:
             confidences.index(finding.confidence),
         )
 
-    return sorted(findings, key=weigh)
+    weights = [weigh(finding) for finding in findings]
+    places: dict[tuple[object, ...], int] = {}
+    for place, (weight, finding) in enumerate(zip(weights, findings, strict=True)):
+        places.setdefault((weight, finding.code), place)
+    keys = [(weight, places[weight, f.code], -f.excess) for weight, f in zip(weights, findings, strict=True)]
+    return [findings[i] for i in sorted(range(len(findings)), key=keys.__getitem__)]
 
 
 def format_concise(run: Run, finding: Finding) -> str:
@@ -62,14 +69,6 @@ def format_concise(run: Run, finding: Finding) -> str:
     span = finding.location.span
     place = find_finding_file(run, finding) if span is None else format_place(span)
     return escape_one_line(f"{place}: {finding.severity} {finding.code} {finding.headline}")
-
-
-def group_by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
-    """Group the programs by effect: programs that do the same thing share a line."""
-    effects: dict[str, list[str]] = {}
-    for program, effect in consequences.items():
-        effects.setdefault(effect, []).append(program)
-    return effects
 
 
 def describe_found_arguments(info: ModelInfo) -> str:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from rich.text import Text
 
-from urdfcheck.core import Applicability, ModelInfo, Run, Severity
+from urdfcheck.core import Applicability, ModelInfo, Run, Severity, SkippedCheck
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.not_checked import GLYPH, describe_not_checked, is_accepted
 from urdfcheck.output.shared.verdict.verdict import describe_checked_units
@@ -25,6 +25,8 @@ from urdfcheck.output.text.lines import STYLES, format_finding_title, format_sep
 MAX_CODES = 8
 # A report with more findings repeats its errors and warnings at the end.
 RECAP_THRESHOLD = 8
+# Columns that a title keeps before a long place.
+_LEAST_TITLE = 40
 
 
 def iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
@@ -37,14 +39,14 @@ def iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
 def iter_skipped(run: Run, width: int, *, is_full: bool) -> Iterator[Text]:
     """Yield the skipped checks by reason, with their models unless the reason applies to all.
 
-    ``is_full``: also those that nobody asked for, which need a simulator.
+    ``is_full``: also those that nobody misses, see `_is_missed`.
     """
+    reported = {finding.code for finding in run.active_findings}
     reasons: dict[str, tuple[set[str], set[str]]] = {}
     # Of a model of which nothing is known no single check is named.
     unchecked = {info.id for info in run.unchecked_models}
     for skip in run.skipped:
-        wants_simulator = skip.code in run.rules and "simulator" in run.rules[skip.code].needs
-        if skip.model in unchecked or (wants_simulator and not is_full):
+        if skip.model in unchecked or not (is_full or _is_missed(run, skip, reported)):
             continue
         codes, models = reasons.setdefault(skip.reason, (set(), set()))
         codes.add(skip.code)
@@ -58,18 +60,31 @@ def iter_skipped(run: Run, width: int, *, is_full: bool) -> Iterator[Text]:
         yield from wrap_text(Text(line, "dim"), width)
 
 
+def _is_missed(run: Run, skip: SkippedCheck, reported: Collection[str]) -> bool:
+    """Whether a reader who asked for nothing special misses a check: not if it takes more than was to be computed, or a
+    simulator, nor if the reason is a finding of the report."""
+    if skip.code in run.requested or skip.is_partial:
+        return True
+    wants_simulator = skip.code in run.rules and "simulator" in run.rules[skip.code].needs
+    wants_tier = skip.reason.startswith(SkippedCheck.TIER_REASON)
+    return not (wants_simulator or wants_tier or any(code in skip.reason for code in reported))
+
+
 def iter_recap(run: Run, width: int) -> Iterator[Text]:
     """Repeat the errors and warnings of a long report, a line each, at the end where the reader is."""
     serious = [f for f in run.active_findings if f.severity > Severity.INFO]
     if not serious or len(run.active_findings) <= RECAP_THRESHOLD:
         return
     yield format_separator(Text("errors and warnings"), width)
+    is_one_file = len({f.location.file for f in serious}) == 1
     for finding in reversed(sort_worst_first(serious)):
         span = finding.location.span
         title = format_finding_title(finding)
         place = "" if span is None else f"  {escape_one_line(span.file)}:{span.line}:{span.col}"
         if title.cell_len + len(place) > width and span is not None:
-            place = f"  {escape_one_line(get_base_name(span.file))}:{span.line}"
+            # One file needs no name; of several the title is cut for it.
+            place = f"  {'' if is_one_file else escape_one_line(get_base_name(span.file))}:{span.line}"
+            title.truncate(max(width - len(place), _LEAST_TITLE), overflow="ellipsis")
         yield Text.assemble(title, (place, "dim"))
     yield Text()
 
@@ -79,8 +94,11 @@ def format_glyph(models: Sequence[ModelInfo]) -> Text:
     return Text(f"{GLYPH} ", "bold yellow" if all(map(is_accepted, models)) else "bold red")
 
 
-def format_summary(run: Run) -> Text:
-    """Format the last line: what was not checked, the findings by severity, and how much was checked in which time."""
+def format_summary(run: Run, *, is_full: bool = False) -> Text:
+    """Format the last line: what was not checked, the findings by severity, and how much was checked in which time.
+
+    ``is_full``: whether all that is known was printed; else the line says what prints the notes.
+    """
     if not run.units and not run.failures:
         return Text("nothing to check: no model, launch file or package was found there", "bold")
     unchecked = describe_not_checked(run)
@@ -95,20 +113,26 @@ def format_summary(run: Run) -> Text:
         text.append(f"{GLYPH} not finished: {format_count(len(run.failures), 'failure')} · ", "bold red")
     if unchecked:
         text.append_text(format_glyph(run.unchecked_models)).append(f"{unchecked} · ", "bold")
-    notes = counts[Severity.INFO]
+    notes = format_count(counts[Severity.INFO] + _count_unrequested(run), "note")
+    has_notes, how = not notes.startswith("0 "), "" if is_full else "-v"
     if not counts[Severity.ERROR] and not counts[Severity.WARNING]:
         if run.failures or unchecked:
-            text.append("nothing else found" if not notes else "no other errors or warnings")
+            text.append("nothing else found" if not has_notes else "no other errors or warnings")
         else:
             text.append("✔ no errors, no warnings", "bold green")
-        text.append(f" ({format_count(notes, 'note')}: -v)" if notes else "", "dim")
+        text.append(f" ({notes}{how and f': {how}'})" if has_notes else "", "dim")
         return text.append(end, "dim")
     for severity in (Severity.ERROR, Severity.WARNING):
         if counts[severity]:
             text.append(f"{GLYPHS[severity]} {format_count(counts[severity], str(severity))}", STYLES[severity])
             text.append(" · ", "dim")
-    text.append(f"{format_count(notes, 'note')} (-v) · " if notes else "", "dim")
+    text.append(f"{notes}{how and f' ({how})'} · " if has_notes else "", "dim")
     return text.append(end.removeprefix(" · "), "dim")
+
+
+def _count_unrequested(run: Run) -> int:
+    """Count the notes that nobody asked for, those of several models at one place once."""
+    return len({(f.code, f.message_id, f.location.span or f.model) for f in run.unrequested})
 
 
 def describe_fixable(run: Run) -> str:

@@ -8,10 +8,12 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from rich.text import Text
 
-from urdfcheck.core import Finding, Run, Verdict
-from urdfcheck.output.shared.code_frames import find_attribute_around
+from urdfcheck.core import Applicability, Finding, Run
+from urdfcheck.output.shared.diffs import LineChange, list_line_changes
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
-from urdfcheck.output.shared.wording import PROGRAM_NAMES, describe_models, get_base_name, group_by_effect, join_first
+from urdfcheck.output.shared.verdict.effects import ToldEffects, describe_hits
+from urdfcheck.output.shared.wording import describe_models, format_count, get_base_name, join_first
+from urdfcheck.output.text.change_lines import iter_change_lines
 from urdfcheck.output.text.code_frame_lines import iter_code_frame
 from urdfcheck.output.text.full_finding import FIX_OPTIONS
 from urdfcheck.output.text.lines import STYLES, format_finding_title, wrap_text
@@ -20,21 +22,52 @@ _NAMED = re.compile(r"\w+\[([^\]]+)\]")
 # Places and subjects that are named.
 _MOST_PLACES, _MOST_SUBJECTS = 3, 3
 # Lines that the repair in words may take, and the message where there is no code.
-_MOST_LINES = 2
+_MOST_WORDS = 2
+# Lines of a finding, as far as changed lines decide.
+_MOST_LINES = 8
+# The options that show a fix.
+_DIFF_OPTIONS = {Applicability.SAFE: "--diff", Applicability.UNSAFE: "--diff --unsafe-fixes"}
+# Columns before the text of a line with a label.
+_INDENT = 9
 
 
-def iter_compact_finding(run: Run, finding: Finding, width: int, told: set[tuple[str, str]]) -> Iterator[Text]:
+def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffects) -> Iterator[Text]:
     """Yield the lines of a finding. ``told``: what programs do was said of these rules, in these words; more is added."""
-    yield from wrap_text(format_finding_title(finding), width)
-    yield _format_places(finding, width)
+    head = [*wrap_text(format_finding_title(finding), width), _format_places(finding, width)]
+    facts = list(_iter_facts(run, finding, width, told))
+    changes = [] if finding.fix is None else list_line_changes(run.sources, finding.fix.edits)
+    changed = list(iter_change_lines(finding, changes, indent=_INDENT, width=width, is_cut=True))
+    code = list(_iter_code(run, finding, width))
+    span = finding.location.span
+    # A line before and after its repair shows the code too, but for the message behind the marks.
+    shows_code = any(span is not None and c.file == span.file and c.line == span.line and c.old for c in changes)
+    if shows_code and not any(finding.message in line.plain for line in code):
+        code = [] if len(head) + len(facts) + 1 + len(changed) <= _MOST_LINES else code
+    shows_changes = changes and len(head) + len(code) + len(facts) + 1 + len(changed) <= _MOST_LINES
+    yield from (*head, *code, *facts)
+    room = _MOST_LINES - len(head) - len(code) - len(facts) - bool(changes)
+    yield from _iter_fix_lines(finding, width, most=1 if shows_changes else max(1, min(room, _MOST_WORDS)))
+    if shows_changes:
+        yield from changed
+    elif changes:
+        yield _format_change_count(finding, changes)
+    yield Text()
+
+
+def _iter_code(run: Run, finding: Finding, width: int) -> Iterator[Text]:
+    """Yield the line of a finding with its marks; the message where no code shows what is meant."""
     span = finding.location.span
     if span is not None:
         label = escape_invisible(finding.message) if span.line == span.end_line else ""
         yield from iter_code_frame(
             run, span, style=STYLES[finding.severity], width=width, context=0, label=label, most_lines=1
         )
-    if span is None or not run.sources.get(span.file):  # no code shows what is meant
-        yield from _cut_lines(wrap_text(Text(escape_invisible(finding.message)), width, Text("  ")), _MOST_LINES, width)
+    if span is None or not run.sources.get(span.file):
+        yield from _cut_lines(wrap_text(Text(escape_invisible(finding.message)), width, Text("  ")), _MOST_WORDS, width)
+
+
+def _iter_facts(run: Run, finding: Finding, width: int, told: ToldEffects) -> Iterator[Text]:
+    """Yield a line each: the models and arguments with the finding, the elements that it is about, and what programs do."""
     if models := describe_models(run, finding):
         yield _format_line("in", Text(escape_one_line(models)), width)
     if arguments := run.find_variant_arguments(finding):
@@ -45,12 +78,10 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: set[tuple
         yield _format_line("also", Text(join_first(others, _MOST_PLACES)), width)
     if len(names := _list_names(finding)) > 1:
         yield _format_line("for", Text(escape_one_line(join_first(names, _MOST_SUBJECTS))), width)
-    hits = describe_hits(finding)
+    hits = describe_hits(run, finding, width - _INDENT)
     if hits and (finding.code, hits) not in told:
         told.add((finding.code, hits))
         yield _format_line("hits", Text(escape_invisible(hits)), width)
-    yield from _iter_fix_lines(run, finding, width)
-    yield Text()
 
 
 def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
@@ -66,14 +97,6 @@ def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
         yield Text.assemble(line, (more, "dim"), (place, "dim"))
     if findings:
         yield Text()
-
-
-def describe_hits(finding: Finding) -> str:
-    """Say what programs do with a defect, apart from loading it as typed; the worst first."""
-    effects = group_by_effect(finding.consequences)
-    news = {effect: names for effect, names in effects.items() if not effect.startswith("loads")}
-    worst = sorted(news.items(), key=lambda item: -Verdict.from_sentence(item[0]))
-    return " · ".join(f"{', '.join(PROGRAM_NAMES.get(n, n) for n in names)}: {effect}" for effect, names in worst)
 
 
 def _list_names(finding: Finding) -> list[str]:
@@ -120,31 +143,22 @@ def _cut_lines(lines: Iterable[Text], most: int, width: int) -> list[Text]:
     return kept
 
 
-def _iter_fix_lines(run: Run, finding: Finding, width: int) -> Iterator[Text]:
-    """Yield the repair in words, and as a line before and after where it is one edit in one line."""
+def _iter_fix_lines(finding: Finding, width: int, *, most: int) -> Iterator[Text]:
+    """Yield the repair in words, in at most so many lines, the option that makes it behind them."""
     fix = finding.fix
     if fix is None:
         return
     how = FIX_OPTIONS.get(fix.applicability) if fix.edits and finding.suppressed is None else None
-    wrapped = wrap_text(Text(escape_invisible(fix.title)), width, Text.assemble("  ", ("= fix  ", "dim")))
-    lines = _cut_lines(wrapped, _MOST_LINES, width)
-    if how:
-        option = f" [{how}]"
-        if lines[-1].cell_len + len(option) <= width:
-            lines[-1].append(option, "dim")
-        else:
-            lines.append(Text.assemble(" " * 9, (option.strip(), "dim")))
+    option = f" [{how}]" if how else ""
+    lead = Text.assemble("  ", ("= fix  ", "dim"))
+    lines = _cut_lines(wrap_text(Text(escape_invisible(fix.title)), width, lead), most, width)
+    if lines[-1].cell_len + len(option) > width:
+        lines[-1].truncate(width - len(option) - 1, overflow="ellipsis")
+    lines[-1].append(option, "dim")
     yield from lines
-    if len(fix.edits) != 1:
-        return
-    (edit,) = fix.edits
-    if "\n" in edit.expected.strip("\r\n") or "\n" in edit.replacement:
-        return
-    before, after = find_attribute_around(run.sources.get(edit.span.file, ""), edit.span)
-    for sign, text, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
-        if text.strip():
-            shown = Text.assemble(
-                " " * 9, (f"{sign} {before}", "dim"), (escape_invisible(text.strip()), style), (after, "dim")
-            )
-            shown.truncate(width, overflow="ellipsis")
-            yield shown
+
+
+def _format_change_count(finding: Finding, changes: Sequence[LineChange]) -> Text:
+    option = None if finding.fix is None else _DIFF_OPTIONS.get(finding.fix.applicability)
+    shown = f"; {option} shows them" if option and finding.suppressed is None else ""
+    return Text.assemble(" " * _INDENT, (f"{format_count(len(changes), 'line')} would change{shown}", "dim"))

@@ -7,10 +7,12 @@ from collections.abc import Iterator
 from rich.text import Text
 
 from urdfcheck.core import Applicability, Finding, Fix, Run
-from urdfcheck.output.shared.code_frames import find_attribute_around
+from urdfcheck.output.shared.diffs import list_line_changes
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
+from urdfcheck.output.shared.verdict.effects import ToldEffects, list_new_effects
 from urdfcheck.output.shared.verdict.finding_details import describe_other_places
-from urdfcheck.output.shared.wording import PROGRAM_NAMES, describe_models, group_by_effect
+from urdfcheck.output.shared.wording import describe_models
+from urdfcheck.output.text.change_lines import iter_change_lines
 from urdfcheck.output.text.code_frame_lines import iter_code_frame
 from urdfcheck.output.text.lines import (
     STYLES,
@@ -24,10 +26,15 @@ from urdfcheck.output.text.lines import (
 # The options that apply a fix.
 FIX_OPTIONS = {Applicability.SAFE: "--fix", Applicability.UNSAFE: "--fix --unsafe-fixes"}
 MAX_RELATED = 4
+# Columns before the text of a line with a label.
+_INDENT = 8
 
 
-def iter_full_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
-    """Yield the lines of a finding: headline, place, message, code, callers, related places, cause, consequences, fix."""
+def iter_full_finding(run: Run, finding: Finding, width: int, told: ToldEffects) -> Iterator[Text]:
+    """Yield the lines of a finding: headline, place, message, code, callers, related places, cause, consequences, fix.
+
+    ``told``: the consequences that the report told already; more is added.
+    """
     yield from _iter_finding_head(finding, width)
     span = finding.location.span
     yield from wrap_text(Text(escape_invisible(finding.message)), width, Text("  "))
@@ -47,8 +54,8 @@ def iter_full_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
         yield from wrap_labelled("from", caller, width)
     for other in describe_other_places(finding):
         yield from wrap_labelled("also", escape_invisible(other), width)
-    told = {own.location.span for own in finding.occurrences}
-    related = [(place.subject, place.span) for place in finding.related if place.span and place.span not in told]
+    places = {own.location.span for own in finding.occurrences}
+    related = [(place.subject, place.span) for place in finding.related if place.span and place.span not in places]
     for subject, place in related[:MAX_RELATED]:
         yield from wrap_labelled(
             "see", f"{escape_one_line(place.file)}:{place.line}  {escape_one_line(subject)}", width
@@ -57,9 +64,8 @@ def iter_full_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
         yield from wrap_labelled("see", format_remainder(len(related) - MAX_RELATED, "place"), width)
     if finding.cause_text is not None:
         yield from wrap_labelled("why", escape_invisible(finding.cause_text), width)
-    for effect, programs in group_by_effect(finding.consequences).items():
-        names = ", ".join(PROGRAM_NAMES.get(program, program) for program in programs)
-        yield from wrap_labelled("then", f"{names}: {escape_invisible(effect)}", width)
+    for programs, effect in list_new_effects(run, finding, told, every=True):
+        yield from wrap_labelled("then", f"{programs}: {escape_invisible(effect)}", width)
     if finding.fix is not None:
         yield from _iter_fix_lines(run, finding, finding.fix, width)
     yield Text()
@@ -86,16 +92,8 @@ def _iter_fix_lines(run: Run, finding: Finding, fix: Fix, width: int) -> Iterato
     yield from wrap_labelled(
         "fix", Text.assemble(escape_invisible(fix.title), (f" [{how}]" if how else "", "dim")), width
     )
-    here = None if finding.location.span is None else finding.location.span.file
-    for edit in fix.edits[:MAX_RELATED]:
-        place = "" if edit.span.file == here else f"{escape_one_line(edit.span.file)}:"
-        before, after = find_attribute_around(run.sources.get(edit.span.file, ""), edit.span)
-        for sign, typed, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
-            for line in typed.strip("\r\n").splitlines():
-                shown = escape_invisible(" ".join(line.split()) if sign == "-" else line)
-                text = Text.assemble(
-                    (f"{place}{edit.span.line} {sign} {before}", "dim"), (shown, style), (after, "dim")
-                )
-                yield from wrap_labelled("", text, width)
-    if len(fix.edits) > MAX_RELATED:
-        yield from wrap_labelled("", Text(format_remainder(len(fix.edits) - MAX_RELATED, "edit"), "dim"), width)
+    changes = list_line_changes(run.sources, fix.edits)
+    yield from iter_change_lines(finding, changes[:MAX_RELATED], indent=_INDENT, width=width, is_cut=False)
+    if len(changes) > MAX_RELATED:
+        more = format_remainder(len(changes) - MAX_RELATED, "changed line")
+        yield from wrap_labelled("", Text(more, "dim"), width)

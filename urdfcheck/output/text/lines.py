@@ -67,7 +67,8 @@ def format_model_heading(info: ModelInfo | None, model: str, width: int) -> Text
 
 
 def format_finding_title(finding: Finding) -> Text:
-    head = Text(f"{GLYPHS[finding.severity]} {finding.severity} ", STYLES[finding.severity])
+    """Format the title of a finding: its sign, its rule and its headline, which fit into 80 columns."""
+    head = Text(f"{GLYPHS[finding.severity]} ", STYLES[finding.severity])
     return head.append(f"{finding.code} {escape_invisible(finding.headline)}", "bold")
 
 

@@ -10,6 +10,7 @@ from rich.text import Text
 from urdfcheck.core import Finding, Run, Severity
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line, find_ci_command
 from urdfcheck.output.shared.rule_statistics import count_by_rule, format_table
+from urdfcheck.output.shared.verdict.effects import ToldEffects
 from urdfcheck.output.shared.verdict.not_checked import (
     ACCEPTING_KEY,
     ACCEPTING_OPTION,
@@ -109,12 +110,12 @@ def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> 
     fixable = describe_fixable(run)
     if fixable and detail is not DetailLevel.QUIET:
         yield from wrap_text(Text(fixable, "dim"), width)
-    yield from wrap_text(format_summary(run), width)
+    yield from wrap_text(format_summary(run, is_full=detail is DetailLevel.FULL), width)
 
 
 def _iter_drop_tests(run: Run, width: int) -> Iterator[Text]:
     # Few runs drop a robot, and this is a tenth of what this module would import.
-    from urdfcheck.output.shared.drop_test_lines import iter_drop_test_lines
+    from urdfcheck.output.shared.drop_test.lines import iter_drop_test_lines
 
     infos = {info.id: info for info in run.models}
     for drop in run.drops:
@@ -128,16 +129,19 @@ def _iter_models(run: Run, *, width: int, is_full: bool, fail_on: str) -> Iterat
     by_model: dict[str, list[Finding]] = {}
     for finding in sort_worst_first(run.active_findings):
         by_model.setdefault(finding.model, []).append(finding)
-    told: set[tuple[str, str]] = set()
-    for model, findings in reversed(by_model.items()):
+    told: ToldEffects = set()
+    sections = []
+    for model, findings in by_model.items():
+        shown = findings if is_full else [f for f in findings if _fails_run(run, f, fail_on)]
+        iter_finding = iter_full_finding if is_full else iter_compact_finding
+        # Made in this order, so that the worst of a rule tells what programs do.
+        blocks = [list(iter_finding(run, finding, width, told)) for finding in shown]
+        sections.append((model, [] if is_full else [f for f in findings if not _fails_run(run, f, fail_on)], blocks))
+    for model, notes, blocks in reversed(sections):
         yield format_separator(format_model_heading(infos.get(model), model, width), width)
-        if is_full:
-            for finding in reversed(findings):
-                yield from iter_full_finding(run, finding, width)
-            continue
-        yield from iter_brief_rules([f for f in findings if not _fails_run(run, f, fail_on)], width)
-        for finding in reversed([f for f in findings if _fails_run(run, f, fail_on)]):
-            yield from iter_compact_finding(run, finding, width, told)
+        yield from iter_brief_rules(notes, width)
+        for block in reversed(blocks):
+            yield from block
 
 
 def _fails_run(run: Run, finding: Finding, fail_on: str) -> bool:

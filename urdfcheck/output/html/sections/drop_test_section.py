@@ -8,7 +8,7 @@ from urdfcheck.core.drop_test import SECONDS, STEP, DropTest, ReleaseResult, Sta
 from urdfcheck.output.html.html_text import escape_html, format_number
 from urdfcheck.output.html.svg.stability_chart import draw_stability_chart, get_curve_class
 from urdfcheck.output.html.tables.html_table import render_table
-from urdfcheck.output.shared.drop_test_wording import (
+from urdfcheck.output.shared.drop_test.wording import (
     CONTACT_HEAD,
     OUTCOMES,
     describe_damping_scheme,

@@ -13,6 +13,7 @@ from urdfcheck.output.html.program_outcomes import VERBS, is_news, list_affected
 from urdfcheck.output.html.sections.code_listing import render_code_frame, render_diff
 from urdfcheck.output.shared.anchors import FindingCard, parse_element_key
 from urdfcheck.output.shared.verdict.claim import join_names
+from urdfcheck.output.shared.verdict.effects import list_effects
 from urdfcheck.output.shared.verdict.not_checked import explain_block
 from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
@@ -20,7 +21,6 @@ from urdfcheck.output.shared.wording import (
     format_count,
     format_place,
     get_base_name,
-    group_by_effect,
 )
 from urdfcheck.policy.consumers import get_verdict
 
@@ -102,7 +102,7 @@ def _render_place_line(card: FindingCard, model_file: str) -> str:
             '<button type="button" class="in-3d" title="Show in 3D" aria-label="Show in 3D" hidden>3D</button>'
         )
     # Names that the headline has in full need no repetition.
-    if any(key[-1] not in finding.headline for key in keys):
+    if any(key[-1] not in finding.headline for key in keys[:MOST_NAMES]):
         rest = f" and {len(keys) - MOST_NAMES} more" if len(keys) > MOST_NAMES else ""
         parts.append(f'<span class="names">{", ".join(map(render_element_name, keys[:MOST_NAMES]))}{rest}</span>')
     return f'<p class="at">{"".join(parts)}</p>' if parts else ""
@@ -155,7 +155,7 @@ def _render_evidence(run: Run, card: FindingCard) -> str:
     finding = card.finding
     parts = (
         _render_variants(run, finding),
-        _render_consequences(finding),
+        _render_consequences(run, finding),
         _render_subjects(card),
         _render_call_chain(run, card),
         _render_related(run, finding.related),
@@ -289,11 +289,11 @@ def _render_explanation(run: Run, finding: Finding) -> str:
     return "".join(parts)
 
 
-def _render_consequences(finding: Finding) -> str:
-    rows = []
-    for effect, programs in group_by_effect(finding.consequences).items():
-        names = escape_html(", ".join(PROGRAM_NAMES.get(program, program) for program in programs))
-        rows.append(f"<div><dt>{names}</dt><dd>{render_prose(effect)}</dd></div>")
+def _render_consequences(run: Run, finding: Finding) -> str:
+    rows = [
+        f"<div><dt>{escape_html(names)}</dt><dd>{render_prose(effect)}</dd></div>"
+        for names, effect in list_effects(run, finding)
+    ]
     return f'<div class="then"><h5>In simulators</h5><dl>{"".join(rows)}</dl></div>' if rows else ""
 
 

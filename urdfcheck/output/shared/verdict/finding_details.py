@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Run
+from urdfcheck.output.shared.verdict.effects import ToldEffects, list_new_effects
 from urdfcheck.output.shared.verdict.not_checked import explain_block
-from urdfcheck.output.shared.wording import PROGRAM_NAMES, describe_models, format_count, get_base_name, group_by_effect
+from urdfcheck.output.shared.wording import describe_models, format_count, get_base_name
 
 # The label of what a finding for which a model could not be checked means.
 BLOCK_LABEL = "Not checked"
@@ -14,8 +15,11 @@ BLOCK_LABEL = "Not checked"
 MOST_OCCURRENCES = 20
 
 
-def iter_details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
-    """Yield models, arguments, what is not checked for it, other places, cause, consequences and fix of a finding."""
+def iter_details(run: Run, finding: Finding, told: ToldEffects) -> Iterator[tuple[str, str]]:
+    """Yield models, arguments, what is not checked for it, other places, cause, consequences and fix of a finding.
+
+    ``told``: the consequences that the report told already; more is added.
+    """
     if models := describe_models(run, finding):
         yield "In", models
     if arguments := run.find_variant_arguments(finding):
@@ -26,8 +30,8 @@ def iter_details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
         yield "Also", other
     if finding.cause_text is not None:
         yield "Why", finding.cause_text
-    for effect, programs in group_by_effect(finding.consequences).items():
-        yield f"Then {', '.join(PROGRAM_NAMES.get(program, program) for program in programs)}", effect
+    for programs, effect in list_new_effects(run, finding, told):
+        yield f"Then {programs}", effect
     if finding.fix is not None:
         yield "Fix", finding.fix.title
 

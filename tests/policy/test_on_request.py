@@ -1,0 +1,153 @@
+"""Notes on request: left out unless -v, a selection, a severity, an option or a target asks for them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from builders import inertial, joint, link, robot
+from conftest import check, command
+
+from urdfcheck.core import Severity
+from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.policy.on_request import split_unrequested
+from urdfcheck.rules import describe_on_request, load_page, load_rules
+
+# KIN008: KDL ignores the inertia of a root; it says so at every start. JNT014: rounding noise in an origin.
+ROBOT = robot(
+    link("base", inertial(2, 0.1)),
+    link("arm", inertial(1, 0.1)),
+    joint("j", "base", "arm", xyz="0.1 1e-17 0"),
+)
+HIDDEN = {"KIN008", "JNT014"}
+CORNERS = ("0 0 0", "1 0 0", "0 1 0", "0 0 1")
+# A tetrahedron.
+MESH = "\n".join(
+    [
+        "solid m",
+        *(
+            f"facet normal 0 0 0\nouter loop\n{''.join(f'vertex {CORNERS[i]}{chr(10)}' for i in face)}endloop\nendfacet"
+            for face in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
+        ),
+        "endsolid m",
+        "",
+    ]
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "r.urdf").write_text(ROBOT)
+    return tmp_path
+
+
+def list_codes(folder: Path, *options: str) -> set[str]:
+    """The rules of :data:`HIDDEN` that the JSON report has findings of."""
+    done = command("r.urdf", "--tier", "source", "--format", "json", *options, cwd=folder)
+    return {finding["code"] for finding in json.loads(done.stdout)["findings"]} & HIDDEN
+
+
+def test_nobody_asked(folder: Path) -> None:
+    assert list_codes(folder) == set()
+
+
+@pytest.mark.parametrize(
+    ("options", "codes"),
+    [
+        (["-v"], HIDDEN),
+        (["--select", "ALL"], HIDDEN),
+        (["--select", "KIN"], {"KIN008"}),
+        (["--select", "cad-noise"], {"JNT014"}),
+        (["--target", "kdl"], {"KIN008"}),
+        (["--target", "gazebo"], set()),  # it loads it
+    ],
+)
+def test_the_command_line_asks(folder: Path, options: list[str], codes: set[str]) -> None:
+    assert list_codes(folder, *options) == codes
+
+
+@pytest.mark.parametrize(
+    ("text", "codes"),
+    [
+        ('select = ["ALL"]', HIDDEN),
+        ('select = ["JNT014", "INR"]', {"JNT014"}),
+        ('target = ["kdl"]', {"KIN008"}),
+        ('severity = { JNT014 = "info" }', {"JNT014"}),
+        ('severity = { JNT014 = "warning" }', {"JNT014"}),
+        ('[[paths]]\nmatch = ["r.urdf"]\nselect = ["JNT014"]', {"JNT014"}),
+    ],
+)
+def test_the_configuration_asks(folder: Path, text: str, codes: set[str]) -> None:
+    (folder / "urdfcheck.toml").write_text(text)
+    assert list_codes(folder) == codes
+
+
+def test_fixes_are_made_only_where_the_rule_is_asked_for(folder: Path) -> None:
+    assert command("r.urdf", "--tier", "source", "--diff", "-v", cwd=folder).stdout == ""
+    assert "1e-17" in command("r.urdf", "--tier", "source", "--diff", "--select", "JNT014", cwd=folder).stdout
+
+
+def test_the_last_line_counts_what_verbose_adds(folder: Path) -> None:
+    (folder / "r.urdf").write_text(ROBOT.replace("0.1 1e-17 0", "0.1 0 0"))
+    selected = command("r.urdf", "--tier", "source", "--select", "KIN", cwd=folder).stdout
+    brief, whole = (command("r.urdf", "--tier", "source", *more, cwd=folder).stdout for more in ([], ["-v"]))
+    assert "KIN008" in selected
+    assert "KIN008" not in brief
+    assert brief.splitlines()[-1].startswith("✔ no errors, no warnings (")
+    assert "-v)" in brief.splitlines()[-1]
+    assert "KIN008" in whole
+
+
+def test_what_a_target_refuses_is_an_error_and_never_left_out(tmp_path: Path) -> None:
+    (tmp_path / "m.stl").write_text(MESH)
+    shape = '<collision><geometry><mesh filename="m.stl"/></geometry></collision>'
+    (tmp_path / "r.urdf").write_text(robot(link("base", inertial(), shape)))
+    out = command("r.urdf", "--format", "concise", cwd=tmp_path).stdout
+    assert "MSH011" not in out
+    asked = command("r.urdf", "--format", "concise", "--target", "drake", cwd=tmp_path).stdout
+    assert "error MSH011 Drake cannot load m.stl" in asked
+
+
+def test_what_programs_do_is_known_without_the_note(tmp_path: Path) -> None:
+    """No program is said to load a model because a note about it was left out."""
+    (tmp_path / "m.stl").write_text(MESH)
+    shape = '<collision><geometry><mesh filename="m.stl"/></geometry></collision>'
+    (tmp_path / "r.urdf").write_text(robot(link("base", inertial(), shape)))
+    report = json.loads(command("r.urdf", "--format", "json", cwd=tmp_path).stdout)
+    assert "MSH011" not in {finding["code"] for finding in report["findings"]}
+    assert report["consumers"]["r.urdf"]["drake"] == {"verdict": "refuses", "codes": ["MSH011"]}
+
+
+def test_a_suppression_of_a_note_on_request_is_needed(folder: Path) -> None:
+    comment = "<!-- urdfcheck: ignore[KIN008] KDL is not used -->"
+    (folder / "r.urdf").write_text(ROBOT.replace("<link", f"{comment}<link", 1))
+    done = command("r.urdf", "--tier", "source", "--format", "json", cwd=folder)
+    assert "URC901" not in done.stdout
+    assert "KIN008" in done.stdout  # as suppressed
+
+
+def test_errors_and_warnings_are_never_left_out(folder: Path) -> None:
+    (finding,) = check(folder / "r.urdf", codes={"KIN008"}).findings
+    rules = load_rules()
+    for severity, is_reported in ((Severity.ERROR, True), (Severity.WARNING, True), (Severity.INFO, False)):
+        found, left_out = split_unrequested(
+            [replace(finding, severity=severity)], rules, unrequested=frozenset({"KIN008"}), targets=()
+        )
+        assert bool(found) is is_reported
+        assert bool(left_out) is not is_reported
+
+
+def test_a_page_says_that_its_notes_are_on_request() -> None:
+    assert "notes only on request" in describe_on_request(load_rules()["COL002"])
+    assert "notes drawn only on request" in describe_on_request(load_rules()["MSH002"])
+    assert describe_on_request(load_rules()["INR003"]) == ""
+    assert "notes only on request" in command("rule", "COL002").stdout
+
+
+def test_a_page_names_messages_that_exist(tmp_path: Path) -> None:
+    page = load_rules()["MSH002"].page.replace('on_request = ["drawn"]', 'on_request = ["drawm"]')
+    (tmp_path / "MSH002-not-watertight.md").write_text(page)
+    with pytest.raises(UrdfcheckError, match="no message 'drawm'"):
+        load_page(tmp_path / "MSH002-not-watertight.md")

@@ -1,0 +1,129 @@
+"""What programs do with a defect, as the formats tell it: news only, for the programs that matter, once per rule."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+
+from urdfcheck.core import Finding, Run, Verdict
+from urdfcheck.output.shared.wording import PROGRAM_NAMES
+from urdfcheck.policy.consumers import THROUGH_URDFDOM, is_news
+
+# What was told: a rule, and the effects in their words.
+ToldEffects = set[tuple[str, str]]
+
+_REST = re.compile(r"\s*[,:;(\"].*", re.DOTALL)
+_PLURALS = {"is": "are", "has": "have", "does": "do", "goes": "go"}
+# What a program does something to, by its verdict.
+_OBJECTS = {
+    Verdict.IGNORES: "a part",
+    Verdict.REPLACES: "values",
+    Verdict.SWAPS: "values",
+    Verdict.DROPS: "a part",
+    Verdict.REFUSES: "the model",
+}
+
+
+def list_effects(run: Run, finding: Finding, *, every: bool = False) -> list[tuple[str, str]]:
+    """Return what programs do with a defect, the worst first: the names of those that do the same, and a sentence.
+
+    That a program loads what was typed is the default and left out, and so are programs that are no targets where there are
+    targets; ``every`` lists these too.
+    """
+    return [
+        (", ".join(map(_name, names)), effect) for effect, names in _group_effects(run, finding, every=every).items()
+    ]
+
+
+def list_new_effects(run: Run, finding: Finding, told: ToldEffects, *, every: bool = False) -> list[tuple[str, str]]:
+    """Return what :func:`list_effects` does, or nothing if it was ``told`` of the rule in these words; ``told`` is extended."""
+    effects = list_effects(run, finding, every=every)
+    key = (finding.code, repr(effects))
+    if key in told:
+        return []
+    told.add(key)
+    return effects
+
+
+def describe_hits(run: Run, finding: Finding, room: int) -> str:
+    """Say in a line which programs do not load what was typed: ``MuJoCo refuses the file · Drake and Bullet replace values``.
+
+    Where targets are named, this is told of them alone, whatever they do. Several effects that take more than ``room``
+    characters are told by verdict.
+    """
+    has_targets = bool(run.get_targets(finding.model))
+    effects = {
+        effect: names
+        for effect, names in _group_effects(run, finding).items()
+        if has_targets or Verdict.from_sentence(effect) > Verdict.LOADS
+    }
+    whole = _join_hits(effects, _shorten_effect)
+    return whole if len(whole) <= room or len(effects) == 1 else _join_hits(effects, _generalize_effect)
+
+
+def _join_hits(effects: Mapping[str, Sequence[str]], shorten: Callable[[str], str]) -> str:
+    hits: dict[str, list[str]] = {}
+    for effect, names in effects.items():
+        hits.setdefault(shorten(effect), []).extend(names)
+    return " · ".join(
+        f"{join_programs(names)} {effect if len(names) == 1 else _use_plural(effect)}" for effect, names in hits.items()
+    )
+
+
+def join_programs(names: Sequence[str]) -> str:
+    """Join the names of programs: ``MuJoCo, Drake and Bullet``."""
+    *first, last = map(_name, names)
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def group_by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
+    """Group the programs by effect: programs that do the same thing share a line."""
+    effects: dict[str, list[str]] = {}
+    for program, effect in consequences.items():
+        effects.setdefault(effect, []).append(program)
+    return effects
+
+
+def _name(program: str) -> str:
+    return PROGRAM_NAMES.get(program, program)
+
+
+def _group_effects(run: Run, finding: Finding, *, every: bool = False) -> dict[str, list[str]]:
+    if every:
+        return group_by_effect(finding.consequences)
+    targets = run.get_targets(finding.model)
+    told = {name: effect for name, effect in finding.consequences.items() if is_news(effect)}
+    if targets:
+        told = {name: effect for name, effect in told.items() if _matters(name, effect, targets)}
+    effects = group_by_effect(told)
+    return dict(sorted(effects.items(), key=lambda item: -Verdict.from_sentence(item[0])))
+
+
+def _matters(name: str, effect: str, targets: Sequence[str]) -> bool:
+    """Whether a program is a target, or the parser of one that loses what the parser rejects or drops."""
+    is_parser = name == "urdfdom" and not THROUGH_URDFDOM.isdisjoint(targets)
+    return name in targets or (is_parser and Verdict.from_sentence(effect) >= Verdict.DROPS)
+
+
+def _shorten_effect(effect: str) -> str:
+    """Cut a sentence at its first clause, unless that leaves its verb alone."""
+    short = _REST.sub("", effect)
+    return short if " " in short else _generalize_effect(effect)
+
+
+def _generalize_effect(effect: str) -> str:
+    """Say what a sentence does to the model in general: ``replaces values``."""
+    verdict = Verdict.from_sentence(effect)
+    return f"{verdict} {_OBJECTS[verdict]}" if verdict in _OBJECTS else _REST.sub("", effect)
+
+
+def _use_plural(effect: str) -> str:
+    """Put the verb that a clause begins with into the plural."""
+    verb, _, rest = effect.partition(" ")
+    if verb.endswith("ies"):
+        plural = f"{verb[:-3]}y"
+    elif verb.endswith(("ches", "shes", "sses", "xes", "zzes")):
+        plural = verb[:-2]
+    else:
+        plural = verb.removesuffix("s")
+    return f"{_PLURALS.get(verb, plural)} {rest}".rstrip()

@@ -1,0 +1,36 @@
+"""Notes that are reported only when somebody asks for them: the pages' ``on_request``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.policy.consumers import is_news
+
+
+def split_unrequested(
+    findings: Iterable[Finding], rules: Mapping[str, Rule], *, unrequested: frozenset[str], targets: Sequence[str]
+) -> tuple[list[Finding], list[Finding]]:
+    """Split findings into those of the report and the notes that nobody asked for.
+
+    A note of a message that its page lists under ``on_request`` is reported if its rule is not among the ``unrequested`` codes,
+    or if it matters to a target. Errors and warnings are always reported. A suppressed note stays, because its suppression is
+    in use.
+    """
+    reported: list[Finding] = []
+    left_out: list[Finding] = []
+    for finding in findings:
+        is_wanted = (
+            finding.severity > Severity.INFO
+            or finding.suppressed is not None
+            or finding.code not in unrequested
+            or finding.message_id not in rules[finding.code].on_request
+            or any(_matters_to(target, finding, rules[finding.code]) for target in targets)
+        )
+        (reported if is_wanted else left_out).append(finding)
+    return reported, left_out
+
+
+def _matters_to(target: str, finding: Finding, rule: Rule) -> bool:
+    """Whether a target does more with the defect than loading it, or is among the programs that the rule concerns."""
+    return target in rule.concerns or is_news(finding.consequences.get(target, "loads it"))
