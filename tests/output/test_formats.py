@@ -684,6 +684,17 @@ def test_twins_are_a_row_with_all_places() -> None:
     assert row.endswith("×2 (INR003) | `rover.urdf:7`, `:9` |")
 
 
+def test_the_other_places_of_a_finding_are_in_its_details() -> None:
+    twins = tuple(
+        finding(headline=f"{name} is heavy", location=Location(f"link[{name}]", span_of(text)), related=())
+        for name, text in (("left", "-1"), ("right", "0.09"))
+    )
+    document = render(a_run(replace(twins[0], headline="left and right are heavy", occurrences=twins)), "markdown")
+    as_markdown(document)
+    assert "right is heavy" in document.partition("<details>")[2]
+    assert "- also " in document
+
+
 def test_many_errors_and_warnings_are_folded() -> None:
     found = [finding(severity=Severity.WARNING, headline=f"it is {i} mm too long") for i in range(20)]
     document = render(a_run(*found), "markdown")

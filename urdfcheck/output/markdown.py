@@ -23,6 +23,7 @@ from urdfcheck.output.shared.escaping import (
 )
 from urdfcheck.output.shared.mermaid_chart import build_mermaid_chart
 from urdfcheck.output.shared.verdict.effects import ToldEffects, join_programs, list_new_effects
+from urdfcheck.output.shared.verdict.finding_details import describe_other_places
 from urdfcheck.output.shared.verdict.not_checked import (
     ACCEPTING_KEY,
     ACCEPTING_OPTION,
@@ -262,7 +263,9 @@ def _format_evidence(run: Run, finding: Finding, told: ToldEffects) -> list[str]
     ]
     place = f"{where}{f' with {arguments}' if arguments else ''}{shared}"
     message = escape_for_markdown(_truncate_text(finding.message))
-    return [title, "", f"{place}: {message}", "", *effects, *([""] if effects else [])]
+    others = [f"- also {escape_for_markdown(_truncate_text(other))}" for other in describe_other_places(finding)]
+    listed = [*others, *effects]
+    return [title, "", f"{place}: {message}", "", *listed, *([""] if listed else [])]
 
 
 def _format_repair(run: Run, finding: Finding) -> list[str]:
