@@ -59,7 +59,8 @@ def found(report: Mapping[str, Any], attack: Mapping[str, Any]) -> list[dict[str
     """The findings of a report in the files of an attack, each with its ``place`` as the manifest writes it."""
     start = f"hostile/{attack['id']}/"
     findings = []
-    for finding in report["findings"]:
+    places = ({**joint, **own} for joint in report["findings"] for own in joint["occurrences"] or [joint])
+    for finding in places:
         location = finding["location"]
         if location is not None and location["file"].startswith(start):
             place = f"{location['file'][len(start) :]}:{location['line']}"
