@@ -199,6 +199,10 @@ def test_lone_surrogates_of_undecodable_file_names_can_be_written() -> None:
             "1 error: MuJoCo and Drake refuse this model",
         ),
         (a_run(finding(consequences={})), "1 error"),
+        (
+            a_run(finding(consequences={}), unrequested=(finding(severity=Severity.INFO),)),
+            "1 error: MuJoCo refuses this model",
+        ),
         (a_run(finding(severity=Severity.WARNING, consequences={})), "No errors, 1 warning"),
         (a_run(finding(severity=Severity.WARNING)), "No errors, 1 warning: MuJoCo refuses this model"),
         (a_run(finding(), models=(info(), info(id="2", path="arm.urdf"))), "1 error in 1 of 2 models"),

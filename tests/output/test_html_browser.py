@@ -235,6 +235,17 @@ def test_a_chip_filters_to_what_its_program_minds(page: Any) -> None:
     assert page.locator("#nothing").is_hidden()
 
 
+def test_a_chip_whose_reasons_are_not_reported_says_so(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "unasked.html"
+    path.write_text(render(a_run(about("base", consequences={}), unrequested=(finding(),))), encoding="utf-8")
+    page = opened(browser, path.as_uri())
+    page.locator(".programs button.error", has_text="MuJoCo").click()
+    assert page.inner_text("#nothing").startswith("Why MuJoCo minds is in notes that only -v reports")
+    page.locator(".programs button.ok").first.click()
+    assert page.inner_text("#nothing") == "No finding matches these filters."
+    assert page.said == []
+
+
 def test_notes_are_found_like_problems(page: Any) -> None:
     page.fill("#find", "axle")
     page.wait_for_selector("#shown:not(:empty)")

@@ -89,7 +89,7 @@ const chips = Array.from(document.querySelectorAll(".programs a"), (link) => {
   const { model } = button.closest(".programs").dataset;
   button.addEventListener("click", () => {
     const isOn = program?.name === name && program.model === model;
-    program = isOn ? null : { model, name, label: link.title.slice(0, -button.querySelector(".sr").textContent.length) };
+    program = isOn ? null : { model, name, isOk: link.classList.contains("ok"), label: link.title.slice(0, -button.querySelector(".sr").textContent.length) };
     search(!isOn);
   });
   return { button, model, name };
@@ -138,7 +138,10 @@ function filter() {
   main.toggleAttribute("data-filtered", isActive);
   const nothing = by("nothing");
   nothing.hidden = !isActive || count > 0;
-  nothing.textContent = nothing.hidden ? "" : `No finding matches ${find.value.trim() ? `"${find.value.trim()}"` : "these filters"}.`;
+  const isUnasked =
+    program && !program.isOk && !findings.some(({ model, programs }) => model.id === program.model && programs.includes(program.name));
+  if (isUnasked) nothing.textContent = `Why ${program.label} minds is in notes that only -v reports; the table "In each program" names the rules.`;
+  else nothing.textContent = nothing.hidden ? "" : `No finding matches ${find.value.trim() ? `"${find.value.trim()}"` : "these filters"}.`;
   for (const { button, model, name } of chips)
     button.setAttribute("aria-pressed", String(program?.name === name && program.model === model));
   state.hidden = !isActive && back.hidden;

@@ -33,7 +33,7 @@ def state_claim(run: Run) -> tuple[str, str]:
         said, found = "ok", f"No errors, {format_count(warnings, 'warning')}"
     else:
         return kind, sentence if not run.unchecked_models else f"{_name_unchecked(run)}. No errors and no warnings"
-    if len(run.models) == 1 and (refusing := describe_refusals(run.findings)):
+    if len(run.models) == 1 and (refusing := describe_refusals([*run.findings, *run.unrequested])):
         said, found = "warning" if said == "ok" else said, f"{found}: {refusing}"
     if unchecked := describe_not_checked(run):
         said = "unchecked" if run.unchecked_models or said == "ok" else said
