@@ -234,7 +234,7 @@ def test_a_file_that_is_called_like_an_option_is_none(checked: Checked) -> None:
         capture_output=True,
     )
     assert done.returncode == cli.FAILED
-    assert b"-ohtml=taken.urdf is a file of this name" in done.stderr
+    assert b"-ohtml=taken.urdf is the name of a file" in done.stderr
     assert not (checked.hostile / "names-of-files" / "taken.urdf").exists()
 
 

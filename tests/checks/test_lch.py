@@ -265,6 +265,12 @@ def test_the_robots_own_name_is_the_missing_value(tmp_path: Path) -> None:
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("-model", "-model car")]
 
 
+def test_what_create_takes_for_the_value_may_still_spawn_a_robot(tmp_path: Path) -> None:
+    node = '<node pkg="ros_gz_sim" exec="create" args="-topic robot_description -name -z 1"/>'
+    (finding,) = find_in_launch(tmp_path, node, "LCH002")
+    assert finding.consequences == {"gazebo": "spawns it with '-z' as the value of -name, if at all"}
+
+
 @pytest.mark.parametrize(
     ("args", "title"),
     [
@@ -297,6 +303,23 @@ def test_the_repair_says_what_to_write(tmp_path: Path, args: str, title: str) ->
 def test_each_generation_of_ros_has_removed_its_own(tmp_path: Path, body: str, new: list[str]) -> None:
     findings = find_in_launch(tmp_path, body, "LCH003")
     assert [e.replacement for f in findings if f.fix is not None for e in f.fix.edits] == new
+
+
+@pytest.mark.parametrize(
+    ("body", "program", "effect"),
+    [
+        ('<node name="n" pkg="robot_state_publisher" type="state_publisher"/>', "rviz", "shows no robot"),
+        ('<node pkg="rviz" exec="rviz"/>', "rviz", "fails to start"),
+        ('<node name="n" pkg="gazebo" type="spawn_model"/>', "gazebo", "without the robot"),
+        ('<node pkg="controller_manager" exec="spawner.py"/>', "ros2_control", "without the controllers"),
+    ],
+)
+def test_a_removed_executable_affects_the_program_that_needs_it(
+    tmp_path: Path, body: str, program: str, effect: str
+) -> None:
+    (finding,) = find_in_launch(tmp_path, body, "LCH003")
+    assert list(finding.consequences) == [program]
+    assert effect in finding.consequences[program]
 
 
 def test_the_old_xacro_script(tmp_path: Path) -> None:
@@ -408,6 +431,20 @@ def transform(words: str) -> str:
 )
 def test_static_transforms_against_the_model(tmp_path: Path, words: str, messages: list[str]) -> None:
     assert [f.message_id for f in find_in_package(tmp_path, transform(words), "LCH005")] == messages
+
+
+@pytest.mark.parametrize(
+    ("words", "effect"),
+    [
+        ("0 0 0 0 0 0 odom laser", "draws laser where the last message put it"),
+        ("0 0 0 0 0 0 laser base_link", "reports lookup errors"),
+        ("0 0 0 0 0 0 bace_link camera", "leaves camera unconnected"),
+        ("0 0 0 0 0 0 1 base_link base_footprint", "once odometry publishes it"),
+    ],
+)
+def test_each_conflict_of_frames_has_its_own_effect_in_rviz(tmp_path: Path, words: str, effect: str) -> None:
+    (finding,) = find_in_package(tmp_path, transform(words), "LCH005")
+    assert effect in finding.consequences["rviz"]
 
 
 @pytest.mark.parametrize(

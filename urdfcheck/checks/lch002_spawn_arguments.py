@@ -26,6 +26,8 @@ class _SpawnerTool:
     is_name_required: bool
     outcome_template: str
     """What the program does if another word follows in place of a value."""
+    takes_any_word: bool = False
+    """Whether it takes that word as the value and goes on."""
 
 
 _REFUSES = '{tool} stops with "argument {option}: expected one argument", and the robot never spawns'
@@ -55,6 +57,7 @@ _TOOLS = {
         name_option="-name",
         is_name_required=False,
         outcome_template="{tool} takes the next word as the value",
+        takes_any_word=True,
     ),
 }
 _PACKAGES = frozenset({"gazebo_ros", "ros_gz_sim", "ros_ign_gazebo"})
@@ -103,6 +106,9 @@ def _build_valueless_finding(
         "valueless" if following is not None else "valueless-end",
         at=_merge_locations(option, following),
         edits=[option.build_edit(f"{option.text} {robot}")] if names_robot and robot else (),
+        consequences={"gazebo": f"spawns it with {following.text!r} as the value of {option.text}, if at all"}
+        if tool.takes_any_word and following is not None
+        else None,
         tool=executable,
         option=option.text,
         following="" if following is None else following.text,

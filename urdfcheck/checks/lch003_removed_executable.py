@@ -22,30 +22,47 @@ class _Successor:
     executable: str
     since: str
     """The release that removed the old one."""
+    effect: tuple[str, str]
+    """The program that misses the old one, and what it does without."""
     drop_in: bool = True
     """Whether it reads the same arguments."""
 
 
+_NO_FRAMES = ("rviz", "shows no robot, because nothing publishes its frames")
+_NO_DESCRIPTION = ("rviz", "shows no robot, because robot_description stays empty")
+_NO_ROBOT = ("gazebo", "starts the world without the robot")
 _SUCCESSORS = {
     "ros1": {
         ("robot_state_publisher", "state_publisher"): _Successor(
-            "robot_state_publisher", "robot_state_publisher", "ROS Noetic (deprecated since 2012)"
+            "robot_state_publisher", "robot_state_publisher", "ROS Noetic (deprecated since 2012)", _NO_FRAMES
         ),
-        ("xacro", "xacro.py"): _Successor("xacro", "xacro", "ROS Noetic"),
-        ("gazebo", "spawn_model"): _Successor("gazebo_ros", "spawn_model", "ROS Hydro"),
+        ("xacro", "xacro.py"): _Successor("xacro", "xacro", "ROS Noetic", _NO_DESCRIPTION),
+        ("gazebo", "spawn_model"): _Successor("gazebo_ros", "spawn_model", "ROS Hydro", _NO_ROBOT),
     },
     "ros2": {
         ("robot_state_publisher", "state_publisher"): _Successor(
-            "robot_state_publisher", "robot_state_publisher", "ROS 2"
+            "robot_state_publisher", "robot_state_publisher", "ROS 2", _NO_FRAMES
         ),
         ("gazebo_ros", "spawn_model"): _Successor(
-            "ros_gz_sim", "create", "ROS 2 (spawn_entity.py with Gazebo Classic)", drop_in=False
+            "ros_gz_sim", "create", "ROS 2 (spawn_entity.py with Gazebo Classic)", _NO_ROBOT, drop_in=False
         ),
-        ("tf", "static_transform_publisher"): _Successor("tf2_ros", "static_transform_publisher", "ROS 2"),
-        ("rviz", "rviz"): _Successor("rviz2", "rviz2", "ROS 2"),
-        ("xacro", "xacro.py"): _Successor("xacro", "xacro", "ROS 2"),
-        ("controller_manager", "spawner.py"): _Successor("controller_manager", "spawner", "ROS 2 Humble"),
-        ("controller_manager", "unspawner.py"): _Successor("controller_manager", "unspawner", "ROS 2 Humble"),
+        ("tf", "static_transform_publisher"): _Successor(
+            "tf2_ros", "static_transform_publisher", "ROS 2", ("rviz", "misses the frame that the node would publish")
+        ),
+        ("rviz", "rviz"): _Successor("rviz2", "rviz2", "ROS 2", ("rviz", "fails to start")),
+        ("xacro", "xacro.py"): _Successor("xacro", "xacro", "ROS 2", _NO_DESCRIPTION),
+        ("controller_manager", "spawner.py"): _Successor(
+            "controller_manager",
+            "spawner",
+            "ROS 2 Humble",
+            ("ros2_control", "runs without the controllers that the node would start"),
+        ),
+        ("controller_manager", "unspawner.py"): _Successor(
+            "controller_manager",
+            "unspawner",
+            "ROS 2 Humble",
+            ("ros2_control", "keeps the controllers running that the node would stop"),
+        ),
     },
 }
 
@@ -61,6 +78,7 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
                 "removed",
                 at=attribute,
                 edits=_propose_edits(node, attribute, successor) if successor.drop_in and not _has_period(node) else [],
+                consequences=dict([successor.effect]),
                 old=f"{node.get('pkg')}/{attribute.value}",
                 new=f"{successor.package}/{successor.executable}",
                 since=successor.since,
@@ -72,7 +90,13 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
             at = locate_text(description.at, "xacro.py", launch.files)
             edits = [] if at.span is None else [Edit(at.span, "xacro.py", "xacro")]
             yield rule.finding(
-                "removed", at=at, edits=edits, old="xacro/xacro.py", new="xacro/xacro", since=successor.since
+                "removed",
+                at=at,
+                edits=edits,
+                consequences=dict([successor.effect]),
+                old="xacro/xacro.py",
+                new="xacro/xacro",
+                since=successor.since,
             )
 
 

@@ -72,7 +72,7 @@ def _build_finding(group: Sequence[_LinkBlock], rule: Rule) -> Finding:
         listed=join_names((b.name for b in group), 4),
         what="links with their joints" if with_joint else "links",
         differences=differing,
-        differ=join_names(differing) or "nothing",
+        differ=join_names(dict.fromkeys(differing)) or "nothing",
         macro=macro,
         parameters=" ".join(["name", *parameters]),
         call="".join(f' {p}="{given.get(p, "…")}"' for p in parameters),

@@ -115,7 +115,7 @@ def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> 
 
 def _iter_drop_tests(run: Run, width: int) -> Iterator[Text]:
     # Few runs drop a robot, and this is a tenth of what this module would import.
-    from urdfcheck.output.shared.drop_test_lines import iter_drop_test_lines
+    from urdfcheck.output.shared.drop_test.lines import iter_drop_test_lines
 
     infos = {info.id: info for info in run.models}
     for drop in run.drops:

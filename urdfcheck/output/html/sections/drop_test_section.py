@@ -8,7 +8,7 @@ from urdfcheck.core.drop_test import SECONDS, STEP, DropTest, ReleaseResult, Sta
 from urdfcheck.output.html.html_text import escape_html, format_number
 from urdfcheck.output.html.svg.stability_chart import draw_stability_chart, get_curve_class
 from urdfcheck.output.html.tables.html_table import render_table
-from urdfcheck.output.shared.drop_test_wording import (
+from urdfcheck.output.shared.drop_test.wording import (
     CONTACT_HEAD,
     OUTCOMES,
     describe_damping_scheme,
@@ -79,7 +79,7 @@ def _render_stability_figure(curves: Sequence[StabilityCurve]) -> str:
         '<figure><div class="scroll" role="group" tabindex="0" aria-label="Speed against time step">'
         f"{draw_stability_chart(curves)}</div>"
         f'<ul class="legend">{legend}</ul><figcaption>The fastest speed of any link within {SECONDS:g} s without '
-        f"torques, against the time step; a cross is where the simulation burst or gained energy.</figcaption></figure>"
+        f"torques, against the time step; a cross is where the simulation diverged or gained energy.</figcaption></figure>"
         f"<details><summary>The curve as numbers</summary>{''.join(map(_render_curve_table, curves))}</details>"
     )
 

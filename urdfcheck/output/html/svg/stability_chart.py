@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from urdfcheck.core.drop_test import StabilityCurve
 from urdfcheck.output.html.html_text import escape_html, format_number
-from urdfcheck.output.shared.drop_test_wording import format_peak_speed
+from urdfcheck.output.shared.drop_test.wording import format_peak_speed
 
 # Size of the drawing, and the area inside its axes, in px.
 WIDTH, HEIGHT = 640, 260

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from rich.text import Text
 
 from urdfcheck.core.drop_test import SECONDS, STEP, DropTest, ReleaseResult, StabilityCurve
-from urdfcheck.output.shared.drop_test_wording import (
+from urdfcheck.output.shared.drop_test.wording import (
     CONTACT_HEAD,
     OUTCOMES,
     describe_damping_scheme,
