@@ -15,7 +15,7 @@ audit: $(VENV)/.installed
 test: $(VENV)/.tested
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
-# The inner loop: all but the modules that start many processes or a browser or take seconds of their own (marked slow), in a minute on two cores.
+# The inner loop: all but the modules that start many processes or a browser or take seconds each (marked slow), in a minute on two cores.
 test-fast: $(VENV)/.tested
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "not slow"
 

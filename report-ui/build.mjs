@@ -6,8 +6,8 @@ import { build } from "esbuild";
 const three = fileURLToPath(new URL("node_modules/three/", import.meta.url));
 const licence = (await readFile(`${three}LICENSE`, "utf8")).trim().replaceAll("\u00a9", "(c)");
 
-// What the view never uses, though the renderer holds on to it: headsets, light from pictures of surroundings, and the shaders
-// of physical materials and their shadows. A fifth of the script.
+// What the view never uses, though the renderer holds on to it: headsets, light from pictures of surroundings, shadows, morphing,
+// effects, and the shaders of physical materials. A fifth of the script.
 const HEADSET = `export class WebXRManager {
   enabled = false; isPresenting = false; cameraAutoUpdate = false;
   addEventListener() {} removeEventListener() {} setAnimationLoop() {} dispose() {} setUserCamera() {}
@@ -16,9 +16,13 @@ const HEADSET = `export class WebXRManager {
 const UNUSED = [
   [/WebXRManager\.js$/, HEADSET],
   [/PMREMGenerator\.js$/, "export class PMREMGenerator { dispose() {} }"],
+  [/WebGLShadowMap\.js$/, "export class WebGLShadowMap { enabled = false; type = 1; render() {} }"],
+  [/WebGLUniformsGroups\.js$/, "export class WebGLUniformsGroups { dispose() {} }"],
+  [/WebGLMorphtargets\.js$/, "export class WebGLMorphtargets {}"],
+  [/WebGLOutput\.js$/, "export class WebGLOutput {}"],
   [/DFGLUTData\.js$/, "export function getDFGLUT() { return null; }"],
-  [/(lights_physical|transmission|iridescence|clearcoat|shadowm|tonemapping_pars|lightprobes|cube_uv)\w*\.glsl\.js$/, 'export default "";'],
-  [/(meshphysical|meshtoon|meshmatcap|meshnormal|points|sprite|shadow|vsm|cube|equirect|background\w*|distance\w*)\.glsl\.js$/,
+  [/(lights_physical|transmission|iridescence|clearcoat|shadowm|tonemapping_pars|lightprobes|cube_uv|envmap_physical)\w*\.glsl\.js$/, 'export default "";'],
+  [/(depth|linedashed|meshphysical|meshtoon|meshmatcap|meshnormal|points|sprite|shadow|vsm|cube|equirect|background\w*|distance\w*)\.glsl\.js$/,
     'export const vertex = "void main() {}", fragment = "void main() {}";'],
 ];
 

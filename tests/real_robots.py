@@ -157,14 +157,18 @@ def list_defects(findings: Iterable[Finding]) -> set[Defect]:
 
 
 def find_lost_defects(reported: Iterable[Defect], run: Run) -> set[Defect]:
-    """Find the defects that the findings of a run do not have, apart from those that a stronger rule hides on the element."""
+    """Find the defects that the findings of a run do not have.
+
+    Left out are those that a stronger rule hides on the element, and those of files that turned out to be parts of a model.
+    """
     told = list_defects(run.findings)
     elements = {(code, model, subject.partition("]")[0]) for code, model, subject, _ in told}
     rules = load_rules()
     return {
         defect
         for defect in set(reported) - told
-        if not any((code, defect[1], defect[2].partition("]")[0]) in elements for code in rules[defect[0]].hidden_by)
+        if defect[1] in run.unit_ids
+        and not any((code, defect[1], defect[2].partition("]")[0]) in elements for code in rules[defect[0]].hidden_by)
     }
 
 

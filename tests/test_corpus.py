@@ -15,6 +15,7 @@ from conftest import CORPORA, REPOSITORY
 from real_robots import CheckedRobot, check_robots, find_lost_defects, list_robots
 
 from urdfcheck.core import Run, Severity
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.core.headlines import LONGEST_HEADLINE
 
 ACCEPTED = REPOSITORY / "tests" / "corpus_errors.json"
@@ -51,7 +52,7 @@ def test_merging_loses_no_defect(robots: dict[str, CheckedRobot]) -> None:
 def test_one_kind_of_mistake_is_one_finding(runs: dict[str, Run]) -> None:
     """Few findings share rule, message, file and models with another: those differ in cause, or in what repairs them."""
     urgent = [f for run in runs.values() for f in run.active_findings if f.severity > Severity.INFO]
-    places = [own for finding in urgent for own in finding.list_occurrences()]
+    places = list(iter_occurrences(urgent))
     kinds = {
         (name, f.code, f.message_id, f.location.file, *f.subjects_by_model)
         for name, run in runs.items()
@@ -123,7 +124,10 @@ def compare_with_accepted(folder: str, runs: Mapping[str, Run], *, accept: bool)
     """Compare the errors of a folder's runs with the accepted ones, or accept them."""
     errors = {
         f"{folder}/{name}": sorted(
-            f"{f.code} {f.message_id} {s}" for f in r.findings if f.severity is Severity.ERROR for s in f.subjects
+            f"{f.code} {f.message_id} {s}"
+            for f in iter_occurrences(r.findings)
+            if f.severity is Severity.ERROR
+            for s in f.subjects
         )
         for name, r in sorted(runs.items())
     }

@@ -158,13 +158,20 @@ def read_passages(path: Path) -> Iterator[Passage]:
     elif path.suffix == ".ts":
         yield from _read_typescript(path, text)
     else:
-        yield _make_passage(path, "page", re.sub(r"`[^`\n]*`", _fill, text), 1)
+        yield _make_passage(path, "string", re.sub(r"`[^`\n]*`", _fill, text), 1)
 
 
 def list_files() -> list[Path]:
     """Return the files of the project that hold words for users."""
     pages = ["*.md", "docs/*.md", "rules/*.md", "integrations/**/*.md", "benchmarks/**/*.md"]
     code = ["urdfcheck/**/*.py", "report-ui/src/*.ts", "tools/make_*.py", "rules/families.toml", "action.yml"]
+    code += [
+        "urdfcheck/output/*.json",
+        "integrations/**/*.yml",
+        "integrations/jenkins/Jenkinsfile",
+        ".pre-commit-hooks.yaml",
+    ]
+    code += ["fixtures/hostile/manifest.toml", "Makefile", "pyproject.toml"]
     found = {path for pattern in (*pages, *code) for path in REPOSITORY.glob(pattern)}
     return sorted(found - {REPOSITORY / path for path in GENERATED})
 

@@ -2,7 +2,7 @@
 
 What urdfcheck says is taken from a run. What the plain tools do is kept in fixtures/hostile/plain.json and only made anew with
 ``--plain``: each of them runs in a process of its own with 10 s, 2 GiB and a copy of the files. Among them are files that run
-commands (they touch a file called ``marker``), so do it where that is no harm.
+commands (they touch a file called ``marker``), so do it where that is harmless.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ def _cell(text: str, most: int = 160) -> str:
 
 
 def run(hostile: Path, secret: str, *words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[bytes]:
-    """urdfcheck on hostile files in a process of its own, with a secret in its environment."""
+    """urdfcheck on hostile files in a separate process, with a secret in its environment."""
     environment = {**os.environ, "URDFCHECK_HOSTILE_SECRET": secret, "COLUMNS": "40"}
     limits = ("--timeout", "5", "--memory", "3000", "--no-cache")
     words = (*words, *limits, hostile.name)

@@ -5,7 +5,7 @@ import sys
 
 
 def main() -> int:
-    """Run the command as a process of its own, and return its exit code."""
+    """Run the command as a separate process, and return its exit code."""
     # First of all: until then, any import may be of a file that is to be checked.
     folders = _drop_working_folders()
 

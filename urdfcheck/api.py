@@ -46,7 +46,7 @@ def check(
     """Check robot models, like ``urdfcheck check``, and return the outcome.
 
     The configuration of each file (``urdfcheck.toml``, ``pyproject.toml``) counts as it does for the command; what is given
-    here wins over it. The models are checked in processes of their own, which are forked where the platform supports it:
+    here wins over it. The models are checked in separate processes, which are forked where the platform supports it:
     call it from a notebook, from a test or from a script. On Windows they are spawned, and a script needs
     ``if __name__ == "__main__":`` as for :mod:`multiprocessing`.
 

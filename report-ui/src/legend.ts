@@ -2,7 +2,7 @@
 import type { Layer } from "./data.ts";
 import { el } from "./dom.ts";
 import type { Line } from "./outline.ts";
-import { swatch, WORDS } from "./toolbar.ts";
+import { KEYED, swatch, WORDS } from "./toolbar.ts";
 
 /** What is drawn. */
 export interface Marks {
@@ -29,7 +29,9 @@ export function explain({ layers, lines, broken, repair }: Marks): [string, stri
     [`dashed ${after ? "before" : "after"}`, repair.inertias.size > 0 && (!after || !repair.broken) && `Inertia box ${after ? "before" : "after"} the repair`],
     ["broken", (broken || (repair.broken && !after)) && "Split box: no real body has this inertia"],
   ];
-  for (const layer of moves ? new Set([...layers, "frames" as const]) : layers) if (layer !== "visual" && layer !== "preview") said.push([layer, WORDS[layer][1]]);
+  for (const layer of KEYED) {
+    if (layer !== "visual" && (layers.has(layer) || (moves && layer === "frames"))) said.push([layer, WORDS[layer][1]]);
+  }
   return said.filter((line): line is [string, string] => line[1] !== false);
 }
 

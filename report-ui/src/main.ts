@@ -183,8 +183,10 @@ class Viewer {
         collision: layers.has("collision") || this.asked.has("collision"),
         lit: this.lit(subjects),
         // A repair has lines of its own, and after it there is nothing to warn of.
-        outlined: this.outlined && !repair.frames.size && !repair.after,
-        severity: this.finding?.severity ?? null,
+        outline: (name, own) => {
+          if (!this.outlined || repair.frames.size || repair.after) return "";
+          return !this.finding || !subjects ? own : subjects.has(name) ? this.finding.severity : "";
+        },
         hovered: this.hovered,
       },
       this.theme,
@@ -210,7 +212,7 @@ class Viewer {
     const said = new Set(others.filter((anchor) => anchor.kind === "link").map((anchor) => anchor.text));
     return [...subjects].flatMap((name) => {
       const link = this.robot.links.get(name);
-      return link && !said.has(name) ? [{ text: name, object: link.frame, kind: "link" as const, rank: 5 }] : [];
+      return link && !said.has(name) && !this.shown.repair.inertias.has(name) ? [{ text: name, object: link.frame, kind: "link" as const, rank: 5 }] : [];
     });
   }
 

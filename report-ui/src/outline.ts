@@ -49,6 +49,8 @@ export class Outline {
   readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
   private readonly target: WebGLRenderTarget;
   private items: Outlined[] = [];
+  /** What the mask was drawn from. */
+  private drawn: Float64Array = new Float64Array();
 
   /** `software`: there is no graphics card, so edges are not smoothed. */
   constructor(software: boolean) {
@@ -82,18 +84,30 @@ export class Outline {
     LINES.forEach((line, i) => colors[i]!.setStyle(LINE_COLORS[line][theme.dark ? 1 : 0], ""));
   }
 
+  /** How many triangles a mask has. */
+  get weight(): number {
+    return this.items.reduce((sum, { mesh }) => sum + (mesh.geometry.index?.count ?? 0) / 3, 0);
+  }
+
   /** Draws the mask for the picture that comes next; `ratio`: pixels of the device per pixel of the page. */
   draw(renderer: WebGLRenderer, scene: Scene, camera: Camera, ratio: number): void {
     if (!this.mesh.visible) return;
     const { width, height } = renderer.domElement;
     const { texel, part } = this.mesh.material.uniforms;
-    this.target.setSize(width, height);
+    const now = this.signature(camera);
+    // The mask of a finer picture is good enough: a colour under the mouse changes nothing of it.
+    const isKnown = this.target.width >= width && now.length === this.drawn.length && now.every((value, i) => value === this.drawn[i]);
+    if (!isKnown) {
+      this.drawn = now;
+      this.target.setSize(width, height);
+    }
     this.target.scissorTest = true;
     (texel!.value as Vector2).set(ratio / width, ratio / height);
     const [left, bottom, right, top] = this.bounds(camera);
     // The lines are around the bounds, and are found by what is around them.
     const [x, y] = [(2 * WIDTHS.error * ratio) / width, (2 * WIDTHS.error * ratio) / height];
     (part!.value as Vector4).set(left - x / 2, bottom - y / 2, right - left + x, top - bottom + y);
+    if (isKnown) return;
     this.target.scissor.set((left - x) * width, (bottom - y) * height, (right - left + 2 * x) * width, (top - bottom + 2 * y) * height).round();
     const { background } = scene;
     const dressed = this.items.map(({ mesh }) => mesh.material);
@@ -106,6 +120,12 @@ export class Outline {
     this.items.forEach(({ mesh }, i) => { mesh.material = dressed[i]!; });
     camera.layers.set(0);
     scene.background = background;
+  }
+
+  private signature(camera: Camera): Float64Array {
+    const codes = this.items.flatMap(({ mesh, line, isThrough }) => [mesh.id, line ? LINES.indexOf(line) : -1, Number(isThrough ?? false)]);
+    const places = [camera, ...this.items.map(({ mesh }) => mesh)].map((object) => object.matrixWorld.elements);
+    return Float64Array.from([...codes, ...camera.projectionMatrix.elements, ...places.flat()]);
   }
 
   /** The part of the picture that holds what has a line, from 0 to 1: left, bottom, right, top. */

@@ -49,10 +49,8 @@ export interface Look {
   collision: boolean;
   /** Links that stay solid while the others are ghosts; null when nothing is selected. */
   lit: Set<string> | null;
-  /** Whether links with errors and warnings are outlined; of the selected ones only, where any are. */
-  outlined: boolean;
-  /** The severity of the selected finding, which its links have then. */
-  severity: Severity | null;
+  /** What the outline of a link says, which has this severity of its own; of the selected links only, where any are. */
+  outline(name: string, own: Severity): Severity;
   hovered: string | null;
 }
 
@@ -255,10 +253,11 @@ export class Robot {
     const outlined: Outlined[] = [];
     for (const link of this.links.values()) {
       const { name } = link.data;
-      const severity = (look.lit?.has(name) && look.severity) || this.severityOf(link);
+      const severity = this.severityOf(link);
       const ghost = look.lit !== null && !look.lit.has(name);
       const hovered = look.hovered === name;
-      const line = look.outlined && (severity === "error" || severity === "warning") ? severity : null;
+      const said = look.outline(name, severity);
+      const line = said === "error" || said === "warning" ? said : null;
       for (const part of link.bodies) {
         part.mesh.visible = look.visual;
         part.depth.visible = look.visual && ghost;

@@ -1,6 +1,6 @@
 // Where the robot stands: renderer, cameras, light, ground; a picture is made only when something changed.
 import {
-  Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, Group, HemisphereLight, LineBasicMaterial, LineSegments, Mesh,
+  Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, Group, HemisphereLight, LineBasicMaterial, LineSegments, Matrix4, Mesh,
   MeshBasicMaterial, OrthographicCamera, PerspectiveCamera, Quaternion, Scene, Vector2, Vector3, WebGLRenderer, Raycaster,
   PlaneGeometry, MOUSE, TOUCH,
 } from "three";
@@ -19,6 +19,8 @@ const REST = 350;
 const STEEP = 1.55;
 // More than so many would keep a processor busy for a second.
 const MOST_PIXELS = 6e6;
+// What a processor draws a second time without a delay.
+const MANY_TRIANGLES = 100_000;
 
 /** From where: `direction` points from the target to the eye. */
 export interface View {
@@ -57,6 +59,7 @@ export class Stage {
   private pending = 0;
   private rest = 0;
   private flight = 0;
+  private readonly seen = new Matrix4();
   private width = 1;
   private height = 1;
 
@@ -327,9 +330,23 @@ export class Stage {
     fill.target.position.copy(target);
     key.position.copy(target).add(from(-0.45, 0.75, 0.9).multiplyScalar(this.size)).add(new Vector3(0, 0, 0.4 * this.size));
     fill.position.copy(target).add(from(0.9, -0.1, 0.3).multiplyScalar(this.size));
+    // What moves has to be quick: of many triangles no outline is drawn on the way, unless there is a graphics card.
+    const isLate = this.software && sharp === 1 && this.outline.weight > MANY_TRIANGLES && !this.isStill();
+    const { mesh } = this.outline;
+    const { visible } = mesh;
+    if (isLate) mesh.visible = false;
     this.outline.draw(this.renderer, this.scene, camera, ratio);
     this.renderer.render(this.scene, camera);
+    mesh.visible = visible;
     this.onRender();
+  }
+
+  /** Whether the camera is where it was for the last picture. */
+  private isStill(): boolean {
+    const { matrixWorld } = this.camera;
+    const still = matrixWorld.equals(this.seen);
+    this.seen.copy(matrixWorld);
+    return still;
   }
 
   /** The picture as a PNG, on `background` if one is given. */

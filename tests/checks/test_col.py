@@ -365,6 +365,19 @@ def test_a_range_that_ends_before_is_free(tmp_path: Path) -> None:
 def test_a_joint_without_limits_is_looked_at_over_a_turn(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, swinging(kind="continuous"), "COL005")
     assert "continuous" in finding.message
+    assert {reach["limit"] for reach in finding.data["collisions"]} == {None}
+
+
+def test_the_message_names_three_collisions_and_the_data_all(tmp_path: Path) -> None:
+    """Five arms far apart, each with a wall."""
+    parts = [make_link("base", *(f"-0.7 {10 * i} 0|" + box("1 4 1") for i in range(5)))]
+    for i in range(5):
+        parts.append(make_joint("base", f"arm{i}", f"0 {10 * i} 0", limit="lower='-1' upper='2'"))
+        parts.append(make_link(f"arm{i}", "1 0 0|" + sphere("0.1")))
+    (finding,) = find(tmp_path, robot(*parts), "COL005")
+    assert "and 2 more" in finding.message
+    assert "arm3" not in finding.message
+    assert [reach["links"] for reach in finding.data["collisions"]] == [["base", f"arm{i}"] for i in range(5)]
 
 
 def test_neighbours_that_part_again_on_the_way_do_not_count(tmp_path: Path) -> None:

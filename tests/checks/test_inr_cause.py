@@ -250,7 +250,7 @@ def test_without_such_an_edit_the_drawn_part_s_tensor_is_offered(
     assert finding.code == code
     assert "single edit" not in finding.message
     assert finding.fix is not None
-    assert "(the drawn part at this mass and uniform density)" in finding.fix.title
+    assert "write the numbers in the diff (the drawn part at this mass and uniform density)" in finding.fix.title
     assert find_clear_messages(tmp_path / "mended", edited(text, finding.fix.edits)) == []
 
 
@@ -501,7 +501,7 @@ def test_links_of_one_model_that_fit_different_units_are_left_alone(tmp_path: Pa
     (alone,) = find_clear_messages(tmp_path, make_drawn_arm(format_inertial(inches)))
     assert alone.fix is not None
     assert alone.fix.edits
-    assert "it fits if the COM was written in inches" in alone.message
+    assert "(unit of the COM: inches)" in alone.message
 
 
 def test_another_mass_is_claimed_only_for_one_ratio_of_all_moments(tmp_path: Path) -> None:
@@ -518,9 +518,20 @@ def test_another_mass_is_claimed_only_for_one_ratio_of_all_moments(tmp_path: Pat
 
 def test_the_message_says_how_near_the_numbers_are_without_the_mistake(tmp_path: Path) -> None:
     exact = one(tmp_path / "a", make_drawn_arm(format_inertial(wrong("inertia_unit"))))
-    assert "With this undone, the two agree exactly" in exact.message
+    assert "With one mistake undone (unit of the tensor: kg·cm²), the two agree exactly" in exact.message
     lumped = replace(TRUE, com=TRUE.com + 0.2 * np.sqrt(np.trace(DRAWN.solid.covariance) / 3))
     (tmp_path / "b").mkdir()
     near = one(tmp_path / "b", make_drawn_arm(format_inertial(BY_ID["inertia_unit"](lumped, DRAWN))))
     assert "exactly" not in near.message
-    assert "With this undone, the COM is" in near.message
+    assert "With one mistake undone (unit of the tensor: kg·cm²), the tensor agrees" in near.message
+
+
+def test_signs_change_the_axes_and_not_the_principal_moments(tmp_path: Path) -> None:
+    (tmp_path / "b").mkdir()
+    exact = one(tmp_path / "a", make_drawn_arm(format_inertial(wrong("products_sign"))))
+    assert "the inertia tensor is about other axes" in exact.message
+    assert "principal moments" not in exact.message
+    larger = replace(TRUE, tensor=1.12 * TRUE.tensor)
+    near = one(tmp_path / "b", make_drawn_arm(format_inertial(BY_ID["products_sign"](larger, DRAWN))))
+    assert "the inertia tensor is about other axes" in near.message
+    assert re.search(r"the mismatch of the tensor falls from [1-9][.\d]* to 0\.\d+;", near.message)

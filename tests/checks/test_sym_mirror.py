@@ -409,7 +409,7 @@ def test_a_macro_that_forgets_to_reflect_is_not_edited(tmp_path: Path) -> None:
     assert finding.cause.id == "copied"
     assert finding.fix is not None
     assert not finding.fix.edits
-    assert "a parameter, `reflect` for instance, that is 1 for left_arm and -1 for right_arm" in finding.fix.title
+    assert "a parameter such as `reflect`, 1 for left_arm and -1 for right_arm" in finding.fix.title
     assert re.search(r'xyz="[0-9.]+ \$\{reflect\*[0-9.]+\} -?[0-9.]+"', finding.fix.title)
     assert re.search(r'iyz="\$\{reflect\*-?[0-9.e-]+\}"', finding.fix.title)
 

@@ -22,7 +22,7 @@ from conftest import check, command, make_request
 from hypothesis import given
 from hypothesis import strategies as st
 from real_robots import list_robots
-from test_rules import FIXED, cases
+from test_rules import FIXED, cases, offered
 
 from urdfcheck.core import Applicability, Edit, Finding, Location, ModelInfo, Rule, Run, Severity, Span, UrdfcheckError
 from urdfcheck.fix import fixer, patch
@@ -804,3 +804,27 @@ def test_a_file_that_two_models_share_is_repaired_with_either(tmp_path: Path) ->
     found = fix(tmp_path, codes=["XAC006"])
     assert not found.outcome.findings
     assert not any(LEGACY in path.read_text() for path in tmp_path.glob("*.xacro"))
+
+
+def test_of_one_kind_of_mistake_a_single_place_may_be_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each place is repaired for itself: the others do not wait for one that would make something worse."""
+    path = tmp_path / "r.urdf"
+    joints = "".join(
+        f'<link name="{name}"/>\n<joint name="j_{name}" type="revolute"><parent link="base"/><child link="{name}"/>'
+        f'<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/><safety_controller '
+        f'soft_lower_limit="-{size}" soft_upper_limit="0.9" k_position="20" k_velocity="10"/></joint>\n'
+        for name, size in (("a", 3), ("b", 4), ("c", 5))
+    )
+    path.write_text(f'<robot name="r"><link name="base"/>{joints}</robot>')
+    (joint,) = check(path, codes={"JNT010"}).findings
+    assert len(joint.occurrences) == len(joint.fix.edits if joint.fix else ()) == 3
+
+    def object_to_b(_previous: Run, _current: Run, fixed: Sequence[Finding]) -> str:
+        return "no" if any("j_b" in finding.subjects[0] for finding in fixed) else ""
+
+    monkeypatch.setattr(fixer, "find_regression", object_to_b)
+    result = tried(path, codes={"JNT010"}, unsafe=True)
+    assert sorted(finding.subjects[0][:10] for finding in result.fixed) == ["joint[j_a]", "joint[j_c]"]
+    assert [finding.subjects[0][:10] for finding, _ in result.refused] == ["joint[j_b]"]
+    (left,) = result.outcome.findings
+    assert (left.subjects[0][:10], offered(left)) == ("joint[j_b]", Applicability.DISPLAY)

@@ -462,6 +462,8 @@ def test_a_card_begins_with_the_claim_the_place_the_elements_and_the_fix() -> No
     assert '<span class="headline">axle turns &lt;i&gt;twice&lt;/i&gt;</span>' in card
     line = paragraph(html, "at")
     assert line == "rover.urdf:9fix3Da, b, c and 1 more"
+    named = render(a_run(finding(headline="wheel: no body can have this inertia")))
+    assert paragraph(named, "at") == "rover.urdf:9fix3D", "the headline has the name"
     by_hand = render(a_run(finding(fix=Fix("think"), subjects=("robot",))))
     assert paragraph(by_hand, "at") == "rover.urdf:9"
 

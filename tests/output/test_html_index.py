@@ -182,6 +182,15 @@ def test_the_index_says_why_a_model_was_not_checked_and_links_to_its_page() -> N
     assert "1 of 2 models was not checked. 1 error in 1 of 2 models" in read(index).text
 
 
+def test_the_index_names_files_like_the_pages() -> None:
+    """From where the command ran, whatever the root that the ids count from; with the arguments of a variant."""
+    models = tuple(info(id=f"sub/urdf/a.xacro{args}", path="urdf/a.xacro") for args in ("", " side:=left"))
+    index = dict(iter_report_pages(a_run(finding(), models=models, scenes=())))["index.html"]
+    assert "<code>urdf/<wbr>a.xacro</code>" in index
+    assert "<code>urdf/<wbr>a.xacro side:=left</code>" in index
+    assert "sub/" not in index
+
+
 def test_what_failed_is_told_on_every_page() -> None:
     run = a_run(finding(), models=(info(),), failures=("INR003 crashed",))
     assert all("INR003 crashed" in text for _, text in iter_report_pages(run))

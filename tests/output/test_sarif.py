@@ -19,10 +19,10 @@ from conftest import FIXTURES, check
 from output.runs import FILE, SOURCE, a_run, finding, info, rule, span_of
 
 from urdfcheck.core import Applicability, Edit, Fix, Location, Run, SkippedCheck, Span, Suppression
+from urdfcheck.core.merging import list_line_entries
 from urdfcheck.fix.patch import EditableText
 from urdfcheck.output import sarif
 from urdfcheck.output.sarif import render
-from urdfcheck.output.shared.line_entries import list_line_entries
 from urdfcheck.policy.baseline import Baseline
 from urdfcheck.source.text.xml import SourceFile
 

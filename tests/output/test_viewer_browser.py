@@ -394,7 +394,10 @@ def test_the_focused_view_is_turned_by_keys(page: Any) -> None:
     assert "Arrow keys orbit" in canvas.get_attribute("aria-label")
     page.keyboard.press("Tab")
     page.keyboard.press("Shift+Tab")
-    assert canvas.evaluate("canvas => getComputedStyle(canvas).outlineStyle") == "solid"
+    outline = canvas.evaluate(
+        "canvas => { const s = getComputedStyle(canvas); return [s.outlineStyle, s.outlineOffset]; }"
+    )
+    assert outline == ["solid", "-3px"], "outside of the canvas nothing is drawn"
 
     def where() -> Matrix:
         return np.array([page.evaluate("name => urdfcheck.pixel(name)", name) for name in ("base", "tool")])

@@ -704,7 +704,7 @@ def test_a_launch_file_that_takes_too_long_or_crashes_hides_no_other(
     found = discover_targets([Path(".")], {}, packages={}, package_paths=[], budget=PlanningBudget(600, 0.2))
     assert [t.path.name for t in found.models] == ["z.urdf"]
     assert dict(found.missing) == {
-        "crash.launch": "is not checked: looking at it crashed (RecursionError)",
+        "crash.launch": "is not checked: reading it crashed (RecursionError)",
         "huge.launch": "is not checked: reading it takes too much memory (--memory)",
         "slow.launch": "is not checked: reading it takes more than 0.2 s (--timeout)",
     }

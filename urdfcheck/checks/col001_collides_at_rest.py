@@ -43,7 +43,7 @@ def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[
 
 
 def _join_pairs(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> str:
-    return join_names([f"{pair.links[0]} and {pair.links[1]} ({c.depth * 1e3:.3g} mm)" for pair, c in overlaps])
+    return join_names([f"{pair.links[0]} and {pair.links[1]} ({c.depth * 1e3:.3g} mm)" for pair, c in overlaps], 3)
 
 
 def _is_deep_overlap(pair: CollisionPair, contact: Contact, *, graze: float, always: float) -> bool:

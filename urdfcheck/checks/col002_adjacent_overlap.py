@@ -30,7 +30,7 @@ def check(model: Model, rule: Rule, *, always: float) -> Iterator[Finding]:
             total=total,
             where=_describe_share(count, total),
             joints=join_names(
-                f"{joint} ({pair.links[0]} and {pair.links[1]})" for joint, (pair, _) in overlaps.items()
+                (f"{joint} ({pair.links[0]} and {pair.links[1]})" for joint, (pair, _) in overlaps.items()), 3
             ),
             percent=round(100 * always),
             samples=len(collisions.spread_poses.values),

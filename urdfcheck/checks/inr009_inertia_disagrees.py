@@ -163,14 +163,8 @@ def _build_cause_finding(
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.INFO if mild else None,
         edit="" if mended is None else mended.words,
-        why=_lower_first_letter(rule.causes[cause].format_map(data)),
         **data,
     )
-
-
-def _lower_first_letter(sentence: str) -> str:
-    """Return a sentence as it continues after a colon; abbreviations keep their capitals."""
-    return sentence if sentence[1].isupper() else sentence[0].lower() + sentence[1:]
 
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
@@ -232,11 +226,13 @@ def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None)
     if mended is None or drawn is None:
         return "the two agree better"
     left = []
-    if diagnosis.mended_com_mismatch > NOTABLE:
-        left.append(f"the COM is {format_length(float(np.linalg.norm(mended.com - drawn.solid.com)))} off")
+    if diagnosis.mended_com_mismatch < diagnosis.com_mismatch - DIGITS:
+        apart = format_length(float(np.linalg.norm(mended.com - drawn.solid.com)))
+        left.append("the COM agrees" if diagnosis.mended_com_mismatch < DIGITS else f"the COM is {apart} off")
     before, after = diagnosis.tensor_mismatch, diagnosis.mended_tensor_mismatch
     if after < before - DIGITS:
-        left.append(f"the mismatch of the tensor falls from {before:.2g} to {after:.2g}")
+        falls = f"the mismatch of the tensor falls from {before:.2g} to {after:.2g}"
+        left.append("the tensor agrees" if after < DIGITS else falls)
     return " and ".join(left) or "the two agree better"
 
 
@@ -274,10 +270,11 @@ def _describe_mismatch(
     if not 1 / SIMILAR < times < SIMILAR:
         size = f"{times:.3g} times too large" if times > 1 else f"{1 / times:.3g} times too small"
         differences.append(f"the moments of inertia are {size} for this mass at uniform density")
+    elif of_tensor > max(NOTABLE, _ROTATED * _measure_shape_mismatch(moments, uniform)):
+        differences.append("the inertia tensor is about other axes")
     elif of_tensor > NOTABLE:
-        where = ", about other axes" if of_tensor > _ROTATED * _measure_shape_mismatch(moments, uniform) else ""
         actual, expected = join_numbers(moments, digits=3), join_numbers(uniform, digits=3)
-        differences.append(f"the principal moments are {actual} instead of {expected} kg·m²{where}")
+        differences.append(f"the principal moments are {actual} instead of {expected} kg·m²")
     return " and ".join(differences) or "the inertial is only slightly off"
 
 

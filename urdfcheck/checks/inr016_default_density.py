@@ -67,7 +67,7 @@ def _compute_mesh_density(model: Model, declared: DeclaredMass) -> float | None:
 def _match_solid_density(model: Model, declared: DeclaredMass, *, default: float, tolerance: float) -> float | None:
     """Return the density of the box or cylinder with the link's mass and inertia if it is the default.
 
-    Another value is no evidence: the part may have any shape. Nor is that of primitives, whose numbers were computed.
+    Another value is not evidence: the part may have any shape. Nor is that of primitives, whose numbers were computed.
     """
     link, tensor = declared.link, model.tensor_by_name.get(declared.link.name)
     if tensor is None or any(shape.kind != "mesh" for shape in (*link.visuals, *link.collisions)):

@@ -63,5 +63,5 @@ def _read_pointer_size(path: Path) -> int | None:
 
 
 def _find_repository(path: Path) -> Path | None:
-    """Return the clone that contains a file, or None outside of a clone, e.g. in an unpacked archive."""
+    """Return the clone that contains a file, or None outside a clone, e.g. in an unpacked archive."""
     return next((folder for folder in path.parents if (folder / ".git").exists()), None)

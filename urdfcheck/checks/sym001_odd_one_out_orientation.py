@@ -1,4 +1,4 @@
-"""SYM001 reports a joint whose frame breaks the pattern of like joints."""
+"""SYM001 reports a joint whose frame breaks the pattern of matching joints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""SYM002 reports a joint that is displaced from the layout of like joints."""
+"""SYM002 reports a joint that is displaced from the layout of matching joints."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ class CheckedFolders:
     def ensure_own(self, file: Path) -> None:
         """Refuse a place to write that a link of the checked folders leads out of them, and a pipe or device in them.
 
-        A link in the place of the file itself leads nowhere: it is replaced.
+        A link that has the name of the file itself is replaced.
 
         :raises UrdfcheckError: for such a place.
         """

@@ -19,7 +19,7 @@ def read_given_file(options: argparse.Namespace) -> dict[str, bytes]:
 
     Return its content by real path, for :class:`urdfcheck.run.jobs.AuditOptions`.
 
-    :raises UrdfcheckError: where other paths are given as well, or it is too large, or not there.
+    :raises UrdfcheckError: if other paths are given too, or if it is too large or missing.
     """
     if STDIN not in options.paths:
         return {}

@@ -36,7 +36,7 @@ def print_run(
     """Print a run in a format.
 
     :param color: auto | always | never.
-    :param detail: see :func:`urdfcheck.output.text.render`, for ``fail_on`` as well.
+    :param detail: see :func:`urdfcheck.output.text.render`, also for ``fail_on``.
     """
     from urdfcheck import output
 

@@ -1,4 +1,4 @@
-"""Merge findings that report the same of several elements into one that names them all."""
+"""Merge findings that report the same of several elements, places or models into one that names them all."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Located, Rule, Verdict
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_text, fill_joint_headline
 from urdfcheck.core.text import join_names
 
@@ -218,3 +219,24 @@ def _join_variants(ordered: Sequence[Finding]) -> dict[str, tuple[str, ...]]:
             joint.setdefault(model, {}).update(dict.fromkeys(subjects))
     is_shared = any(own.variants for own in ordered) or len(joint) > 1
     return {model: tuple(subjects) for model, subjects in sorted(joint.items())} if is_shared else {}
+
+
+# -- what formats show of a line ----------------------------------------------------------------------------------------
+
+
+def list_line_entries(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+    """Return an entry for each place of each finding, for editors, code scanning and reviews of changed lines.
+
+    Several entries of a rule on one line are one, with the severity of the worst.
+    """
+    return join_on_lines(iter_occurrences(findings), rules)
+
+
+def join_on_lines(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+    """Join the findings of one rule that begin on one line; those that are known stay apart from those that count."""
+    groups: dict[Hashable, list[Finding]] = {}
+    for number, finding in enumerate(findings):
+        span = finding.location.span
+        place: Hashable = number if span is None else (finding.code, span.file, span.line, finding.suppressed)
+        groups.setdefault(place, []).append(finding)
+    return [group[0] if len(group) == 1 else join_occurrences(group, rules) for group in groups.values()]

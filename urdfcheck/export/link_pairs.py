@@ -30,7 +30,7 @@ _RULE_OF_THREE = 3.0
 @dataclass(frozen=True, slots=True)
 class LinkPair:
     """Two links with collision geometry, ``links`` in alphabetical order as Setup Assistant writes them. ``reason``: Adjacent
-    | Default | Always | Never, None where the pair must be checked; ``proven``: that they never meet is no sample's word;
+    | Default | Always | Never, None where the pair must be checked; ``proven``: that they never meet does not rest on samples;
     ``seen``: whether a sample met."""
 
     links: tuple[str, str]
@@ -41,7 +41,7 @@ class LinkPair:
 
 @dataclass(frozen=True, slots=True)
 class LinkPairs:
-    """All pairs of a robot, in the order of their names; ``samples``: how many configurations were looked at."""
+    """All pairs of a robot, in the order of their names; ``samples``: how many configurations were checked."""
 
     robot: str
     samples: int

@@ -32,7 +32,7 @@ class EditableFiles:
     """The files that may be changed: those below the given paths, and in the repository or package around each of them.
 
     Not changed are installed files, files in other named package folders (``folders``), and files that a symbolic link leads
-    to outside of all this; nor, unless they are not ``are_written``, those that the user may not write.
+    to outside all this; nor, unless they are not ``are_written``, those that the user may not write.
     """
 
     def __init__(self, paths: Iterable[Path], folders: Iterable[Path], *, are_written: bool = True) -> None:

@@ -25,7 +25,7 @@ T = TypeVar("T")
 def fact(compute: Callable[Concatenate[M, P], T]) -> Callable[Concatenate[M, P], T]:
     """Compute a fact once per model, and per set of (hashable) arguments after the model.
 
-    A `FactUnavailableError` is remembered as well and raised again: every link asks for the tree of a model, which may have
+    A `FactUnavailableError` is also remembered and raised again: every link asks for the tree of a model, which may have
     none.
 
     :raises TypeError: when the function returns an iterator.

@@ -38,7 +38,7 @@ class Buffers:
     def read(self) -> dict[str, bytes | MeshError]:
         """Read the files.
 
-        :raises OSError: when one cannot be read any more.
+        :raises OSError: when one can no longer be read.
         """
         from urdfcheck.facts.mesh.decode_limits import MeshError
 

@@ -45,7 +45,7 @@ class KinematicGraph:
         return cls(tuple(links), tuple(edges), tuple(broken))
 
     def guess_link(self, role: str, name: str) -> str | None:
-        """Return the link that an unknown ``name`` probably means; for a child, links that are no joint's child come first."""
+        """Return the link that an unknown ``name`` probably means; for a child, links without a parent come first."""
         if len(self.links) > _MOST_COMPARED or len(name) > _LONGEST_COMPARED:
             return None
         child_names = {joint.child for joint in (*self.edges, *self.broken)}

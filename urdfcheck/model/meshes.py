@@ -142,7 +142,7 @@ class _Content:
     def read(self) -> bytes:
         """Read the file unless that was done.
 
-        :raises OSError: when it cannot be read any more.
+        :raises OSError: when it can no longer be read.
         """
         return read_regular(self.path, MAX_MESH) if self.data is None else self.data
 

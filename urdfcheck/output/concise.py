@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from urdfcheck.core import Finding, Run
+from urdfcheck.core.merging import list_line_entries
 from urdfcheck.output.shared.escaping import escape_for_log
-from urdfcheck.output.shared.line_entries import list_line_entries
 from urdfcheck.output.shared.verdict.not_checked import describe_unused_macros, group_unchecked
 from urdfcheck.output.shared.wording import find_finding_file, format_concise
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Run, Severity
+from urdfcheck.core.merging import join_on_lines
 from urdfcheck.output.shared.escaping import escape_for_log
-from urdfcheck.output.shared.line_entries import join_on_lines
 from urdfcheck.output.shared.positions import to_utf16_region
 from urdfcheck.output.shared.verdict.finding_details import iter_details
 from urdfcheck.output.shared.verdict.verdict import describe_checked_units, summarize_verdict

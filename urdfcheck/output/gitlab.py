@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Rule, Run, Severity, Verdict
+from urdfcheck.core.merging import list_line_entries
 from urdfcheck.output.shared.escaping import escape_for_json, escape_for_markdown
-from urdfcheck.output.shared.line_entries import list_line_entries
 from urdfcheck.output.shared.verdict.finding_details import iter_details
 from urdfcheck.output.shared.wording import find_finding_file, sort_worst_first
 from urdfcheck.policy.consumers import get_verdict

@@ -6,8 +6,8 @@ import json
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Run, Severity, Span
+from urdfcheck.core.merging import list_line_entries
 from urdfcheck.output.shared.escaping import escape_for_json, escape_for_markdown
-from urdfcheck.output.shared.line_entries import list_line_entries
 from urdfcheck.output.shared.positions import to_utf8_region
 from urdfcheck.output.shared.verdict.finding_details import iter_details
 from urdfcheck.output.shared.wording import find_finding_file, sort_worst_first

@@ -88,7 +88,7 @@ def read_baseline(path: Path, root: Path) -> Baseline:
 
 
 def read_found_baseline(path: Path, root: Path) -> Baseline | None:
-    """Read a baseline that nobody named on the command line, which may be a stranger's; None where there is none.
+    """Read a baseline that the command line does not name and a stranger may have written; None where there is none.
 
     :raises UrdfcheckError: as `read_baseline`, and for one that a link leads to from the folder ``root`` or its repository.
     """
@@ -176,7 +176,7 @@ def find_stale_entries(baseline: Baseline, view: BaselineView) -> dict[str, Coun
     """Return the entries whose finding is gone, by model.
 
     Without a check a finding is not known to be gone; at a lower tier a rule may report the same with another message. Entries
-    of a model whose file does not exist any more are always stale.
+    of a model whose file no longer exists are always stale.
     """
     there = collect_entries(view.findings)
     checked = set(view.complete_rules).difference(info.id for info in view.models if info.status != "checked")

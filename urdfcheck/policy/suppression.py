@@ -36,7 +36,7 @@ class CommentUsage:
     is_used: bool
     """Whether it suppresses a finding."""
     doubt: str
-    """Why an unused comment may be needed all the same; empty without such a reason."""
+    """Reason to keep an apparently unused comment; empty without one."""
     removal: Edit
     """Deletes the comment."""
 

@@ -42,7 +42,7 @@ def assess_comments(
 def _explain_doubt(
     comment: IgnoreComment, *, unit: Unit, source: Source | None, find_places: Callable[[], Mapping[str, Sequence[int]]]
 ) -> str:
-    """Return why a comment that this unit does not need may be needed all the same; empty without such a reason."""
+    """Return a reason to keep a comment that this unit does not need; empty without one."""
     if source is None or comment.span.file not in source.files:
         return ""
     if unit.is_explicit and comment.span.file != source.name:

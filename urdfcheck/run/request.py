@@ -54,7 +54,7 @@ class RunOptions:
     package_paths: Sequence[AnyPath] = ()
     """Folders that hold packages."""
     allow_read: Sequence[AnyPath] = ()
-    """Folders whose files may be opened as well."""
+    """Additional folders whose files may be opened."""
     environment: Sequence[str] = ()
     """Environment variables that a xacro may read."""
     isolated: bool = False

@@ -19,7 +19,7 @@ _REST = r"""[^\s"'`,;|()<>{}\[\]]*"""
 class PathShortener:
     """Writes absolute paths below some folders as all other paths of a report: relative to the working directory.
 
-    ``is_typed``: whether a text stands in a source as it is. Such a path is the author's own, and stays.
+    ``is_typed``: whether a source contains a text. Such a path is the author's own, and stays.
     """
 
     def __init__(self, folders: Iterable[str], is_typed: Callable[[str], bool]) -> None:

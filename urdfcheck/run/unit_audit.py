@@ -125,7 +125,7 @@ class _UnitAudit:
         )
 
     def list_machine_folders(self) -> set[str]:
-        """Return the folders that the unit's files lie in, as absolute and as real paths."""
+        """Return the folders of the unit's files, as absolute and as real paths."""
         given = (*self.packages.by_name.values(), *self.packages.search_path, Path(self.unit.path).parent, Path())
         variables = (os.environ.get(name, "").split(os.pathsep) for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"))
         folders = {
@@ -136,7 +136,7 @@ class _UnitAudit:
         return folders | set(map(os.path.realpath, folders))
 
     def is_typed(self, text: str) -> bool:
-        """Whether a text stands in one of the sources that were read."""
+        """Whether one of the sources that were read contains a text."""
         return any(text in source for source in self.texts.values())
 
     # -- kinds of units ----------------------------------------------------------------------------------------
@@ -169,7 +169,7 @@ class _UnitAudit:
         self.build_extras(model)
 
     def report_part(self, source: Source) -> None:
-        """Say that a part was not checked by itself: it is told if no model turns out to be made of it."""
+        """Say that a part was not checked by itself: that is reported unless a model is made of it."""
         self.unread_status = "failed"
         if source.find_problems("package-not-found"):  # told at its cause, as in the models that miss it too
             self.report_causes(source)
@@ -180,7 +180,7 @@ class _UnitAudit:
         self.findings.append(mark_cause(replace(finding, model=self.unit.id), self.policy))
 
     def report_causes(self, source: Source) -> None:
-        """Report why there is no model, whatever the configuration says of these rules, and what they find beside that."""
+        """Report why there is no model, whatever the configuration says about these rules, and their other findings."""
         for rule in load_rules().values():
             if "file" in rule.scopes and has_check(rule):
                 self.run_guarded(rule.code, partial(self.collect_causes, rule, source))
@@ -476,7 +476,7 @@ def _find_missing_tier(rule: Rule, tier: str) -> str | None:
 
 
 def _locate_found_arguments(source: Source) -> dict[str, str]:
-    """Return the arguments that nobody gave, with the places, ``file:line``, that pass them."""
+    """Return the arguments that were found, not given, with the places, ``file:line``, that pass them."""
     places = {name: location.span for name, location in source.found_arguments.items()}
     return {name: f"{span.file}:{span.line}" for name, span in places.items() if span is not None}
 

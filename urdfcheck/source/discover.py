@@ -287,7 +287,7 @@ class _Planner:
         )
 
     def has_project_around(self, path: Path) -> bool:
-        """Whether a file belongs to a package or a repository: then its users are known, and not too many to look at."""
+        """Whether a file belongs to a package or a repository: then its users are known, and few enough to check."""
         is_packaged = self.get_finder(path).find_package_of(path.absolute()) is not None
         return is_packaged or any((folder / ".git").exists() for folder in path.absolute().parents)
 

@@ -41,9 +41,9 @@ class FoundModel:
 
     path: Path
     is_tentative: bool = False
-    """Whether it is no model if it makes neither link nor joint."""
+    """Whether it is not a model if it makes neither link nor joint."""
     is_part: bool = False
-    """Whether another file includes it, or may: then it is no model if it is none by itself."""
+    """Whether another file includes it, or may: then it is a model only if it is one by itself."""
 
 
 class FolderIndex:
@@ -113,7 +113,7 @@ class FolderIndex:
         return self.resolved[key]
 
     def _find_misspelt(self, folder: Path, tail: str) -> set[Path]:
-        """Return the file that a misspelt include means: the slip is told there, and its file is no model for it."""
+        """Return the file that a misspelt include means: the slip is reported there, and does not make its file a model."""
         name, beside = Path(tail).name, resolve_path((folder / tail).parent)
         if not name or name in self.by_name:
             return set()
@@ -123,7 +123,7 @@ class FolderIndex:
     def _match_parts(self, folder: Path, pattern: str) -> set[Path]:
         """Return the files of a folder that an include with an argument in their name may mean.
 
-        What is a robot by itself is left out: it is checked whoever includes it.
+        What is a robot by itself is left out: it is checked even if it is included.
         """
         real = resolve_path(folder)
         names = self._parts_by_folder.get(real, ())
@@ -132,7 +132,7 @@ class FolderIndex:
 
     @cached_property
     def _parts_by_folder(self) -> dict[Path, list[str]]:
-        """The names of the xacro files that are no model by themselves, by their folder."""
+        """The names of the xacro files that are not models by themselves, by their folder."""
         parts: dict[Path, list[str]] = {}
         for real, file in self.by_real.items():
             if is_xacro(real) and not file.stands_alone:
@@ -165,7 +165,7 @@ class FolderIndex:
 
     @cached_property
     def found_models(self) -> tuple[FoundModel, ...]:
-        """The models of the folder: what is no mere part of others, and no mere set of macros."""
+        """The models of the folder: not mere parts of others, nor mere sets of macros."""
         found: list[FoundModel] = []
         for path, file in self.files.items():
             if file.only_macros:
@@ -422,7 +422,7 @@ def _list_folder(folder: str) -> tuple[list[str], list[str]]:
 
 
 def _list_git_ignored(root: Path) -> set[str]:
-    """Return the files and folders below ``root`` that git ignores; none outside of a work tree or without git."""
+    """Return the files and folders below ``root`` that git ignores; none outside a work tree or without git."""
     import subprocess
 
     # The folder may be a stranger's: git itself is this machine's, and whatever the folder's own git configuration would start is

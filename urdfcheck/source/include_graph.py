@@ -24,7 +24,7 @@ class IncludeGraph:
                     self._includers[self._component[other]].add(number)
 
     def is_included(self, path: Path) -> bool:
-        """Whether a file outside of its circle includes this one: in a circle every file is a model."""
+        """Whether a file outside its circle includes this one: in a circle every file is a model."""
         return bool(self._includers[self._component[path]]) if path in self._component else False
 
     def make_user_table(self, models: Sequence[Path]) -> UserTable:

@@ -27,9 +27,9 @@ class ModelRole:
     reason: str = ""
     """Why it is a part."""
     is_doubtful: bool = False
-    """Whether it may be a robot of its own all the same: it has a name, and could not be expanded."""
+    """Whether it may still be a robot by itself: it has a name, and could not be expanded."""
     has_whole_links: bool = False
-    """Whether it makes links, and no joint that needs a link from elsewhere: a slip makes it a part, or somebody who hides it."""
+    """Whether it makes links, and no joint that needs a link from elsewhere: a mistake or a trick makes it a part."""
 
     @property
     def must_be_checked(self) -> bool:
@@ -45,7 +45,7 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
     """Return what a file is.
 
     ``is_part``: whether another file includes it or may include it; what no file includes is a model, however broken, or a
-    library. ``is_tentative``: whether it is none if it makes neither link nor joint.
+    library. ``is_tentative``: whether it is not one if it makes neither link nor joint.
     """
     root = source.root
     if root is None:
@@ -103,7 +103,7 @@ def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool) 
 
 
 def _explain_incompleteness(root: Element, elsewhere: str) -> str:
-    """Return why a robot is none by itself; empty if it has a name and its joints join its links to one tree."""
+    """Return why a robot is not complete by itself; empty if it has a name and its joints join its links to one tree."""
     if "name" not in root.attributes:
         return "its <robot> has no name"
     children = {_get_end(joint, "child") for joint in root.find_children("joint")}

@@ -53,7 +53,7 @@ def _get_place(argument: PathArgument) -> tuple[str, int]:
 
 
 def find_missing_part(source: Source, path: Path) -> Path:
-    """Return the outermost part of a path that does not exist; the whole path if none may be looked at."""
+    """Return the outermost part of a path that does not exist; the whole path if none may be read."""
     parts = (*reversed(path.parents), path)
     return next((part for part in parts if source.finder.can_open(part) and not part.exists()), path)
 

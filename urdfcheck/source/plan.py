@@ -46,7 +46,7 @@ class ModelTarget:
     tentative: bool = False
     """Whether only its expansion shows that the file is a model: it makes a link or a joint."""
     is_part: bool = False
-    """Whether another file includes it, or may: then only its expansion shows whether it is a model of its own."""
+    """Whether another file includes it, or may: then only its expansion shows whether it is a model by itself."""
     is_spare: bool = False
     """Whether it is expanded only if no model turns out to be made of it."""
     xacro: bool | None = None

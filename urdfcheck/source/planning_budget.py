@@ -1,4 +1,4 @@
-"""The time that the search for models may take: what is not looked at in that time is told, and keeps nothing else from it."""
+"""The time limit of the search for models: what is not read in time is reported, and does not stop the rest."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class PlanningBudget:
         return self._end is not None and time.monotonic() >= self._end
 
     def explain(self) -> str:
-        """Return the reason for what is not looked at any more."""
+        """Return the reason for files that are no longer read."""
         return f"is not checked: looking for models took more than {self.seconds:g} s (--timeout)"
 
     def read_file(self, path: Path) -> ModelFile | None:
@@ -39,7 +39,7 @@ class PlanningBudget:
 
     def look_at(self, path: Path, read: Callable[[], _Seen]) -> _Seen | None:
         """Return what ``read`` makes of a file; None, with a note, if that takes too long or too much memory, if it fails for a
-        reason that nobody has thought of, or if no time is left.
+        unexpected reason, or if no time is left.
 
         :raises OSError: as ``read`` does, and UrdfcheckError.
         """

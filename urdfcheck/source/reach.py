@@ -85,7 +85,7 @@ def explain_unreachable(path: Path) -> str:
 
 
 def _find_place(path: Path) -> Path:
-    """Return where a path lies, without following it if it is a link."""
+    """Return where a path is, without following it if it is a link."""
     absolute = Path(os.path.abspath(path))
     return absolute if absolute.parent == absolute else Path(os.path.realpath(absolute.parent), absolute.name)
 
@@ -97,7 +97,7 @@ def _find_own_folder(path: Path) -> Path:
 
 
 def is_shared_by_all(folder: Path) -> bool:
-    """Whether a folder is the root of the disk, the user's home or one for temporary files: it is no robot's."""
+    """Whether a folder is the root of the disk, the user's home or one for temporary files: it does not belong to a robot."""
     # Not tempfile.gettempdir(), which tries to write: a worker may not.
     named = filter(None, map(os.environ.get, ("TMPDIR", "TEMP", "TMP")))
     return folder.parent == folder or str(folder) in _resolve_all((os.path.expanduser("~"), *_TEMPORARY, *named))

@@ -33,9 +33,9 @@ _MOST_SHOWN = 40
 
 
 class UnreadableEncodingError(Exception):
-    """Bytes that are no text, or that are different texts to different programs.
+    """Bytes that are not text, or that are different texts to different programs.
 
-    ``before``: the text in front of the wrong place; ``wrong``: the text there, empty for a byte that is no text.
+    ``before``: the text in front of the wrong place; ``wrong``: the text there, empty for a byte that is not text.
     """
 
     def __init__(self, message: str, *, before: str, wrong: str = "") -> None:

@@ -34,7 +34,7 @@ def prefer_own_folders() -> None:
 
 
 def find_foreign_libraries() -> dict[str, str]:
-    """Find the libraries that Python would import from outside of its own environment, with the path of each."""
+    """Find the libraries that Python would import from outside its own environment, with the path of each."""
     return dict(_find_foreign_libraries(tuple(sys.path)))
 
 

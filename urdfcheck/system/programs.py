@@ -12,7 +12,7 @@ from urdfcheck.system.files import is_inside
 def find_program(name: str, *, outside: Iterable[str | os.PathLike[str]]) -> str | None:
     """Return the absolute path of a program; None where there is none.
 
-    It is looked for in the absolute folders of ``PATH`` that lie outside of the folders ``outside``: an empty or relative entry
+    It is looked for in the absolute folders of ``PATH`` that lie outside the folders ``outside``: an empty or relative entry
     means the working directory, which Windows searches before all others even so.
     """
     refused = [os.path.realpath(folder) for folder in outside]

@@ -148,7 +148,7 @@ def _renew_baseline(old: Baseline, view: BaselineView, checked: CheckedFolders) 
 
 
 def _prune_baseline(old: Baseline, view: BaselineView, checked: CheckedFolders) -> None:
-    """Write a baseline without the entries that no finding matches any more."""
+    """Write a baseline without the entries that no finding matches."""
     from urdfcheck.policy import baseline
     from urdfcheck.source.package.finder import format_path
 

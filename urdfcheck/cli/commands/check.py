@@ -181,7 +181,7 @@ class ReportPlan:
     """Those of `files` that are folders with a page per model."""
     checked: CheckedFolders
     job_summary: Path | None
-    """The file of GitHub's job summary; None outside of a job."""
+    """The file of GitHub's job summary; None outside a job."""
 
     @classmethod
     def from_options(cls, options: argparse.Namespace) -> ReportPlan:
@@ -220,7 +220,7 @@ class ReportPlan:
 def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, settings: Config) -> int:
     """Print the outcome, write all reports, and return the exit code.
 
-    :raises UrdfcheckError: when reports cannot be written; the others are written all the same.
+    :raises UrdfcheckError: when reports cannot be written; the others are still written.
     """
     fail_on = options.fail_on or settings.fail_on
     try:

@@ -201,7 +201,7 @@ def _ensure_writable_name(name: str) -> None:
     """Reject a folder whose name a CI service would not take as text: it may be a stranger's.
 
     :raises UrdfcheckError: for a line break, a tab or another invisible character, and for an expression of GitHub, which is
-        evaluated wherever it stands in a workflow.
+        evaluated anywhere in a workflow.
     """
     if not name.isprintable():
         raise UrdfcheckError(f"{name}: the name has a character that no line of a CI job can hold; rename the folder")
@@ -256,7 +256,7 @@ def _list_expanded_by_launch(outcome: Run) -> list[ModelInfo]:
 
 
 def _find_repository(folder: Path) -> Path:
-    """Return the work tree around a folder, where CI and pre-commit look; the folder itself outside of one."""
+    """Return the work tree around a folder, where CI and pre-commit look; the folder itself outside one."""
     real = folder.resolve()
     return next((f for f in (real, *real.parents) if (f / ".git").exists()), real)
 
@@ -412,7 +412,7 @@ def add_hooks(before: str, entry: str) -> str | None:
 
 def _compose_yaml(text: str) -> Any:
     """Return the nodes of a file of the repository, which may be a stranger's; None beyond the limits on their number and depth,
-    and for what is no yaml."""
+    and for text that is not yaml."""
     import yaml
 
     from urdfcheck.source.text.xml import SourceFile
@@ -426,7 +426,7 @@ def _compose_yaml(text: str) -> Any:
 
 
 def _format_github_action(address: str, revision: str) -> str:
-    """Return how a GitHub workflow names the action at an address; empty for an address outside of GitHub."""
+    """Return how a GitHub workflow names the action at an address; empty for an address outside GitHub."""
     match = re.fullmatch(r"https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?", address)
     return "" if match is None else f"{match.group(1)}@{revision}"
 

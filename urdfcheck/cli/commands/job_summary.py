@@ -17,7 +17,7 @@ LEAST = 2_000
 
 
 def find_summary_file() -> Path | None:
-    """Return the file of the summary; None outside of a job."""
+    """Return the file of the summary; None outside a job."""
     name = os.environ.get("GITHUB_STEP_SUMMARY")
     return Path(name) if name else None
 

@@ -57,7 +57,7 @@ def watch(
     :param ask: computes it again after a change.
     :param report: prints the outcome and returns the exit code.
     :param written: the files that ``report`` writes.
-    :param warm_worker: see :class:`urdfcheck.run.pipeline.Execution`, for ``on_idle`` as well.
+    :param warm_worker: see :class:`urdfcheck.run.pipeline.Execution`, also for ``on_idle``.
     """
     code = FAILED
     request, settings = asked
@@ -121,7 +121,7 @@ def _print_heading(changed: list[str]) -> None:
 
 
 def _wait_for_changes(known: Stamps, list_files: Callable[[], Iterable[str]]) -> list[str]:
-    """Wait until files differ from their known stamps and no file is being written any more; return their paths."""
+    """Wait until files differ from their known stamps and all writing has ended; return their paths."""
     while True:
         began = time.monotonic()
         now = _read_stamps((*known, *list_files()))

@@ -253,7 +253,7 @@ def _undo_coherent_units() -> Multiplied:
 
 
 def _undo_length_unit() -> Multiplied:
-    """The unit of the COM, by itself and in the inertia as well."""
+    """The unit of the COM, alone and also in the inertia."""
     for name, unit, length, inertia_unit, squared in _LENGTH_UNITS:
         com = np.ones(3) * length
         yield _make_mistake("com_unit", name), Multiplier(com=com)

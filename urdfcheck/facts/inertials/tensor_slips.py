@@ -1,4 +1,4 @@
-"""What the six numbers of an impossible inertia tensor say of the mistake in them, and the nearest tensor that a body can have.
+"""What the six numbers of an impossible inertia tensor say about their mistake, and the nearest tensor that a body can have.
 
 Components are URDF's ``ixx ixy ixz iyy iyz izz`` in kg m².
 """

@@ -1,9 +1,9 @@
 """Positions that follow one layout (a rectangle, a ring, a row, mirror images), and the one among them that breaks it.
 
-Among the groups of like joints in 63 published robots one has such a position, and it is only a frame elsewhere on its joint's
-axis. One position of the 32 different groups with a layout, moved by 1 % to 15 % of the distance to its neighbour, is named in
-87 % of 768 trials: a corner moved along a side that no other coordinate repeats is not. A wrong one is named three times, in a
-rover whose wheels are 8 mm out of line as published.
+Among the groups of matching joints in 63 published robots one has such a position, and that frame is only elsewhere on its
+joint's axis. One position of the 32 different groups with a layout, moved by 1 % to 15 % of the distance to its neighbour, is
+named in 87 % of 768 trials: a corner moved along a side that no other coordinate repeats is not. A wrong one is named three
+times, in a rover whose wheels are 8 mm out of line as published.
 """
 
 from __future__ import annotations

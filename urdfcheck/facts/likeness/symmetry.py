@@ -49,7 +49,7 @@ class OddFrame:
     index: int
     """In the group."""
     kind: Literal["zero_offset", "axis_tilt"]
-    """``zero_offset`` if it is turned about its own joint axis, which only moves the joint's zero; ``axis_tilt`` if its axis has
+    """``zero_offset`` if it is rotated about its own joint axis, which only moves the joint's zero; ``axis_tilt`` if its axis has
     another direction."""
     angle: float
     """Turn from the pattern (rad): signed about the joint axis for ``zero_offset``, otherwise the tilt of the joint axis."""
@@ -109,7 +109,7 @@ class _SymmetryOperation:
 @dataclass(frozen=True, slots=True)
 class _FrameRelation:
     """How an operation turns the frame of ``source`` against that of ``target``; ``good`` if that is the signed
-    permutation ``snapped``, one of the 48 by which frames differ that are the same but for the choice of axes."""
+    permutation ``snapped``, one of the 48 by which frames differ that are the same except for the choice of axes."""
 
     source: int
     target: int
@@ -150,7 +150,7 @@ def group_by_signature(signatures: Sequence[LinkSignature]) -> list[list[int]]:
 
 
 def find_odd_frame(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> OddFrame | None:
-    """Find the one member of a group of like joints whose frame breaks the pattern of the others.
+    """Find the one member of a group of matching joints whose frame breaks the pattern of the others.
 
     ``positions`` (n, 3) in metres and ``frames`` (n, 3, 3) rotations, both in one common frame, about whose axes symmetries are
     searched for; ``axes`` (n, 3) joint axes, each in its own joint frame. None if there is no such member, or it is uncertain:

@@ -1,5 +1,5 @@
 """glTF 2.0, as text and binary (GLB): the triangles that its default scene places. Materials, images, animations and skins
-are ignored, nothing is decompressed, and no other file is opened: whoever calls reads those that `list_buffer_files` names.
+are ignored, nothing is decompressed, and no other file is opened: the caller reads those that `list_buffer_files` names.
 
 Khronos Group, *glTF 2.0 Specification*, sections 3.5 (scenes), 3.6 (accessors), 3.7 (primitives) and 4.4 (GLB).
 """

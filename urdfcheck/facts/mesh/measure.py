@@ -187,7 +187,7 @@ class MeshFacts:
         """The boundaries that are holes, longest first: those that are not a seam.
 
         A seam is a rim that is no wider than what single precision makes of one line: where one face ends in the middle of
-        another's edge, the three corners are on one line but for rounding."""
+        another's edge, the three corners are on one line apart from rounding."""
         seam = _NOISE[-1] * self.size
         return tuple(b for b in self.boundaries if not (b.closed and measure_gap_width(b.points) <= seam))
 

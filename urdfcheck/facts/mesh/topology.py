@@ -180,7 +180,7 @@ def drop_collapsed_faces(surface: Surface) -> Surface:
 
 
 def drop_repeated_faces(surface: Surface) -> Surface:
-    """Drop the faces that have the corners of an earlier one, in either order, but for those of fins (`find_fin_faces`)."""
+    """Drop the faces that have the corners of an earlier one, in either order, except those of fins (`find_fin_faces`)."""
     again = find_repeated_faces(surface.faces)
     if again.any():
         again &= ~find_fin_faces(surface.faces, len(surface.vertices))

@@ -1,4 +1,4 @@
-"""Shapes that collide, and what can be said of their overlaps without coal.
+"""Shapes that collide, and what can be said about their overlaps without coal.
 
 `detect_box_overlap` rejects most pairs, `find_piercing_edges` and `find_separating_translation` judge those that meet.
 """

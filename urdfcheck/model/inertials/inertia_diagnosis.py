@@ -150,7 +150,7 @@ def _list_geometry_readings(model: Model, link: Link) -> Iterator[VisualGeometry
     """Yield what a link may be meant to draw.
 
     Its own shapes, without COLLADA's ``<unit>`` and with its ``<up_axis>`` where that matters, and together with those of links
-    that are fixed to it and have no mass of their own, such as covers.
+    that are fixed to it and have no mass, such as covers.
     """
     as_drawn = measure_link_geometry(model, link)
     if as_drawn is None:

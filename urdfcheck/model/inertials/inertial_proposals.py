@@ -63,7 +63,7 @@ class InertialProposal:
 
     edits: tuple[Edit, ...] = ()
     message: str = ""
-    """What a message says of it, from its semicolon on."""
+    """What a message says about it, starting with its semicolon."""
     remedy: str = ""
     """How the advice begins."""
     cause: str | None = None
@@ -151,7 +151,7 @@ def _find_sign_slip(model: Model, declared: DeclaredTensor) -> TensorSlip | None
 
 
 def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialProposal:
-    """Propose other signs of products; as an edit only where the drawn part tells which."""
+    """Propose other signs of products; as an edit only if the drawn part shows which."""
     claim = "with the other sign of {detail} the tensor is possible"
     if slip.residual is None:
         proposal = _propose_slip(link, slip, claim)

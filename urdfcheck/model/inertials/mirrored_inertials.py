@@ -79,7 +79,7 @@ def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] |
 
 
 def get_comparable_inertial(link: Link) -> DeclaredInertial | None:
-    """Return an inertial that a body can have and that somebody computed; None for any other.
+    """Return an inertial that a body can have and that was computed, not guessed; None for any other.
 
     The rules about one link report the others.
     """

@@ -281,7 +281,7 @@ def _identify_shape(model: Model, shape: Shape) -> tuple[object, ...] | None:
 
 
 def _compute_placement(shape: Shape) -> Array | None:
-    """Compute (4, 4): from the shape, unscaled but for the signs of a mesh's scale, to the link's frame."""
+    """Compute (4, 4): from the shape, unscaled except for the signs of a mesh's scale, to the link's frame."""
     pose, size = shape.origin.matrix, shape.size
     if pose is None or size is None:
         return None

@@ -1,4 +1,4 @@
-"""Groups of like joints: the wheels of a car, the hips of a quadruped."""
+"""Groups of matching joints: the wheels of a car, the hips of a quadruped."""
 
 from __future__ import annotations
 

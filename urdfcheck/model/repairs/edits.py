@@ -80,7 +80,7 @@ def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *,
     if definitions:
         where = join_names(describe_definitions(list(definitions.values())))
         if len(computed) > 1 or len(changes) > 1:
-            return f"make {name} get {numbers}, computed from {where}"
+            return f"give {name} {numbers}, computed from {where}"
         change, attribute = computed[0]
         return f"make `{attribute.typed}` give `{change.text}` for {name}: it is computed from {where}"
     if not shared:
@@ -89,10 +89,7 @@ def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *,
     if None in reflected:
         return f"give the macro that makes both a parameter for them, so that {name} gets {numbers}"
     written = " ".join(f'{change.name}="{text}"' for change, text in zip(changes, reflected, strict=True))
-    return (
-        f"give the macro that makes both a parameter, `reflect` for instance, that is 1 for {twin} and -1 for {name}, "
-        f"and write {written} in it"
-    )
+    return f"give the macro a parameter such as `reflect`, 1 for {twin} and -1 for {name}, and write {written} in it"
 
 
 def _reflect_numbers(change: AttributeChange) -> str | None:

@@ -44,7 +44,7 @@ def measure_link_geometry(
 
 @fact
 def measure_role_geometry(model: Model, link: Link, role: str) -> VisualGeometry | None:
-    """Measure the shapes of one ``role`` (``visual`` or ``collision``) alone, as `measure_link_geometry` does."""
+    """Measure the shapes of one ``role`` (``visual`` or ``collision``) alone, like `measure_link_geometry`."""
     shapes = link.visuals if role == "visual" else link.collisions
     return _measure_shapes(model, shapes, apply_unit=True, apply_up_axis=False)
 
@@ -52,7 +52,7 @@ def measure_role_geometry(model: Model, link: Link, role: str) -> VisualGeometry
 def split_visual_bodies(model: Model, link: Link) -> tuple[Solid, ...]:
     """Split the closed visual meshes of a link into their separate bodies, in its frame: the parts of a CAD assembly.
 
-    Empty where a mesh is open or one of its bodies is, or where there are more bodies than anybody would add up.
+    Empty where a mesh is open or one of its bodies is, or if there are too many bodies to add up.
     """
     bodies: list[Solid] = []
     for shape in link.visuals:

@@ -201,7 +201,7 @@ def _render_unchecked(summary: AuditSummary, links: Mapping[str, str]) -> str:
 def _render_unchecked_row(row: UnitRow, links: Mapping[str, str]) -> str:
     reason = f": {render_prose(row.reason)}" if row.reason else f": {_describe_row_status(row)}"
     accepted = " (accepted)" if row.accepted else ""
-    name = f"<code>{escape_html(row.id)}</code>"
+    name = f"<code>{escape_html(_name_from_here(row))}</code>"
     if row.id in links:
         name = f'<a href="{escape_html(links[row.id])}">{name}</a>'
     return f"{name}{accepted}{reason}{render_command(row.command)}"
@@ -277,7 +277,7 @@ def _render_model_row(row: UnitRow, links: Mapping[str, str], thumbnails: Mappin
     if row.id in links:
         title = escape_html(row.robot or get_base_name(row.path) or row.id)
         name = f'<a class="to-page" href="{escape_html(links[row.id])}">{title}</a>'
-        robot = f" <small><code>{escape_html(row.id).replace('/', '/<wbr>')}</code></small>"
+        robot = f" <small><code>{escape_html(_name_from_here(row)).replace('/', '/<wbr>')}</code></small>"
     if picture := _render_thumbnail(thumbnails.get(row.id, b"")):
         name, robot = f'<div class="pictured">{picture}<div>{name}{robot}</div></div>', ""
     counts = "".join(_render_count_cell(n, str(s)) for s, n in zip(SEVERITY_ORDER, row.counts, strict=True))
@@ -291,6 +291,11 @@ def _render_model_row(row: UnitRow, links: Mapping[str, str], thumbnails: Mappin
         f'{counts}<td class="codes">{codes}{more}</td><td>{sign}{_describe_row_status(row)}</td>{size}'
         f'<td class="num" data-v="{-1 if row.mass is None else row.mass!r}">{format_number(row.mass)}</td></tr>\n'
     )
+
+
+def _name_from_here(row: UnitRow) -> str:
+    """Return the path of a unit as its page has it, and the arguments that its id has after the path from the root."""
+    return f"{row.path}{row.id.partition(row.path)[2]}" if row.path else row.id
 
 
 def _describe_row_status(row: UnitRow) -> str:

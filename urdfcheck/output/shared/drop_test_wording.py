@@ -11,7 +11,9 @@ from urdfcheck.output.shared.escaping import escape_one_line
 
 def describe_drop_setup(drop_test: DropTest) -> list[str]:
     """Describe how the robot was set down, a sentence a line."""
-    shapes = "what it draws, for it collides with nothing" if drop_test.drawn else "its collision geometry"
+    shapes = (
+        "its visual geometry, because it has no collision geometry" if drop_test.drawn else "its collision geometry"
+    )
     moving = " can move" if drop_test.fixed else ""
     root = f"root fixed ({escape_one_line(drop_test.fixed)})" if drop_test.fixed else "root free"
     ground = f"ground at z = {_format_metres(drop_test.ground)} m, the lowest point of {shapes}"
@@ -21,7 +23,7 @@ def describe_drop_setup(drop_test: DropTest) -> list[str]:
     if drop_test.later is not None:
         sentences.append(f"held for {LATE_SECONDS:g} s: {_describe_outcome(drop_test.later)}")
     if drop_test.held.saturated:
-        sentences.append(f"held with all their effort at the end: {_join_names(drop_test.held.saturated)}")
+        sentences.append(f"at their effort limit at the end: {_join_names(drop_test.held.saturated)}")
     return sentences
 
 
@@ -42,7 +44,7 @@ def _describe_outcome(release: ReleaseResult) -> str:
     if release.burst is not None:
         return f"explodes after {release.burst:.2g} s"
     if release.settled is None:
-        return "falls, still moves" if release.has_tipped else "still moves"
+        return "falls over, still moves" if release.has_tipped else "still moves"
     rest = "at rest" if release.settled == 0 else f"at rest after {release.settled:.2g} s"
     return f"tips over, {rest}" if release.has_tipped else rest
 
@@ -94,11 +96,11 @@ def _format_joint_sag(release: ReleaseResult) -> str:
 OUTCOMES = (
     ("outcome", _describe_outcome),
     ("speed at the end", _format_end_speed),
-    ("root turned by", _format_tilt),
+    ("root rotated by", _format_tilt),
     ("sinks in by", _format_penetration),
-    ("energy, most above start", _format_peak_energy_gain),
+    ("peak energy gain", _format_peak_energy_gain),
     ("energy at the end", _format_energy_change),
-    ("joints give way, rad or m", _format_joint_sag),
+    ("joint deflection, rad or m", _format_joint_sag),
 )
 
 
@@ -113,7 +115,7 @@ def format_largest_stable_step(curve: StabilityCurve) -> str:
 
 def describe_damping_scheme(curve: StabilityCurve) -> str:
     """Return how damping is integrated."""
-    return "as MuJoCo steps" if curve.implicit else "as Bullet steps, damping taken before the step"
+    return "MuJoCo's scheme" if curve.implicit else "Bullet's scheme: damping from before the step"
 
 
 def format_contact_cells(touching: GroundContact) -> tuple[str, ...]:

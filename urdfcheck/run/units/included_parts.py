@@ -1,4 +1,4 @@
-"""Files that other files include: when they are audited as models of their own, and what is said of those that are not."""
+"""Files that other files include: when they are audited as separate models, and what is reported about the others."""
 
 from __future__ import annotations
 

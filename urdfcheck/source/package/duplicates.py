@@ -50,7 +50,7 @@ def _has_manifest(folder: Path) -> bool:
 
 
 def _find_place_in_repository(folder: Path) -> tuple[str, str] | None:
-    """Return the repository that a folder is checked out from, and its path there; None outside of one."""
+    """Return the repository that a folder is checked out from, and its path there; None outside one."""
     top = next((level for level in (folder, *folder.parents) if os.path.lexists(level / ".git")), None)
     if top is None:
         return None

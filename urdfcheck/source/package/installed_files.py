@@ -1,4 +1,4 @@
-"""Where the files of a package lie after its build has installed them: one map for both directions.
+"""Where the build of a package installs its files: one map for both directions.
 
 Places are relative to the package's folder before the build and to its share folder after it, with forward slashes.
 """
@@ -138,7 +138,7 @@ def _normalize_place(text: str) -> str:
 
 
 def _strip_folder(path: str, folder: str) -> str | None:
-    """Return the path from a folder on, or None if it does not lie there."""
+    """Return the path relative to a folder, or None if it is outside."""
     if not folder or path == folder:
         return "" if path == folder else path
     return path[len(folder) + 1 :] if path.startswith(f"{folder}/") else None

@@ -38,7 +38,7 @@ def index_files(roots: Iterable[Path]) -> FilesByName:
 
 
 def find_uninstalled_file(path: Path, package: Package | None, files: FilesByName) -> Path | None:
-    """Return the only file of a ROS 2 package that lies deeper than a missing path says, with the same last parts.
+    """Return the only file of a ROS 2 package that is deeper than a missing path says, with the same last parts.
 
     The package's build has to install it under that path.
     """

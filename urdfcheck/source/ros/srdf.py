@@ -164,7 +164,7 @@ def is_configured_for(srdf: Srdf, source: Source) -> bool:
 
 
 def has_derived_model(srdf: Srdf, source: Source) -> bool:
-    """Whether a semantic description in another package lies beside a model of that package."""
+    """Whether a semantic description in another package is beside a model of that package."""
     package = source.finder.find_package_of(srdf.path.absolute())
     is_elsewhere = package is not None and source.package is not None and package.path != source.package.path
     return is_elsewhere and any(

@@ -13,7 +13,7 @@ from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 def read_located_yaml(path: Path, finder: PackageFinder) -> YamlValue | None:
     """Return the content of a file; None if it is empty, cannot be read or may not be opened.
 
-    :raises YamlReadError: as :func:`~urdfcheck.source.text.yaml.reader.parse_located_yaml`, and if its bytes are no text.
+    :raises YamlReadError: as :func:`~urdfcheck.source.text.yaml.reader.parse_located_yaml`, and if its bytes are not text.
     """
     if not finder.can_open(path) or not os.path.isfile(path):
         return None

@@ -221,7 +221,7 @@ class SourceFile:
         """Read and decode a file. ``declares``: it is XML, which may declare its encoding; yaml cannot.
 
         :raises OSError: if it cannot be read.
-        :raises XmlError: if it is too large, or its bytes are no text, or not the same for all.
+        :raises XmlError: if it is too large, or its bytes are not text, or not the same text for all programs.
         """
         try:
             data = read_regular(path)

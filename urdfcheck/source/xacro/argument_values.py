@@ -268,7 +268,7 @@ def _drop_misfits(
 ) -> list[tuple[str, str, str]]:
     """Return the files of an include with an argument without those that lack a macro which the model calls in any case.
 
-    ``ros2_control/$(arg type).xacro`` finds the files of all robots of a package, and each robot calls a macro of its own.
+    ``ros2_control/$(arg type).xacro`` finds the files of all robots of a package, and each robot calls its own macro.
     """
     candidates = {format_path(Path(file)) for _, _, file in fitting}
     defined = {_get_file(tree): _list_macros(tree) for tree, _ in trees if _get_file(tree) in candidates}
@@ -421,7 +421,7 @@ class _ExpressionReader:
 
 
 def _find_enclosing_macro(element: Element) -> str:
-    """Return the macro that an element is in; empty outside of macros."""
+    """Return the macro that an element is in; empty outside macros."""
     around = element.parent
     while around is not None:
         if around.tag == "xacro:macro":

@@ -23,7 +23,7 @@ def has_only_macros(root: Element | None) -> bool:
 
 
 def has_parts(root: Element | None) -> bool:
-    """Whether a xacro file makes links or joints, or calls a macro, outside of its macro definitions."""
+    """Whether a xacro file makes links or joints, or calls a macro, outside its macro definitions."""
     return root is None or any(_makes_parts(child) for child in _iter_top_level(root))
 
 

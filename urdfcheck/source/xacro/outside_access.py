@@ -66,7 +66,7 @@ class FileAccess:
         return self._note_place(os.path.dirname(os.path.abspath(self.get_current_file())))
 
     def _note_place(self, path: str) -> str:
-        """Remember a folder that the file is told: no expression should decide by it."""
+        """Remember a folder that the file gets to know: no expression should depend on it."""
         if len(path) > 1:
             self.places.add(path)
         return path
@@ -139,7 +139,7 @@ class FileAccess:
         return at if start < 0 or end < 0 else Location(at.subject, file.make_span(start, end + 2))
 
     def find_matching_files(self, pattern: str) -> list[str]:
-        """Return the files that a pattern matches, as glob does, without listing a folder out of reach."""
+        """Return the files that a pattern matches, like glob, without listing a folder out of reach."""
         places = [""]
         for part in Path(pattern).parts:
             if has_magic(part):

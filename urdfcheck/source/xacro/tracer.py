@@ -563,7 +563,7 @@ class Tracer:
         return resolve_traced
 
     def report_decision(self, kind: str) -> None:
-        """Record that an expression depends on where files lie, or on the order of a set."""
+        """Record that an expression depends on where files are, or on the order of a set."""
         self.trace.report_once(kind, "", self.trace.locate_cause())
 
     def report_warning(self, *args: Any) -> None:

@@ -101,7 +101,7 @@ def collect_read_names(tree: Element) -> set[str]:
 
 
 def collect_called_macros(trees: Mapping[str, Element]) -> set[str]:
-    """Return the macros that are called outside of their own definition, without namespace; a computed name as typed."""
+    """Return the macros that are called outside their own definition, without namespace; a computed name as typed."""
     called: set[str] = set()
     for tree in trees.values():
         inside: list[tuple[Element, frozenset[str]]] = [(tree, frozenset())]

@@ -1,7 +1,7 @@
 """Values of expressions that are others in each process, or in another program than xacro: no model may depend on them.
 
 The text of a function or an iterator holds an address and the name of its code, the hash of a text is random, and so is the
-order of a set of texts. A model that looks at them is another one each time, or one that is only sound while it is checked.
+order of a set of texts. A model that reads them is another one each time, or one that is only sound while it is checked.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def is_orderless(name: str, arguments: dict[str, Any]) -> bool:
 
 
 def has_random_order(value: Any) -> bool:
-    """Whether the order of a value's items is that of random hashes: a set of several items that are no numbers."""
+    """Whether the order of a value's items is that of random hashes: a set of several items that are not numbers."""
     return isinstance(value, _SETS) and len(value) > 1 and any(type(item) not in NUMBERS for item in value)
 
 

@@ -247,7 +247,7 @@ def _classify_pairs(model: Model, links: Sequence[Link], pairs: Indices) -> Iter
 
 
 def _find_solid_parent(model: Model, head: str, solid: frozenset[str]) -> str | None:
-    """Return the nearest body towards the root that has collision geometry; a body goes by the name of its first link."""
+    """Return the nearest body towards the root that has collision geometry; a body has the name of its first link."""
     while head in model.tree.parent_joint:
         head = model.tree.list_body_links(model.tree.parent_joint[head].parent)[0]
         if head in solid:

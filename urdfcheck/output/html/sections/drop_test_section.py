@@ -79,7 +79,7 @@ def _render_stability_figure(curves: Sequence[StabilityCurve]) -> str:
         '<figure><div class="scroll" role="group" tabindex="0" aria-label="Speed against time step">'
         f"{draw_stability_chart(curves)}</div>"
         f'<ul class="legend">{legend}</ul><figcaption>The fastest speed of any link within {SECONDS:g} s without '
-        f"torques, against the time step; a cross is where the simulation burst or gained energy.</figcaption></figure>"
+        f"torques, against the time step; a cross is where the simulation diverged or gained energy.</figcaption></figure>"
         f"<details><summary>The curve as numbers</summary>{''.join(map(_render_curve_table, curves))}</details>"
     )
 

@@ -102,7 +102,7 @@ def _render_place_line(card: FindingCard, model_file: str) -> str:
             '<button type="button" class="in-3d" title="Show in 3D" aria-label="Show in 3D" hidden>3D</button>'
         )
     # Names that the headline has in full need no repetition.
-    if any(key[-1] not in finding.headline for key in keys):
+    if any(key[-1] not in finding.headline for key in keys[:MOST_NAMES]):
         rest = f" and {len(keys) - MOST_NAMES} more" if len(keys) > MOST_NAMES else ""
         parts.append(f'<span class="names">{", ".join(map(render_element_name, keys[:MOST_NAMES]))}{rest}</span>')
     return f'<p class="at">{"".join(parts)}</p>' if parts else ""

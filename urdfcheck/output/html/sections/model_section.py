@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 
-from urdfcheck.core import ModelInfo, Run, Severity
+from urdfcheck.core import Finding, ModelInfo, Run, Severity
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import escape_html, format_number, render_path, render_prose
@@ -45,7 +45,12 @@ def render_part_strip(run: Run, part: ReportPart) -> str:
     """Render what each program does with the model of a part; nothing for a part that is not drawn and has no table of it."""
     if part.scene is None:
         return ""
-    return render_program_strip([card.finding for card in part.all_cards], run.rules, part=part.id)
+    return render_program_strip(_list_findings(part), run.rules, part=part.id)
+
+
+def _list_findings(part: ReportPart) -> list[Finding]:
+    """List the findings that decide what programs do with the model of a part."""
+    return [card.finding for card in part.all_cards]
 
 
 def _render_model_head(run: Run, part: ReportPart, is_only_model: bool) -> str:
@@ -120,7 +125,7 @@ def _render_scene_sections(run: Run, part: ReportPart) -> str:
 
     marks = compute_severity_marks(part.all_cards, scene.frames)
     tree = render_tree(scene, marks, f"Kinematic tree of {part.title}")
-    programs = render_consumers_table((card.finding for card in part.all_cards), run.rules)
+    programs = render_consumers_table(_list_findings(part), run.rules)
     links, joints = format_count(len(scene.links), "link"), format_count(len(scene.joints), "joint")
     sections = [
         render_section("consumers", "consumers", "In each program", programs),
