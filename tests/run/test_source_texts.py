@@ -63,7 +63,7 @@ def test_beyond_the_bound_findings_come_without_their_lines_and_the_report_says_
     monkeypatch.setattr(source_texts, "MAX_RUN_TEXTS", 100_000)  # two of the three fit
     words = ["models", "--tier", "source", "--no-cache", "--select", "INR003"]
     done = urdfcheck(*words, cwd=tmp_path)
-    assert (done.stdout.count("error INR003"), done.stdout.count("^\n")) == (3, 2), "no finding is lost"
+    assert (done.stdout.count("✖ INR003"), done.stdout.count("^\n")) == (3, 2), "no finding is lost"
     said = "skipped URC905: a file is not quoted beside the findings: the texts of all files take more than 0 MiB"
     assert said in " ".join(done.stdout.split())
     monkeypatch.setattr(source_texts, "MAX_RUN_TEXTS", 10**9)

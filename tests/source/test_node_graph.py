@@ -212,7 +212,7 @@ def test_included_files_are_part_of_it_and_others_stand_for_themselves(package: 
         ('textfile="$(find nowhere)/a.urdf"', "$(find nowhere)/a.urdf", "package nowhere is not found"),
         ('textfile="$(arg model)"', "$(arg model)", "argument model has no value"),
         ('command="my_generator --arm"', "my_generator --arm", "only known when it is launched"),
-        ('value="&lt;robot/>"', "a text of its own", ""),
+        ('value="&lt;robot/>"', "its own text", ""),
     ],
 )
 def test_an_origin_that_is_not_known_says_why(package: Path, attribute: str, origin: str, problem: str) -> None:

@@ -25,7 +25,7 @@ class FrameLine:
 def extract_code_frame(source: str, span: Span, context: int = 1, most_lines: int = MOST_LINES) -> list[FrameLine]:
     """Return the lines of ``span``, at most ``most_lines``, and ``context`` lines around it.
 
-    None where the span lies outside of the text, or that is not there.
+    None where the span lies outside the text, or that is not there.
     """
     lines = split_lines(source)
     if not source or not 1 <= span.line <= len(lines):
