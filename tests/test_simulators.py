@@ -61,8 +61,12 @@ KNOWN = {
 }
 # Bytes: larger meshes take Pinocchio minutes.
 LARGEST = math.inf if ALL else 0.1 * 1024**2
-# Words that a sentence may not begin with, because the report's table is made from the first one.
-NEARLY = {"is", "its", "this", "has", "does", "warns", "accepts", "takes", "prints", "crashes"}
+# Words that a sentence may not begin with, because the report's table is made from the first one: they hide a verdict.
+NEARLY = {
+    *("is", "its", "it", "this", "has", "does", "warns", "accepts", "takes", "prints", "crashes"),
+    *("rejects", "discards", "removes", "skips", "overwrites", "substitutes"),
+    *("refuse", "drop", "ignore", "replace", "swap", "refused", "dropped", "ignored", "replaced", "swapped"),
+}
 
 
 def sentences(table: Mapping[str, object]) -> Iterator[tuple[str, str]]:
@@ -79,8 +83,9 @@ def test_consumers_are_known_and_say_at_once_what_they_do(rule: Rule) -> None:
     for consumer, sentence in sentences(rule.consumers):
         assert consumer in {*consumers.CONSUMERS, *consumers.OTHERS}
         first = sentence.split()[0].rstrip(",:;")
-        assert re.fullmatch(r"[a-z]+s", first), f"{consumer}: a verb must come first: {sentence}"
-        assert first not in NEARLY, f"{consumer}: {first} is none of the words that the report knows: {sentence}"
+        assert first.lower() not in NEARLY, (
+            f"{consumer}: {first} is not one of the words that the report knows: {sentence}"
+        )
 
 
 @dataclass(frozen=True)
@@ -320,7 +325,7 @@ def test_what_cannot_be_read_is_given_to_no_engine(tmp_path: Path, capsys: pytes
     model = tmp_path / "r.urdf.xacro"
     model.write_text('<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="${nowhere}"/></robot>')
     assert cli.main(["engines", str(model), "--isolated"]) == cli.FAILED
-    assert "urdfcheck check says why" in capsys.readouterr().err
+    assert "urdfcheck check says what is wrong" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

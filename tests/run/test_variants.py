@@ -268,8 +268,8 @@ class TestFindings:
         merged = merge_across_models([replace(finding, model=unit.id) for unit in units for _ in range(2)], units)
         assert [list(f.variants) for f in merged] == [["r.xacro", "r.xacro a:=1"]] * 2
 
-    def test_definitions_that_differ_are_two(self, tmp_path: Path) -> None:
-        """The same line reads another property with each argument: both are to be repaired."""
+    def test_definitions_that_differ_are_two_places(self, tmp_path: Path) -> None:
+        """The same line reads another property with each argument: one kind of mistake, to be repaired at both."""
         text = (
             '<xacro:arg name="p" default="a"/><xacro:property name="a" value="9"/><xacro:property name="b" value="8"/>'
             '<xacro:if value="${\'$(arg p)\' == \'a\'}"><xacro:property name="i" value="${a}"/></xacro:if>'
@@ -277,7 +277,11 @@ class TestFindings:
             f'<link name="l">{INERTIAL.format("${i}")}</link>'
         )
         run = check(write_xacro(tmp_path, text), codes={"INR003"}, all_arguments=True)
-        assert [f.model for f in run.findings] == ["r.urdf.xacro", "r.urdf.xacro p:=b"]
+        (finding,) = run.findings
+        assert [(place.model, place.related[1].subject) for place in finding.occurrences] == [
+            ("r.urdf.xacro", "property[a]"),
+            ("r.urdf.xacro p:=b", "property[b]"),
+        ]
 
 
 class TestOutputs:

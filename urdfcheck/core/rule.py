@@ -85,7 +85,7 @@ class Rule:
     """Name of the number in a finding's data by which those of this rule are ordered, the largest first; with a minus before it
     the smallest first."""
     on_request: frozenset[str] = frozenset()
-    """Ids of the messages whose notes (infos) are reported only when somebody asks for them."""
+    """Ids of the messages whose notes (infos) are reported only on request."""
     layers: tuple[str, ...] = ("visual",)
     """What the 3D view of the report shows for a finding: layers of its viewer."""
 

@@ -1,4 +1,4 @@
-"""Notes that are reported only when somebody asks for them: the pages' ``on_request``."""
+"""Notes that are reported only on request: the pages' ``on_request``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What programs do with a defect, as the formats tell it: news only, for the programs that matter, once per rule."""
+"""What programs do with a defect, as the formats report it: news only, for the programs that matter, once per rule."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _OBJECTS = {
 def list_effects(run: Run, finding: Finding, *, every: bool = False) -> list[tuple[str, str]]:
     """Return what programs do with a defect, the worst first: the names of those that do the same, and a sentence.
 
-    That a program loads what was typed is the default and left out, and so are programs that are no targets where there are
+    That a program loads what was typed is the default and left out, and so are programs that are not targets where there are
     targets; ``every`` lists these too.
     """
     return [
@@ -48,8 +48,8 @@ def list_new_effects(run: Run, finding: Finding, told: ToldEffects, *, every: bo
 def describe_hits(run: Run, finding: Finding, room: int) -> str:
     """Say in a line which programs do not load what was typed: ``MuJoCo refuses the file · Drake and Bullet replace values``.
 
-    Where targets are named, this is told of them alone, whatever they do. Several effects that take more than ``room``
-    characters are told by verdict.
+    Where targets are named, this covers them alone, whatever they do. Several effects that take more than ``room``
+    characters are summarized by verdict.
     """
     has_targets = bool(run.get_targets(finding.model))
     effects = {
@@ -65,9 +65,14 @@ def _join_hits(effects: Mapping[str, Sequence[str]], shorten: Callable[[str], st
     hits: dict[str, list[str]] = {}
     for effect, names in effects.items():
         hits.setdefault(shorten(effect), []).extend(names)
-    return " · ".join(
-        f"{join_programs(names)} {effect if len(names) == 1 else _use_plural(effect)}" for effect, names in hits.items()
-    )
+    return " · ".join(_join_hit(names, effect) for effect, names in hits.items())
+
+
+def _join_hit(names: Sequence[str], effect: str) -> str:
+    """Name programs and what they do. The robot may be the subject where they load what was typed: ``Gazebo: the joint sags``."""
+    if Verdict.from_sentence(effect) is Verdict.LOADS:
+        return f"{join_programs(names)}: {effect}"
+    return f"{join_programs(names)} {effect if len(names) == 1 else _use_plural(effect)}"
 
 
 def join_programs(names: Sequence[str]) -> str:
