@@ -13,6 +13,8 @@ from urdfcheck.policy.consumers import THROUGH_URDFDOM, is_news
 ToldEffects = set[tuple[str, str]]
 
 _REST = re.compile(r"\s*[,:;(\"].*", re.DOTALL)
+# A sentence about a program begins with its verb, or with another subject.
+_VERB = re.compile(r"[a-z]+s\b")
 _PLURALS = {"is": "are", "has": "have", "does": "do", "goes": "go"}
 # What a program does something to, by its verdict.
 _OBJECTS = {
@@ -69,8 +71,8 @@ def _join_hits(effects: Mapping[str, Sequence[str]], shorten: Callable[[str], st
 
 
 def _join_hit(names: Sequence[str], effect: str) -> str:
-    """Name programs and what they do. The robot may be the subject where they load what was typed: ``Gazebo: the joint sags``."""
-    if Verdict.from_sentence(effect) is Verdict.LOADS:
+    """Name programs and what they do, or what happens there: ``Gazebo: the joint sags``."""
+    if not _VERB.match(effect):
         return f"{join_programs(names)}: {effect}"
     return f"{join_programs(names)} {effect if len(names) == 1 else _use_plural(effect)}"
 
