@@ -92,7 +92,7 @@ class TestMacroLines:
 
     def test_numbers_that_calls_hand_over_are_two_places(self, tmp_path: Path) -> None:
         (found,) = find(write_robots(tmp_path, PASSED, a=DISCS)).findings
-        assert [own.subjects[0].split("/")[0] for own in found.occurrences] == ["link[wheel]", "link[lidar]"]
+        assert [own.subjects[0].split("/")[0] for own in found.occurrences] == ["link[lidar]", "link[wheel]"]
 
     def test_a_line_that_makes_sound_elements_too_is_not_to_blame(self, tmp_path: Path) -> None:
         """Of three discs one is sound: the calls of the others are told."""
@@ -117,14 +117,21 @@ LOAD = "${xacro.load_yaml('sizes.yaml')['%s']}"
 class TestKinds:
     def test_all_fingers_are_one_finding_with_their_own_numbers(self, tmp_path: Path) -> None:
         (found,) = find(write_robots(tmp_path, "", hand=HAND)).findings
-        assert found.headline == "left_1, left_2, right_1, right_2: no body can have this inertia"
+        assert found.headline == "left_2, left_1, right_1, right_2: no body can have this inertia"
         assert [own.headline for own in found.occurrences][:2] == [
-            "left_1: no body can have this inertia (60 % short)",
             "left_2: no body can have this inertia (77.8 % short)",
+            "left_1: no body can have this inertia (60 % short)",
         ]
         assert [own.location.span for own in found.occurrences][1:] == [
             place.span for place in found.related if place.subject.startswith("link")
         ]
+
+    def test_long_names_are_counted_in_the_headline(self, tmp_path: Path) -> None:
+        hand = HAND.replace("left_", "the_very_long_name_of_a_link_on_the_left_side_of_the_robot_").replace(
+            "right_", "r"
+        )
+        (found,) = find(write_robots(tmp_path, "", hand=hand)).findings
+        assert found.headline == "4 links: no body can have this inertia"
 
     def test_a_headline_about_numbers_is_that_of_the_first(self, tmp_path: Path) -> None:
         (found,) = find(write_robots(tmp_path, "", hand=HAND), "JNT005").findings
@@ -216,14 +223,14 @@ class TestModels:
         """The macro hands the number on: both calls are to be repaired."""
         (found,) = find(write_robots(tmp_path, PASSED, a=disc(), b=disc("other", "2"))).findings
         assert [own.subjects for own in found.occurrences] == [
-            ("link[wheel]/inertial/inertia",),
             ("link[other]/inertial/inertia",),
+            ("link[wheel]/inertial/inertia",),
         ]
         assert (found.subjects, found.variants["b.urdf.xacro"]) == (
             found.occurrences[0].subjects,
-            found.occurrences[1].subjects,
+            found.occurrences[0].subjects,
         )
-        assert "also  b.urdf.xacro:1 other: no body can have this inertia" in text.render(find(tmp_path), width=200)
+        assert "also  a.urdf.xacro:1 wheel: no body can have this inertia" in text.render(find(tmp_path), width=200)
 
     def test_a_number_of_one_yaml_is_one_finding(self, tmp_path: Path) -> None:
         bodies = {name: disc(name, LOAD % key) for name, key in (("a", "x"), ("b", "x"), ("c", "y"))}
@@ -231,8 +238,8 @@ class TestModels:
         (folder / "sizes.yaml").write_text("x: 1\ny: 2\n")
         (joint,) = find(folder).findings
         assert [list(f.subjects_by_model) for f in joint.occurrences] == [
-            ["a.urdf.xacro", "b.urdf.xacro"],
             ["c.urdf.xacro"],
+            ["a.urdf.xacro", "b.urdf.xacro"],
         ]
 
     def test_a_missing_file_is_one_finding(self, tmp_path: Path) -> None:

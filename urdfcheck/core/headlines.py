@@ -48,16 +48,17 @@ def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_H
 
 
 def fill_joint_headline(
-    template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]], more: int
+    template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]], kind: str, more: int
 ) -> str:
     """Fill a template for several findings at once.
 
-    A headline that begins with what it is about names all of it, and leaves out a number in brackets that is not the same for
-    all: ``a, b and 6 more: no body can have this inertia``. Any other is that of the first finding: ``a and b overlap by
-    5 mm at rest (+7 more)``.
+    A headline that begins with what it is about names all of it, or counts it where the first name alone is too long, and
+    leaves out a number in brackets that is not the same for all: ``a, b and 6 more: no body can have this inertia``, ``8 links:
+    no body can have this inertia``. Any other is that of the first finding: ``a and b overlap by 5 mm at rest (+7 more)``.
 
     :param data: values of each finding.
     :param names: elements that each finding is about.
+    :param kind: what these elements are, in the plural: ``links``.
     :param more: number of elements, or of places, beside those of the first finding.
     :raises KeyError: if ``data`` lacks a value of the template.
     """
@@ -65,8 +66,11 @@ def fill_joint_headline(
     if about is not None and _is_named(about[1], data, names):
         claim = _BRACKETS.sub(lambda found: found[0] if _is_same(found[0], data) else "", about[2])
         if _is_same(claim, data):
-            everything = join_names(dict.fromkeys(name for some in names for name in some))
-            return fill_headline(f"{{{about[1]}}}: {claim}", {**data[0], about[1]: everything})
+            everything = list(dict.fromkeys(name for some in names for name in some))
+            named = fill_headline(f"{{{about[1]}}}: {claim}", {**data[0], about[1]: join_names(everything)})
+            if named.startswith(everything[0]):
+                return named
+            return fill_headline(f"{len(everything)} {kind}: {claim}", data[0])
     rest = f" (+{more} more)"
     return f"{fill_headline(template, data[0], LONGEST_HEADLINE - len(rest))}{rest}"
 

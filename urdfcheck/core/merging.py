@@ -136,9 +136,10 @@ def _has_overlap(edits: Iterable[Edit]) -> bool:
 
 
 def join_occurrences(group: Sequence[Finding], rules: Mapping[str, Rule]) -> Finding:
-    """Return one finding for several: that of the first place, with what the others add."""
+    """Return one finding for several: that of the worst place, with what the others add in the order of the text."""
     ordered = sorted((own for finding in group for own in finding.list_occurrences()), key=_get_place_key)
-    first = ordered[0]
+    first = max(ordered, key=lambda own: (own.severity, own.excess))
+    ordered.sort(key=lambda own: own is not first)
     subjects = tuple(dict.fromkeys(subject for own in ordered for subject in own.subjects))
     variants = _join_variants(ordered)
     others = [own.location for own in ordered if own.location.span != first.location.span]
@@ -179,11 +180,19 @@ def _join_headlines(ordered: Sequence[Finding], more: int, rules: Mapping[str, R
     try:
         template = rule.headlines[first.message_id] if rule is not None and is_of_page else ""
         if template:
-            return fill_joint_headline(template, [own.data for own in ordered], names, more)
+            return fill_joint_headline(template, [own.data for own in ordered], names, _name_kind(ordered), more)
     except (KeyError, ValueError, TypeError):  # a finding that the page did not make
         pass
     rest = f" (+{more} more)"
     return cut_text(first.headline, LONGEST_HEADLINE - len(rest)) + rest
+
+
+def _name_kind(findings: Iterable[Finding]) -> str:
+    """Return what the subjects of findings are, in the plural: ``links``, or ``elements`` of several kinds."""
+    kinds = {
+        match[0].partition("[")[0] for own in findings for s in own.subjects if (match := _NAMED.match(s)) is not None
+    }
+    return f"{kinds.pop()}s" if len(kinds) == 1 else "elements"
 
 
 def _join_consequences(ordered: Iterable[Finding]) -> dict[str, str]:
