@@ -85,6 +85,7 @@ def _build_plugin_finding(rule: Rule, plugins: Mapping[str, list[Attribute]]) ->
         at=places[0],
         related=places[1:],
         which=format_count(len(places), "plugin is", "plugins are"),
+        names=join_names(plugins, 3),
         libraries=join_names((uses[0].value.strip() for uses in plugins.values()), 3),
         replacement=_describe_replacements(plugins),
     )
@@ -92,15 +93,16 @@ def _build_plugin_finding(rule: Rule, plugins: Mapping[str, list[Attribute]]) ->
 
 
 def _describe_replacements(libraries: Iterable[str]) -> str:
-    """Return ``use X``, or ``for a, b use X; for c use Y``."""
+    """Return ``replace it by X``, or ``replace each by its counterpart in gz sim: for a, b X; for c Y``."""
     unknown = "a gz-sim system that does the same (none has this name)"
     libraries_by_replacement: dict[str, list[str]] = {}
     for library in libraries:
         replacement = _REPLACEMENTS.get(library) or (_SENSOR_SYSTEM if _SENSORS.search(library) else unknown)
         libraries_by_replacement.setdefault(replacement.format_map(_CONTROL), []).append(library)
     if len(libraries_by_replacement) == 1:
-        return f"use {next(iter(libraries_by_replacement))}"
-    return "; ".join(f"for {', '.join(names)} use {how}" for how, names in libraries_by_replacement.items())
+        return f"replace it by {next(iter(libraries_by_replacement))}"
+    each = "; ".join(f"for {', '.join(names)} {how}" for how, names in libraries_by_replacement.items())
+    return f"replace each by its counterpart in gz sim: {each}"
 
 
 def _check_hardware_plugins(model: Model, rule: Rule) -> Iterator[Finding]:

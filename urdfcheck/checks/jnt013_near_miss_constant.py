@@ -110,6 +110,9 @@ def _build_finding(
         difference=error,
         lever=_format_displacement(error),
         number=len(ways),
+        forms=join_names(
+            dict.fromkeys(_strip_sign(word) for word in [*(g[0].word for g in groups), *spellings.exact[:1]])
+        ),
         ways=", ".join(ways),
         correct=angles[0].format_correction(in_xacro=in_xacro),
     )

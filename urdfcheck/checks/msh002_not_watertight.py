@@ -90,6 +90,7 @@ def _build_collision_finding(model: Model, rule: Rule, meshes: Sequence[_OpenMes
         at=at,
         related=related,
         meshes=f"{len(meshes)} collision meshes are" if several else f"collision mesh {worst.filename.value} is",
+        which=f"{len(meshes)} collision meshes are" if several else f"mesh {worst.name} is",
         edges=format_large_count(open_edges, "open edge"),
         files=f" ({join_names(mesh.label for mesh in meshes)})" if several else "",
         open_edges=open_edges,

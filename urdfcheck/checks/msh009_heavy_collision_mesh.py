@@ -15,6 +15,7 @@ def check(model: Model, rule: Rule, *, triangles: int) -> Iterator[Finding]:
                 "heavy",
                 at=uses[0].filename,
                 related=[use.filename for use in uses[1:] if use.shape.role == "collision"],
+                link=uses[0].link.name,
                 mesh=uses[0].filename.value,
                 triangles=facts.n_triangles,
                 limit=triangles,

@@ -29,6 +29,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             meshes=f"STL file {names[0]} is"
             if len(names) == 1
             else f"{len(names)} STL files ({join_names(names)}) are",
-            files=f"STL file {names[0]} is" if len(names) == 1 else f"{len(names)} STL files are",
+            files=join_names(names),
             header="its header begins" if len(names) == 1 else "their headers begin",
         )

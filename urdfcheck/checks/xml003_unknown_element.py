@@ -72,16 +72,17 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             severity=severity,
             related=places[1:10],
             edits=build_rename_edits(places, data["near"], model.source.files) if "near" in data else (),
-            consequences=_describe_consequences(parent_tag, places),
+            consequences=_describe_consequences(message, parent_tag, places),
             **data,
         )
         yield replace(finding, subjects=tuple(place.subject for place in places))
 
 
-def _describe_consequences(parent: str, places: list[Element]) -> dict[str, str]:
-    """Return the reactions of urdfdom, MuJoCo, Drake and Bullet, which miss a shape in a geometry."""
+def _describe_consequences(message: str, parent: str, places: list[Element]) -> dict[str, str]:
+    """Return the reactions of urdfdom, MuJoCo, Drake and Bullet, which miss a shape in a geometry, and of Gazebo to SDF."""
     if parent != "geometry":
-        return dict.fromkeys(("urdfdom", "mujoco", "drake", "bullet"), "ignores it without a message")
+        gazebo = {"gazebo": "ignores it outside a <gazebo> block"} if message == "sdf" else {}
+        return gazebo | dict.fromkeys(("urdfdom", "mujoco", "drake", "bullet"), "ignores it without a message")
     drawn = not any(map(is_collision_part, places))
     return {
         "urdfdom": "drops the shape, and every visual and collision of the link after it",
