@@ -81,11 +81,9 @@ def test_plugins_with_one_successor_share_its_advice(tmp_path: Path) -> None:
     body = "".join(f'<gazebo><plugin name="p" filename="{name}"/></gazebo>' for name in names)
     (finding,) = find(tmp_path, robot(ARM, body), "GZB002")
     assert finding.fix is not None
-    assert finding.fix.title.startswith(
-        "replace each by its counterpart in gz sim: for gazebo_ros_camera, gazebo_ros_ray_sensor the <sensor> alone"
-    )
-    assert finding.fix.title.endswith("; for gazebo_ros_p3d gz-sim-odometry-publisher-system")
-    assert finding.headline == "3 plugins are for Gazebo Classic only: gazebo_ros_camera and 2 more"
+    assert finding.fix.title.startswith("replace gazebo_ros_camera, gazebo_ros_ray_sensor by the <sensor> alone")
+    assert finding.fix.title.endswith("; gazebo_ros_p3d by gz-sim-odometry-publisher-system")
+    assert finding.headline == "3 plugins are Gazebo Classic only: gazebo_ros_camera and 2 more"
 
 
 # -- what Gazebo merges -------------------------------------------------------------------------------------------------

@@ -99,6 +99,7 @@ def test_joints_locked_alike_are_one_finding_with_every_subject(tmp_path: Path) 
     (finding,) = find(tmp_path, make_three_links(make_joint(locked), make_joint(locked, name="k", child="c")), "JNT005")
     assert finding.severity == Severity.WARNING
     assert finding.subjects == ("joint[j]/limit", "joint[k]/limit")
+    assert finding.headline == "2 joints have limits 0 to 0: j, k"
 
 
 @pytest.mark.parametrize("code", ["JNT005", "JNT007"])
@@ -218,6 +219,7 @@ def test_a_sibling_with_all_digits_is_named(tmp_path: Path) -> None:
     )
     (finding,) = find(tmp_path, text, "JNT013")
     assert finding.message_id == "mixed"
+    assert finding.headline == "π is written in 2 ways: 3.1416, 3.14159265358979"
     assert "joint k" in finding.message
     assert len(finding.related) == 1
 

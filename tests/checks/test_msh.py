@@ -327,6 +327,7 @@ def test_all_open_collision_meshes_of_a_robot_are_one_finding(tmp_path: Path) ->
     (tmp_path / "other.obj").write_text(OPEN.replace("v 1 ", "v 2 "))
     (finding,) = find_in_mesh(tmp_path, "MSH002", OPEN, shape("collision"), shape("collision", "other.obj"))
     assert finding.subjects == tuple(f"link[l{i}]/collision/geometry/mesh@filename" for i in range(2))
+    assert finding.headline == "2 collision meshes are not watertight (6 open edges)"
     assert finding.message.startswith(
         "2 collision meshes are not closed: 6 open edges in 2 places (part.obj (3), other.obj (3));"
     )
@@ -590,6 +591,7 @@ def test_how_many_triangles_may_collide(tmp_path: Path, limit: int, reported: bo
     links = (shape("visual") + shape("collision"), shape("collision"))
     findings = find_in_mesh(tmp_path, "MSH009", CLOSED, *links, options={"MSH009": {"triangles": limit}})
     assert [(f.data["triangles"], len(f.related)) for f in findings] == ([(4, 1)] if reported else [])
+    assert [f.headline for f in findings] == (["l0: collision mesh has over 3 triangles (4)"] if reported else [])
 
 
 @pytest.mark.parametrize(
@@ -656,6 +658,7 @@ TEXT = (
 def test_an_stl_file_should_look_like_what_it_is(tmp_path: Path, content: bytes, message: str | None) -> None:
     findings = find_in_mesh(tmp_path, "MSH012", content, shape("visual", "part.stl"), name="part.stl")
     assert [f.message_id for f in findings] == ([] if message is None else [message])
+    assert all(f.headline.endswith(": part.stl") for f in findings)
 
 
 # -- MSH013, MSH014 -------------------------------------------------------------------------------------------------
@@ -679,6 +682,12 @@ def test_a_hull_that_is_much_larger_than_its_mesh(tmp_path: Path, content: str, 
     """Two tetrahedra side by side and three apart: their hull adds a prism, and is five times their volume."""
     findings = find_in_mesh(tmp_path, "MSH014", content, shape("collision", scale=scale))
     assert [f.data["most"] for f in findings] == ([pytest.approx(5.0)] if reported else [])
+    assert [f.headline for f in findings] == (["convex hull far larger than mesh: part.obj (5×)"] if reported else [])
+
+
+def test_a_large_ratio_of_hull_and_mesh_is_written_out(tmp_path: Path) -> None:
+    (finding,) = find_in_mesh(tmp_path, "MSH014", CLOSED + moved(CLOSED, 300.0, 4), shape("collision"))
+    assert "e+" not in finding.message
 
 
 @pytest.mark.parametrize(("times", "reported"), [(4.9, True), (5.1, False)])

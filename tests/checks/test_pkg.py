@@ -510,6 +510,7 @@ def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: s
     (edit,) = finding.fix.edits
     text = before[: edit.span.start] + edit.replacement + before[edit.span.end :]
     assert after in text
+    assert finding.headline == "p: undeclared dependency gone"
     (tmp_path / "package.xml").write_bytes(text.encode())
     assert not findings(tmp_path, "PKG007")
 

@@ -146,6 +146,12 @@ class TestXML002:
 
 
 class TestXML003:
+    def test_gazebo_misses_an_sdf_element_outside_its_block(self, tmp_path: Path) -> None:
+        text = '<robot name="r"><link name="a"><self_collide>1</self_collide><toy/></link></robot>'
+        by_message = {finding.message_id: finding.consequences for finding in findings(tmp_path, text, "XML003")}
+        assert by_message["sdf"]["gazebo"].startswith("ignores")
+        assert "gazebo" not in by_message["ignored"]
+
     def test_inertia_in_a_link_is_misplaced_and_not_misspelt(self, tmp_path: Path) -> None:
         (finding,) = findings(tmp_path, '<robot name="r"><link name="a"><inertia ixx="1"/></link></robot>', "XML003")
         assert finding.message_id == "misplaced"

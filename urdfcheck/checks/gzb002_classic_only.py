@@ -15,7 +15,7 @@ from urdfcheck.source.text.xml import Attribute, Element
 _CLASSIC = re.compile(r"^(?:lib)?(gazebo_ros\w*|hector_gazebo_ros\w*)(?:\.so)?$")
 _SENSOR_SYSTEM = "the <sensor> alone, with gz-sim-sensors-system to render it and ros_gz_bridge for its topics"
 _REPLACEMENTS = {
-    "gazebo_ros_control": "gz_ros2_control (ROS 2): filename gz_ros2_control-system",
+    "gazebo_ros_control": "gz_ros2_control (ROS 2, filename gz_ros2_control-system)",
     "gazebo_ros2_control": "gz_ros2_control: filename gz_ros2_control-system, name {name}, without <robot_sim_type>, and "
     "the hardware gz_ros2_control/GazeboSimSystem in <ros2_control>",
     "gazebo_ros_diff_drive": "gz-sim-diff-drive-system, or a diff_drive_controller under gz_ros2_control",
@@ -93,16 +93,13 @@ def _build_plugin_finding(rule: Rule, plugins: Mapping[str, list[Attribute]]) ->
 
 
 def _describe_replacements(libraries: Iterable[str]) -> str:
-    """Return ``replace it by X``, or ``replace each by its counterpart in gz sim: for a, b X; for c Y``."""
+    """Return ``replace a, b by X; c by Y``."""
     unknown = "a gz-sim system that does the same (none has this name)"
     libraries_by_replacement: dict[str, list[str]] = {}
     for library in libraries:
         replacement = _REPLACEMENTS.get(library) or (_SENSOR_SYSTEM if _SENSORS.search(library) else unknown)
         libraries_by_replacement.setdefault(replacement.format_map(_CONTROL), []).append(library)
-    if len(libraries_by_replacement) == 1:
-        return f"replace it by {next(iter(libraries_by_replacement))}"
-    each = "; ".join(f"for {', '.join(names)} {how}" for how, names in libraries_by_replacement.items())
-    return f"replace each by its counterpart in gz sim: {each}"
+    return "replace " + "; ".join(f"{', '.join(names)} by {how}" for how, names in libraries_by_replacement.items())
 
 
 def _check_hardware_plugins(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -81,6 +81,7 @@ def _build_lost_finding(
         related=[block.attributes["reference"] for block in blocks[1:10]],
         edits=dict.fromkeys(e for block in blocks for e in _propose_edits(model, block)) if message == "joint" else (),
         blocks=format_count(len(blocks), "<gazebo> block has", "<gazebo> blocks have"),
+        count=format_count(len(blocks), "block"),
         which="joint" if len(blocks) == 1 else "joints",
         outcome=f"{joint.child} becomes part of {reduction.body_by_link[joint.child]}"
         if len(blocks) == 1

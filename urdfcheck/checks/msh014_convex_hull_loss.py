@@ -29,6 +29,6 @@ def check(model: Model, rule: Rule, *, times: float) -> Iterator[Finding]:
             at=ratios[0][0].filename,
             related=[use.filename for use, _ in ratios[1:]],
             count=len(ratios),
-            meshes=join_names(f"{use.name} ({ratio:.2g}×)" for use, ratio in ratios),
+            meshes=join_names(f"{use.name} ({float(f'{ratio:.2g}'):g}×)" for use, ratio in ratios),
             most=ratios[0][1],
         )

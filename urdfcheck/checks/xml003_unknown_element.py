@@ -81,8 +81,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 def _describe_consequences(message: str, parent: str, places: list[Element]) -> dict[str, str]:
     """Return the reactions of urdfdom, MuJoCo, Drake and Bullet, which miss a shape in a geometry, and of Gazebo to SDF."""
     if parent != "geometry":
-        gazebo = {"gazebo": "ignores it outside a <gazebo> block"} if message == "sdf" else {}
-        return gazebo | dict.fromkeys(("urdfdom", "mujoco", "drake", "bullet"), "ignores it without a message")
+        gazebo = {"gazebo": "ignores it outside <gazebo>"} if message == "sdf" else {}
+        return gazebo | dict.fromkeys(("urdfdom", "mujoco", "drake", "bullet"), "ignores it, without a message")
     drawn = not any(map(is_collision_part, places))
     return {
         "urdfdom": "drops the shape, and every visual and collision of the link after it",
