@@ -403,3 +403,8 @@ def test_a_follower_may_be_measured_or_told_not_to_follow(tmp_path: Path, body: 
 def test_a_fixed_joint_takes_no_command(tmp_path: Path) -> None:
     arm = ARM.replace('"k" type="continuous"', '"k" type="fixed"')
     assert [f.message_id for f in find(tmp_path, robot(arm, control()), "CTL002")] == ["fixed"]
+
+
+def test_a_headline_counts_the_blocks_of_merged_joints(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, robot(MERGED + block("j", "<provideFeedback>true</provideFeedback>")), "GZB003")
+    assert finding.headline == "Gazebo ignores 1 block: it merges j"

@@ -537,6 +537,7 @@ def test_what_only_tests_name_is_a_dependency_of_tests(tmp_path: Path) -> None:
     text = '<package format="3">\n  <name>p</name>\n  <depend>a</depend>\n  <test_depend>b</test_depend>\n</package>\n'
     write(tmp_path, {"package.xml": text, "urdf/r.urdf": URDF})
     (finding,) = findings(tmp_path, "PKG007")
+    assert finding.headline == "p: undeclared dependencies one, two"
     assert finding.fix is not None
     for edit in reversed(finding.fix.edits):
         text = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
