@@ -658,7 +658,7 @@ def test_junit_tells_what_a_person_needs() -> None:
 
 def test_a_comment_begins_with_its_marker_and_the_verdict() -> None:
     lines = render(a_run(), "markdown").splitlines()
-    assert lines[:2] == [MARKER, "### ❌ `rover`: 1 error to repair; MuJoCo refuses it"]
+    assert lines[:2] == [MARKER, "### ❌ `rover`: 1 error to repair; MuJoCo refuses this model"]
 
 
 def test_the_title_names_who_refuses_the_model() -> None:
@@ -668,11 +668,11 @@ def test_the_title_names_who_refuses_the_model() -> None:
     def title(run: Run) -> str:
         return render(run, "markdown").splitlines()[1].partition(": ")[2]
 
-    assert title(run) == "1 error to repair; MuJoCo and Drake refuse it"
-    assert title(replace(run, targets=("drake", "gazebo"))) == "1 error to repair; Drake refuses it"
+    assert title(run) == "1 error to repair; MuJoCo and Drake refuse this model"
+    assert title(replace(run, targets=("drake", "gazebo"))) == "1 error to repair; Drake refuses this model"
     assert title(replace(run, targets=("gazebo",))) == "1 error to repair"
     # The other programs read it through urdfdom.
-    assert title(a_run(finding(consequences={"urdfdom": "refuses"}))) == "1 error to repair; 6 programs refuse it"
+    assert title(a_run(finding(consequences={"urdfdom": "refuses"}))) == "1 error to repair; 6 programs refuse this model"
     two = replace(run, models=(*run.models, replace(run.models[0], id="b")))
     assert render(two, "markdown").splitlines()[1] == "### ❌ urdfcheck: 1 error to repair"
 
@@ -813,7 +813,7 @@ def test_the_summary_of_a_job_is_appended_while_there_is_room(tmp_path: Path, mo
     assert job_summary.find_summary_file() == file
     file.write_text("another step\n")
     job_summary.append_summary(a_run(), (), file)
-    assert file.read_text().startswith("another step\n### ❌ `rover`: 1 error to repair; MuJoCo refuses it\n")
+    assert file.read_text().startswith("another step\n### ❌ `rover`: 1 error to repair; MuJoCo refuses this model\n")
     file.write_text("x" * 999_000)
     job_summary.append_summary(a_run(), (), file)
     assert file.stat().st_size == 999_000
