@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from rich.text import Text
 
 from urdfcheck.core import Applicability, Finding, Run, Severity, Span
-from urdfcheck.core.headlines import cut_text
+from urdfcheck.core.headlines import cut_line
 from urdfcheck.output.shared.diffs import LineChange, list_line_changes
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.effects import ToldEffects, describe_hits
@@ -129,7 +129,7 @@ def _iter_facts(run: Run, finding: Finding, width: int, told: ToldEffects) -> It
     effect = describe_hits(run, finding, width - _INDENT)
     if effect and (finding.severity is Severity.ERROR or (finding.code, effect) not in told):
         told.add((finding.code, effect))
-        yield _format_line("effect", Text(cut_text(escape_one_line(effect), width - _INDENT)), width)
+        yield _format_line("effect", Text(cut_line(escape_one_line(effect), width - _INDENT)), width)
 
 
 def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
@@ -140,8 +140,10 @@ def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
         more = f" (+{count - 1} more)" if count > 1 else ""
         span = first.location.span
         place = "" if span is None else f"  {escape_one_line(get_base_name(span.file))}:{span.line}"
-        line = Text(format_finding_title(first).plain, "cyan")
-        line.truncate(max(width - len(more) - len(place), 20), overflow="ellipsis")
+        title = format_finding_title(first).plain
+        if span is not None and len(title) + len(more) + len(place) > width:
+            place = f"  :{span.line}"  # the words matter more than the name of the file
+        line = Text(cut_line(title, max(width - len(more) - len(place), 20)), "cyan")
         yield Text.assemble(line, (more, "dim"), (place, "dim"))
     if findings:
         yield Text()
