@@ -124,6 +124,9 @@ def test_a_list_whose_first_name_is_too_long_is_left_out_or_counted() -> None:
     names = "joint_gripper_finger_right, joint_gripper_finger_left"
     ending = "2 joints have equal limits ({value}) and cannot move: {joints}"
     assert fill_headline(ending, {"value": 0, "joints": names}) == "2 joints have equal limits (0) and cannot move"
+    collision = "collision before the joint limit: {joints}"
+    detail = {"joints": "arm_left_2_joint at 0.3 rad (limit 0.5; arm_left_6_link and base_link), b at 1 rad"}
+    assert fill_headline(collision, detail) == "collision before the joint limit: arm_left_2_joint and 1 more"
     beginning = "{link}: one mistake in the inertial ({mistake})"
     data = {"link": "link_gripper_finger_right, link_gripper_finger_left and 3 more", "mistake": "parallel-axis term"}
     assert fill_headline(beginning, data) == "5 links: one mistake in the inertial (parallel-axis term)"

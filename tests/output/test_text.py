@@ -264,7 +264,7 @@ def test_in_brief_a_finding_takes_eight_lines() -> None:
     """One of several elements, that several programs mind, with a long repair of many lines."""
     edits = tuple(Edit(span_of(word), word, "x") for word in ('"base"', '"-1"', '"0.09"', '"axle"'))
     long = finding(
-        fix=Fix("write it anew " * 30, Applicability.UNSAFE, edits),
+        fix=Fix("write the numbers in the diff anew " * 30, Applicability.UNSAFE, edits),
         subjects=("link[a]", "link[b]"),
         message="long " * 50,
     )
@@ -340,3 +340,15 @@ def test_in_brief_places_are_counted_as_places() -> None:
         r"also :\d+, :\d+, :\d+ and \d more places?\)",
         render(a_run(finding(related=related)), detail=DetailLevel.BRIEF),
     )
+
+
+def test_in_brief_names_and_places_share_a_line_if_they_fit() -> None:
+    where = Location("link[a]", replace(span_of('"base"'), file="a_long_folder/" * 6 + "a.urdf"))
+    others = tuple(replace(where, span=replace(span_of(word), file=where.file)) for word in ('"-1"', '"axle"'))
+    one = finding(location=where, subjects=("link[first]", "link[second]"), related=others)
+    merged = replace(one, occurrences=(one, replace(one, location=others[0])))
+    text = render(a_run(merged), width=80, detail=DetailLevel.BRIEF)
+    assert re.search(r"= for    first, second  \(also :\d+, :\d+\)$", text, re.MULTILINE)
+    narrow = replace(merged, subjects=tuple(f"link[{'first' * 9}{i}]" for i in range(5)))
+    text = render(a_run(narrow), width=80, detail=DetailLevel.BRIEF)
+    assert re.search(r"= for    \w+0 and 4 more\n  = also   :\d+, :\d+$", text, re.MULTILINE)

@@ -41,7 +41,7 @@ def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_H
     for shorten in (drop_parts, cut_text):
         if shorten is cut_text and len(headline) > limit:
             # A name in pieces and a number without its end say less than a claim without them.
-            template = _leave_out(template, texts)
+            template = _leave_out(template, texts, limit - len(headline))
             headline = _fill_line(template, values | texts)
         most = min(max(map(len, texts.values()), default=0), limit)
         whole = texts
@@ -65,15 +65,19 @@ def cut_line(line: str, most: int) -> str:
     return f"{(before or kept).rstrip(' ,;:(')}…"
 
 
-def _leave_out(template: str, texts: Mapping[str, str]) -> str:
+def _leave_out(template: str, texts: Mapping[str, str], missing: int) -> str:
     """Leave out of a template what would be cut: a number in brackets at its end, the list at its end, which other lines have,
     or count the list at its beginning."""
     found = _LAST_BRACKETS.search(template)
     if found is not None and not any(f"{{{key}}}" in found[0] for key in texts):
         return template[: found.start()]
     found = _LAST_LIST.search(template)
-    if found is not None and _MORE.search(texts.get(found[1], "")) and found.start():
-        return template[: found.start()]
+    names = texts.get(found[1], "") if found is not None else ""
+    more = _MORE.search(names)
+    if found is not None and more is not None and found.start():
+        # The first name may be followed by what happens to it, which may be cut.
+        least = len(_PART.split(names[: more.start()])[0]) + len(more[0])
+        return template if least <= len(names) + missing else template[: found.start()]
     found = _FIRST_LIST.match(template)
     names = texts.get(found[1], "") if found is not None else ""
     more = _MORE.search(names)

@@ -52,6 +52,8 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffec
     repair = changed if shown else [_format_change_count(finding, changes)] if changes else []
     if room - len(repair) < len(_wrap_fix(finding, shown, width, most=_MOST_WORDS)) and _marks_all(code):
         code, room = code[:1], room + 1  # marks below all of a line say nothing
+    if room - len(repair) < len(_wrap_fix(finding, shown, width, most=_MOST_WORDS)) and not _names_diff(finding):
+        repair = repair if shown else []  # the words say more than the number of lines
     words = _wrap_fix(finding, shown, width, most=max(1, min(room - len(repair), _MOST_WORDS)))
     how = _find_option(finding, FIX_OPTIONS)
     option = f" [{how}]" if how else ""
@@ -68,6 +70,10 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffec
             lines[-1].append(option, "dim")
     yield from (*head, *code, *facts, *lines)
     yield Text()
+
+
+def _names_diff(finding: Finding) -> bool:
+    return finding.fix is not None and "the diff" in finding.fix.title
 
 
 def _marks_all(code: Sequence[Text]) -> bool:
@@ -121,8 +127,8 @@ def _iter_facts(run: Run, finding: Finding, width: int, told: ToldEffects) -> It
     names = _list_names(finding)
     if len(names) > 1 and not _are_named(names, finding.headline):
         named = _join_fitting(names, "", width - _INDENT)
-        if also and _INDENT + len(named) + len(also) + len("  (also )") <= width:
-            named, also = f"{named}  (also {also})", ""
+        both = _join_names_and_places(names, others, width - _INDENT) if also else ""
+        named, also = (both, "") if both else (named, also)
         yield _format_line("for", Text(named), width)
     if also:
         yield _format_line("also", Text(also), width)
@@ -164,6 +170,15 @@ def _join_fitting(names: Sequence[str], noun: str, width: int) -> str:
     """Join as many names as fit, at most three, and count the others."""
     joined = (escape_one_line(_join_some(names, most, noun)) for most in range(_MOST_SUBJECTS, 1, -1))
     return next((line for line in joined if len(line) <= width), escape_one_line(_join_some(names, 1, noun)))
+
+
+def _join_names_and_places(names: Sequence[str], places: Sequence[str], width: int) -> str:
+    """Join names, and behind them places, as many as fit: ``a, b  (also :12, :14)``; nothing if one of each does not fit."""
+    for most in range(_MOST_SUBJECTS, 0, -1):
+        line = f"{_join_some(names, most, '')}  (also {_join_some(places, most, 'place')})"
+        if len(escape_one_line(line)) <= width:
+            return escape_one_line(line)
+    return ""
 
 
 def _join_some(names: Sequence[str], most: int, noun: str) -> str:
