@@ -352,3 +352,12 @@ def test_in_brief_names_and_places_share_a_line_if_they_fit() -> None:
     narrow = replace(merged, subjects=tuple(f"link[{'first' * 9}{i}]" for i in range(5)))
     text = render(a_run(narrow), width=80, detail=DetailLevel.BRIEF)
     assert re.search(r"= for    \w+0 and 4 more\n  = also   :\d+, :\d+$", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize("width", [1, 10, 12, 20, 31])
+def test_in_brief_a_terminal_may_be_narrow(width: int) -> None:
+    many = finding(
+        subjects=("link[a]", "link[b]"), fix=Fix('write izz="0.019" ' * 9, Applicability.UNSAFE, finding().fix.edits)
+    )  # type: ignore[union-attr]
+    text = render(a_run(finding(), many, finding(severity=Severity.INFO)), width=width, detail=DetailLevel.BRIEF)
+    assert text.count("--fix --unsafe-fixes]") == 2

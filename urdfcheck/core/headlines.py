@@ -58,6 +58,7 @@ def cut_line(line: str, most: int) -> str:
     """Return at most ``most`` characters of a line: whole words, if there are some, and no bracket without its end."""
     if len(line) <= most:
         return line
+    most = max(most, 1)
     kept = line[: most - 1]
     words = kept if line[most - 1] == " " else kept.rpartition(" ")[0]
     kept = words if len(words) > most // 2 else kept
