@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.core import UrdfcheckError
-from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_middle, cut_text, drop_parts, fill_headline
+from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_line, cut_middle, cut_text, drop_parts, fill_headline
 from urdfcheck.rules import find_pages_folder, load_page
 
 
@@ -110,3 +110,40 @@ def test_a_page_without_a_headline_is_not_a_rule_page(tmp_path: Path) -> None:
     copy.write_text(text.replace(line, "", 1), encoding="utf-8")
     with pytest.raises(UrdfcheckError, match=r"\[headlines\] has no 'equal'"):
         load_page(copy)
+
+
+def test_a_number_in_brackets_is_left_out_before_a_name_is_cut() -> None:
+    data = {"mesh": "package://a/meshes/a_long_name_of_a_wheel_link.STL", "count": 20048, "limit": 20000}
+    template = "collision mesh {mesh} has {count:,} triangles (limit {limit:,})"
+    assert fill_headline(template, data) == "collision mesh …/a_long_name_of_a_wheel_link.STL has 20,048 triangles"
+    short = data | {"mesh": "a.STL"}
+    assert fill_headline(template, short).endswith("(limit 20,000)")
+
+
+def test_a_list_whose_first_name_is_too_long_is_left_out_or_counted() -> None:
+    names = "joint_gripper_finger_right, joint_gripper_finger_left"
+    ending = "2 joints have equal limits ({value}) and cannot move: {joints}"
+    assert fill_headline(ending, {"value": 0, "joints": names}) == "2 joints have equal limits (0) and cannot move"
+    collision = "collision before the joint limit: {joints}"
+    detail = {"joints": "arm_left_2_joint at 0.3 rad (limit 0.5; arm_left_6_link and base_link), b at 1 rad"}
+    assert fill_headline(collision, detail) == "collision before the joint limit: arm_left_2_joint and 1 more"
+    beginning = "{link}: one mistake in the inertial ({mistake})"
+    data = {"link": "link_gripper_finger_right, link_gripper_finger_left and 3 more", "mistake": "parallel-axis term"}
+    assert fill_headline(beginning, data) == "5 links: one mistake in the inertial (parallel-axis term)"
+
+
+@pytest.mark.parametrize(
+    ("line", "most", "cut"),
+    [
+        ("a mesh has 26,480 triangles (limit 20,000)", 40, "a mesh has 26,480 triangles…"),
+        ("a mesh has 26,480 triangles", 20, "a mesh has 26,480…"),
+        ("inertials (left and right) do not match", 33, "inertials (left and right) do…"),
+        ("x" * 30, 10, "x" * 9 + "…"),
+        ("(open from its beginning on", 15, "(open from its…"),
+        ("fits", 4, "fits"),
+        ("no room", -20, "…"),
+    ],
+)
+def test_a_line_is_cut_between_words_and_brackets(line: str, most: int, cut: str) -> None:
+    assert cut_line(line, most) == cut
+    assert len(cut) <= max(most, 1)

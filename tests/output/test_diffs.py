@@ -106,20 +106,21 @@ def test_the_terminal_shows_two_lines_with_the_numbers_of_others() -> None:
     text = f'<robot>\n  <origin xyz="1 0 0"/>\n{INERTIA}\n</robot>\n'
     edits = (make_edit(text, "1.7199e-05", "0"), make_edit(text, "1 0 0", "0 0 0"))
     lines = render(run_of(text, *edits), width=80, detail=DetailLevel.BRIEF).splitlines()
-    assert '       2 - <origin xyz="1 0 0"/>' in lines
-    assert '       2 + <origin xyz="0 0 0"/>' in lines
-    assert '         - <inertia … ixy="1.7199e-05" … />' in lines
-    assert '         + <inertia … ixy="0" … />' in lines
+    assert '         2 - <origin xyz="1 0 0"/>' in lines
+    assert '         2 + <origin xyz="0 0 0"/>' in lines
+    number = text[: text.index("1.7199e-05")].count("\n") + 1
+    assert f'         {number} - <inertia … ixy="1.7199e-05" … />' in lines
+    assert f'         {number} + <inertia … ixy="0" … />' in lines
 
 
 def test_the_terminal_counts_more_lines_and_says_what_shows_them() -> None:
     text = "".join(f'<origin xyz="{i} 0 0"/>\n' for i in range(5))
     edits = [make_edit(text, f'"{i} 0 0"', f'"{i} 1 0"') for i in range(5)]
     brief = render(run_of(text, *edits), detail=DetailLevel.BRIEF)
-    assert "5 lines would change; --diff --unsafe-fixes shows them" in brief
+    assert "changes 5 lines: see --diff --unsafe-fixes" in brief
     assert "- <origin" not in brief
     safe = render(run_of(text, *edits, applicability=Applicability.SAFE), detail=DetailLevel.BRIEF)
-    assert "5 lines would change; --diff shows them" in safe
+    assert "changes 5 lines: see --diff\n" in safe
     full = render(run_of(text, *edits))
     assert full.count("- <origin") == 4
     assert "… and 1 more changed line" in full
@@ -131,7 +132,7 @@ def test_other_files_are_named() -> None:
     run = run_of(text, edit)
     there = replace(run.findings[0], location=Location("x", replace(edit.span, file="b.urdf")))
     page = render(replace(run, findings=(there,)), detail=DetailLevel.BRIEF)
-    assert "\n         a.urdf:2\n         - <origin" in page
+    assert "\n           a.urdf:2\n           - <origin" in page
 
 
 def test_no_line_of_a_brief_finding_is_wider_than_the_terminal() -> None:
@@ -150,3 +151,19 @@ def test_the_other_formats_show_whole_lines(output: object) -> None:
     if output is junit:
         changed = changed.replace("<", "&lt;").replace(">", "&gt;")
     assert f"+{changed}" in page
+
+
+def test_of_many_changes_the_greatest_are_shown_on_both_sides() -> None:
+    text = '<inertia ixx="0.00100001" ixy="0.00200001" iyy="0.00300001" izz="0.00400001"/>'
+    edits = [
+        make_edit(text, "0.00100001", "0.00100002"),
+        make_edit(text, "0.00300001", "0.09"),
+        make_edit(text, "0.00400001", "0.00500001"),
+    ]
+    (change,) = list_line_changes({NAME: text}, edits)
+    old, new = ("".join(piece for piece, _ in side) for side in fit_change(change, 55))
+    assert old == '<inertia … iyy="0.00300001" izz="0.00400001"/>'
+    assert new == '<inertia … iyy="0.09" izz="0.00500001"/>'
+    old, new = ("".join(piece for piece, _ in side) for side in fit_change(change, 40))
+    assert old == '<inertia … iyy="0.00300001" … />'
+    assert new == '<inertia … iyy="0.09" … />'

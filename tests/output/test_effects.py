@@ -59,6 +59,26 @@ def test_a_line_has_the_first_clause_and_agrees_with_the_number_of_programs() ->
 
 
 @pytest.mark.parametrize(
+    ("effects", "told"),
+    [
+        ({"mujoco": "loads it", "gazebo": "the joint sags"}, "Gazebo: the joint sags"),
+        ({"rviz": "shows it elsewhere", "gazebo": "the joint sags"}, "Gazebo: the joint sags"),
+        ({"rviz": '"Mass Properties" shows a ball, beside it'}, 'RViz: "Mass Properties" shows a ball'),
+        ({"gazebo": "in Gazebo Classic, the joint shakes: it is light"}, "Gazebo: in Gazebo Classic, the joint shakes"),
+    ],
+)
+def test_what_all_programs_load_goes_wrong_somewhere(effects: dict[str, str], told: str) -> None:
+    run = a_run(finding(consequences=effects))
+    assert describe_hits(run, run.findings[0], 60) == told
+
+
+def test_a_line_keeps_the_object_of_a_verb_if_it_fits() -> None:
+    effects = {"drake": "replaces the inertia, with a warning", "bullet": "replaces the inertia of the link by zero"}
+    run = a_run(finding(consequences=effects))
+    assert describe_hits(run, run.findings[0], 40) == "Drake and Bullet replace the inertia"
+
+
+@pytest.mark.parametrize(
     ("effect", "plural"),
     [
         ("refuses it", "MuJoCo and Drake refuse it"),
@@ -97,7 +117,8 @@ def test_all_formats_tell_news_once(name: str) -> None:
     effects = {"mujoco": "refuses to compile the robot", "gazebo": "loads it all right"}
     twins = [finding(consequences=effects, severity=Severity.ERROR) for _ in range(3)]
     page = FORMATS[name](a_run(*(replace(f, subjects=(f"link[w{i}]",)) for i, f in enumerate(twins))))
-    assert page.count("refuses to compile the robot") == 1
+    # Each error of the terminal says how bad it is.
+    assert page.count("refuses to compile the robot") == (3 if name == "text" else 1)
     assert "loads it all right" not in page
 
 

@@ -20,6 +20,9 @@ _PART = re.compile(r" \(| at | and ")
 _MORE = re.compile(r" and (\d+) more$")
 # A headline that begins with what it is about, and a number in brackets.
 _ABOUT = re.compile(r"\{(\w+)\}: (.*)", re.DOTALL)
+_LAST_BRACKETS = re.compile(r" \([^()]*\)$")
+_LAST_LIST = re.compile(r": \{(\w+)\}$")
+_FIRST_LIST = re.compile(r"\{((link|joint)s?)\}: ")
 _BRACKETS = re.compile(r" \([^()]*\)")
 _NAMES = re.compile(rf"{_NAME.pattern}(?:(?:, {_NAME.pattern})+(?:{_MORE.pattern})?|{_MORE.pattern})")
 
@@ -36,6 +39,10 @@ def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_H
     texts = {k: cut_middle(v, _LONGEST_VALUE) for k, v in values.items() if isinstance(v, str)}
     headline = _fill_line(template, values | texts)
     for shorten in (drop_parts, cut_text):
+        if shorten is cut_text and len(headline) > limit:
+            # A name in pieces and a number without its end say less than a claim without them.
+            template = _leave_out(template, texts, limit - len(headline))
+            headline = _fill_line(template, values | texts)
         most = min(max(map(len, texts.values()), default=0), limit)
         whole = texts
         while len(headline) > limit and most > _SHORTEST_VALUE:
@@ -44,7 +51,41 @@ def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_H
             if len(set(texts.values())) < len(set(whole.values())):
                 texts = _tell_apart(whole, most)
             headline = _fill_line(template, values | texts)
-    return headline if len(headline) <= limit else f"{headline[: limit - 1].rstrip()}…"
+    return cut_line(headline, limit)
+
+
+def cut_line(line: str, most: int) -> str:
+    """Return at most ``most`` characters of a line: whole words, if there are some, and no bracket without its end."""
+    if len(line) <= most:
+        return line
+    most = max(most, 1)
+    kept = line[: most - 1]
+    words = kept if line[most - 1] == " " else kept.rpartition(" ")[0]
+    kept = words if len(words) > most // 2 else kept
+    before = kept.rpartition(" (")[0] if kept.count("(") > kept.count(")") else kept
+    return f"{(before or kept).rstrip(' ,;:(')}…"
+
+
+def _leave_out(template: str, texts: Mapping[str, str], missing: int) -> str:
+    """Leave out of a template what would be cut: a number in brackets at its end, the list at its end, which other lines have,
+    or count the list at its beginning."""
+    found = _LAST_BRACKETS.search(template)
+    if found is not None and not any(f"{{{key}}}" in found[0] for key in texts):
+        return template[: found.start()]
+    found = _LAST_LIST.search(template)
+    names = texts.get(found[1], "") if found is not None else ""
+    more = _MORE.search(names)
+    if found is not None and more is not None and found.start():
+        # The first name may be followed by what happens to it, which may be cut.
+        least = len(_PART.split(names[: more.start()])[0]) + len(more[0])
+        return template if least <= len(names) + missing else template[: found.start()]
+    found = _FIRST_LIST.match(template)
+    names = texts.get(found[1], "") if found is not None else ""
+    more = _MORE.search(names)
+    if found is not None and more is not None:
+        count = len(_NAME.findall(names[: more.start()])) + int(more[1])
+        return f"{count} {found[2]}s: {template[found.end() :]}"
+    return template
 
 
 def fill_joint_headline(

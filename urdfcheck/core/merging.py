@@ -10,7 +10,7 @@ from typing import Any
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Located, Rule, Verdict
 from urdfcheck.core.findings import iter_occurrences
-from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_text, fill_joint_headline
+from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_line, fill_joint_headline
 from urdfcheck.core.text import join_names
 
 _NAMED = re.compile(r"\w+\[(.*?)\](?=[/@]|$)", re.DOTALL)
@@ -184,7 +184,7 @@ def _join_headlines(ordered: Sequence[Finding], more: int, rules: Mapping[str, R
     except (KeyError, ValueError, TypeError):  # a finding that the page did not make
         pass
     rest = f" (+{more} more)"
-    return cut_text(first.headline, LONGEST_HEADLINE - len(rest)) + rest
+    return cut_line(first.headline, LONGEST_HEADLINE - len(rest)) + rest
 
 
 def _name_kind(findings: Iterable[Finding]) -> str:

@@ -17,7 +17,7 @@ _STYLES = {"-": "red", "+": "green"}
 def iter_change_lines(
     finding: Finding, changes: Sequence[LineChange], *, indent: int, width: int, is_cut: bool
 ) -> Iterator[Text]:
-    """Yield the changed lines below a label of ``indent`` columns, with the number of each line that is not the finding's.
+    """Yield the changed lines below a label of ``indent`` columns, with the number of each line.
 
     ``is_cut``: whether lines that are too long are cut; else they are wrapped.
     """
@@ -25,10 +25,9 @@ def iter_change_lines(
     for change in changes:
         is_elsewhere = span is None or change.file != span.file
         place = f"{escape_one_line(change.file)}:{change.line}" if is_elsewhere else f"{change.line}"
-        is_here = not is_elsewhere and span is not None and change.line == span.line
         if is_elsewhere:
             yield Text.assemble(" " * indent, (place, "dim"))
-        lead = "" if is_here or is_elsewhere else place
+        lead = "" if is_elsewhere else place
         for sign, pieces in zip("-+", fit_change(change, width - indent - 2), strict=True):
             if not pieces:
                 continue

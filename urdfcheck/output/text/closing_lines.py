@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from rich.text import Text
 
 from urdfcheck.core import Applicability, ModelInfo, Run, Severity, SkippedCheck
+from urdfcheck.core.headlines import cut_line
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.not_checked import GLYPH, describe_not_checked, is_accepted
 from urdfcheck.output.shared.verdict.verdict import describe_checked_units
@@ -84,7 +85,10 @@ def iter_recap(run: Run, width: int) -> Iterator[Text]:
         if title.cell_len + len(place) > width and span is not None:
             # One file needs no name; of several the title is cut for it.
             place = f"  {'' if is_one_file else escape_one_line(get_base_name(span.file))}:{span.line}"
-            title.truncate(max(width - len(place), _LEAST_TITLE), overflow="ellipsis")
+            cut = cut_line(title.plain, max(width - len(place), _LEAST_TITLE))
+            if cut != title.plain:
+                title.right_crop(len(title) - len(cut) + 1)
+                title.append("…", "bold")
         yield Text.assemble(title, (place, "dim"))
     yield Text()
 

@@ -4,31 +4,35 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rich.text import Text
 
-from urdfcheck.core import Applicability, Finding, Run
+from urdfcheck.core import Applicability, Finding, Run, Severity, Span
+from urdfcheck.core.headlines import cut_line
 from urdfcheck.output.shared.diffs import LineChange, list_line_changes
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.effects import ToldEffects, describe_hits
 from urdfcheck.output.shared.wording import describe_models, format_count, get_base_name, join_first
 from urdfcheck.output.text.change_lines import iter_change_lines
 from urdfcheck.output.text.code_frame_lines import iter_code_frame
+from urdfcheck.output.text.fix_words import refer_to_change, wrap_words
 from urdfcheck.output.text.full_finding import FIX_OPTIONS
 from urdfcheck.output.text.lines import STYLES, format_finding_title, wrap_text
 
-_NAMED = re.compile(r"\w+\[([^\]]+)\]")
+_NAMED = re.compile(r"(?!gazebo\[\d+\])\w+\[([^\]]+)\]")  # the number of a <gazebo> element would be taken for a line
 # Places and subjects that are named.
 _MOST_PLACES, _MOST_SUBJECTS = 3, 3
 # Lines that the repair in words may take, and the message where there is no code.
 _MOST_WORDS = 2
 # Lines of a finding, as far as changed lines decide.
 _MOST_LINES = 8
+# Characters of an element that are searched for the end of its tag.
+_LONGEST_TAG = 2000
 # The options that show a fix.
 _DIFF_OPTIONS = {Applicability.SAFE: "--diff", Applicability.UNSAFE: "--diff --unsafe-fixes"}
 # Columns before the text of a line with a label.
-_INDENT = 9
+_INDENT = 11
 
 
 def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffects) -> Iterator[Text]:
@@ -43,27 +47,71 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffec
     shows_code = any(span is not None and c.file == span.file and c.line == span.line and c.old for c in changes)
     if shows_code and not any(finding.message in line.plain for line in code):
         code = [] if len(head) + len(facts) + 1 + len(changed) <= _MOST_LINES else code
-    shows_changes = changes and len(head) + len(code) + len(facts) + 1 + len(changed) <= _MOST_LINES
-    yield from (*head, *code, *facts)
-    room = _MOST_LINES - len(head) - len(code) - len(facts) - bool(changes)
-    yield from _iter_fix_lines(finding, width, most=1 if shows_changes else max(1, min(room, _MOST_WORDS)))
-    if shows_changes:
-        yield from changed
-    elif changes:
-        yield _format_change_count(finding, changes)
+    room = _MOST_LINES - len(head) - len(code) - len(facts)
+    shown = changes if len(changed) < room else []
+    repair = changed if shown else [_format_change_count(finding, changes)] if changes else []
+    if room - len(repair) < len(_wrap_fix(finding, shown, width, most=_MOST_WORDS)) and _marks_all(code):
+        code, room = code[:1], room + 1  # marks below all of a line say nothing
+    if room - len(repair) < len(_wrap_fix(finding, shown, width, most=_MOST_WORDS)) and not _names_diff(finding):
+        repair = repair if shown else []  # the words say more than the number of lines
+    words = _wrap_fix(finding, shown, width, most=max(1, min(room - len(repair), _MOST_WORDS)))
+    how = _find_option(finding, FIX_OPTIONS)
+    option = f" [{how}]" if how else ""
+    lines = [*words, *repair]
+    if option:
+        if words[-1].cell_len + len(option) <= width:
+            words[-1].append(option, "dim")
+        elif shown:
+            narrow = width - len(option)
+            lines = [*words, *iter_change_lines(finding, changes, indent=_INDENT, width=narrow, is_cut=True)]
+            lines[-1].append(option, "dim")
+        else:
+            lines[-1].truncate(width - len(option), overflow="ellipsis")
+            lines[-1].append(option, "dim")
+    yield from (*head, *code, *facts, *lines)
     yield Text()
+
+
+def _names_diff(finding: Finding) -> bool:
+    return finding.fix is not None and "the diff" in finding.fix.title
+
+
+def _marks_all(code: Sequence[Text]) -> bool:
+    """Whether code is a line with marks below all of it."""
+    if len(code) != 2:
+        return False
+    line, marks = (text.plain.partition("│ ")[2] for text in code)
+    return len(line.strip()) == len(marks.strip()) == marks.count("^")
 
 
 def _iter_code(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     """Yield the line of a finding with its marks; the message where no code shows what is meant."""
     span = finding.location.span
-    if span is not None:
+    if span is not None and (tag := _join_tag(run, span)):
+        yield from _iter_tag_lines(finding, span.line, tag, width)
+    elif span is not None:
         label = escape_invisible(finding.message) if span.line == span.end_line else ""
         yield from iter_code_frame(
             run, span, style=STYLES[finding.severity], width=width, context=0, label=label, most_lines=1
         )
     if span is None or not run.sources.get(span.file):
         yield from _cut_lines(wrap_text(Text(escape_invisible(finding.message)), width, Text("  ")), _MOST_WORDS, width)
+
+
+def _join_tag(run: Run, span: Span) -> str:
+    """Return the opening tag of an element whose attributes are in several lines, in one; else nothing."""
+    typed = run.sources.get(span.file, "")[span.start : span.end][:_LONGEST_TAG]
+    tag = typed[: typed.find(">") + 1] if typed.startswith("<") else ""
+    return re.sub(r"\s+(?=/?>$)", "", " ".join(tag.split())) if "\n" in tag else ""
+
+
+def _iter_tag_lines(finding: Finding, number: int, tag: str, width: int) -> Iterator[Text]:
+    margin = f"  {number} │ "
+    shown = Text(escape_invisible(tag))
+    shown.truncate(width - len(margin) - 1, overflow="ellipsis")
+    yield Text.assemble((margin, "dim"), shown)
+    marks = "^" * max(shown.cell_len, 1)
+    yield Text.assemble((f"  {' ' * len(str(number))} │ ", "dim"), (marks, STYLES[finding.severity]))
 
 
 def _iter_facts(run: Run, finding: Finding, width: int, told: ToldEffects) -> Iterator[Text]:
@@ -74,14 +122,20 @@ def _iter_facts(run: Run, finding: Finding, width: int, told: ToldEffects) -> It
         given = " ".join(f"{name}:={value}" for name, value in sorted(arguments.items()))
         yield _format_line("with", Text(escape_one_line(given)), width)
     others = _name_other_places(finding) if finding.occurrences else []
-    if others and "(also " not in _format_places(finding, width).plain:  # a long path left no room
-        yield _format_line("also", Text(join_first(others, _MOST_PLACES)), width)
-    if len(names := _list_names(finding)) > 1:
-        yield _format_line("for", Text(escape_one_line(join_first(names, _MOST_SUBJECTS))), width)
-    hits = describe_hits(run, finding, width - _INDENT)
-    if hits and (finding.code, hits) not in told:
-        told.add((finding.code, hits))
-        yield _format_line("hits", Text(escape_invisible(hits)), width)
+    is_long = bool(others) and "(also " not in _format_places(finding, width).plain  # a long path left no room
+    also = _join_fitting(others, "place", width - _INDENT) if is_long else ""
+    names = _list_names(finding)
+    if len(names) > 1 and not _are_named(names, finding.headline):
+        named = _join_fitting(names, "", width - _INDENT)
+        both = _join_names_and_places(names, others, width - _INDENT) if also else ""
+        named, also = (both, "") if both else (named, also)
+        yield _format_line("for", Text(named), width)
+    if also:
+        yield _format_line("also", Text(also), width)
+    effect = describe_hits(run, finding, width - _INDENT)
+    if effect and (finding.severity is Severity.ERROR or (finding.code, effect) not in told):
+        told.add((finding.code, effect))
+        yield _format_line("effect", Text(cut_line(escape_one_line(effect), width - _INDENT)), width)
 
 
 def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
@@ -92,8 +146,10 @@ def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
         more = f" (+{count - 1} more)" if count > 1 else ""
         span = first.location.span
         place = "" if span is None else f"  {escape_one_line(get_base_name(span.file))}:{span.line}"
-        line = Text(format_finding_title(first).plain, "cyan")
-        line.truncate(max(width - len(more) - len(place), 20), overflow="ellipsis")
+        title = format_finding_title(first).plain
+        if span is not None and len(title) + len(more) + len(place) > width:
+            place = f"  :{span.line}"  # the words matter more than the name of the file
+        line = Text(cut_line(title, max(width - len(more) - len(place), 20)), "cyan")
         yield Text.assemble(line, (more, "dim"), (place, "dim"))
     if findings:
         yield Text()
@@ -105,6 +161,33 @@ def _list_names(finding: Finding) -> list[str]:
     return list(dict.fromkeys(match[1] for match in found if match is not None))
 
 
+def _are_named(names: Iterable[str], headline: str) -> bool:
+    """Whether a headline names all of these."""
+    return all(re.search(rf"(?<![\w/-]){re.escape(name)}(?![\w/-])", headline) for name in names)
+
+
+def _join_fitting(names: Sequence[str], noun: str, width: int) -> str:
+    """Join as many names as fit, at most three, and count the others."""
+    joined = (escape_one_line(_join_some(names, most, noun)) for most in range(_MOST_SUBJECTS, 1, -1))
+    return next((line for line in joined if len(line) <= width), escape_one_line(_join_some(names, 1, noun)))
+
+
+def _join_names_and_places(names: Sequence[str], places: Sequence[str], width: int) -> str:
+    """Join names, and behind them places, as many as fit: ``a, b  (also :12, :14)``; nothing if one of each does not fit."""
+    for most in range(_MOST_SUBJECTS, 0, -1):
+        line = f"{_join_some(names, most, '')}  (also {_join_some(places, most, 'place')})"
+        if len(escape_one_line(line)) <= width:
+            return escape_one_line(line)
+    return ""
+
+
+def _join_some(names: Sequence[str], most: int, noun: str) -> str:
+    """Join the first names and say how many more there are, and of what: ``:12, :14 and 3 more places``."""
+    rest = len(names) - most
+    ending = f" {noun}{'' if rest == 1 else 's'}" if noun and rest > 0 else ""
+    return f"{join_first(names, most)}{ending}"
+
+
 def _format_places(finding: Finding, width: int) -> Text:
     """Format the place of a finding and the first of those that belong to it; a path is never cut, so that terminals link it."""
     span = finding.location.span
@@ -112,7 +195,7 @@ def _format_places(finding: Finding, width: int) -> Text:
         return Text.assemble(("  --> ", "dim"), (finding.name, "dim"))
     line = Text.assemble(("  --> ", "dim"), (f"{escape_one_line(span.file)}:{span.line}:{span.col}", "bold"))
     if names := _name_other_places(finding):
-        also = f"  (also {join_first(names, _MOST_PLACES)})"
+        also = f"  (also {_join_some(names, _MOST_PLACES, 'place')})"
         if line.cell_len + len(also) <= width:
             line.append(also, "dim")
     return line
@@ -120,14 +203,15 @@ def _format_places(finding: Finding, width: int) -> Text:
 
 def _name_other_places(finding: Finding) -> list[str]:
     """Return ``:225`` for each related place in the file of a finding, and ``arm.xacro:12`` for the others."""
-    here = finding.location.file
-    others = [place.span for place in finding.related if place.span is not None]
+    span = finding.location.span
+    here, line = finding.location.file, span.line if span is not None else 0
+    others = [o for place in finding.related if (o := place.span) is not None and (o.file, o.line) != (here, line)]
     names = (f":{o.line}" if o.file == here else f"{escape_one_line(get_base_name(o.file))}:{o.line}" for o in others)
     return list(dict.fromkeys(names))
 
 
 def _format_line(label: str, text: Text, width: int) -> Text:
-    line = Text.assemble("  ", (f"= {label:<5}", "dim"), text)
+    line = Text.assemble("  ", (f"= {label:<{_INDENT - 4}}", "dim"), text)
     line.truncate(width, overflow="ellipsis")
     return line
 
@@ -143,22 +227,22 @@ def _cut_lines(lines: Iterable[Text], most: int, width: int) -> list[Text]:
     return kept
 
 
-def _iter_fix_lines(finding: Finding, width: int, *, most: int) -> Iterator[Text]:
-    """Yield the repair in words, in at most so many lines, the option that makes it behind them."""
+def _wrap_fix(finding: Finding, shown: Sequence[LineChange], width: int, *, most: int) -> list[Text]:
+    """Wrap the repair in words into at most so many lines; what the changed lines ``shown`` below it say is left out."""
+    if finding.fix is None:
+        return []
+    words = escape_invisible(finding.fix.title)
+    if shown:
+        words = refer_to_change(words, shown)
+    return wrap_words(words, width, Text.assemble("  ", (f"= {'fix':<{_INDENT - 4}}", "dim")), most)
+
+
+def _find_option(finding: Finding, options: Mapping[Applicability, str]) -> str:
     fix = finding.fix
-    if fix is None:
-        return
-    how = FIX_OPTIONS.get(fix.applicability) if fix.edits and finding.suppressed is None else None
-    option = f" [{how}]" if how else ""
-    lead = Text.assemble("  ", ("= fix  ", "dim"))
-    lines = _cut_lines(wrap_text(Text(escape_invisible(fix.title)), width, lead), most, width)
-    if lines[-1].cell_len + len(option) > width:
-        lines[-1].truncate(width - len(option) - 1, overflow="ellipsis")
-    lines[-1].append(option, "dim")
-    yield from lines
+    return options.get(fix.applicability, "") if fix and fix.edits and finding.suppressed is None else ""
 
 
 def _format_change_count(finding: Finding, changes: Sequence[LineChange]) -> Text:
-    option = None if finding.fix is None else _DIFF_OPTIONS.get(finding.fix.applicability)
-    shown = f"; {option} shows them" if option and finding.suppressed is None else ""
-    return Text.assemble(" " * _INDENT, (f"{format_count(len(changes), 'line')} would change{shown}", "dim"))
+    option = _find_option(finding, _DIFF_OPTIONS)
+    shown = f": see {option}" if option else ""
+    return Text.assemble(" " * _INDENT, (f"changes {format_count(len(changes), 'line')}{shown}", "dim"))

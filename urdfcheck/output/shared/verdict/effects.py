@@ -13,8 +13,12 @@ from urdfcheck.policy.consumers import THROUGH_URDFDOM, is_news
 ToldEffects = set[tuple[str, str]]
 
 _REST = re.compile(r"\s*[,:;(\"].*", re.DOTALL)
+# What may be before the clause that matters: ``in Gazebo Classic, the joint shakes``, ``"Mass Properties" shows …``.
+_LEAD = re.compile(r'(?:(?:and )?(?:in|with|where|when|if|for|at)\b[^,:;]*[,:;]\s*)*(?:"[^"]*")?')
 # A sentence about a program begins with its verb, or with another subject.
 _VERB = re.compile(r"[a-z]+s\b")
+# What follows the object of a verb: ``replaces the inertia by that of its box``.
+_COMPLEMENT = re.compile(r" (?:by|with|from|of|in|to|because|where|when|if|after|so that|unless)\b.*", re.DOTALL)
 _PLURALS = {"is": "are", "has": "have", "does": "do", "goes": "go"}
 # What a program does something to, by its verdict.
 _OBJECTS = {
@@ -50,17 +54,17 @@ def list_new_effects(run: Run, finding: Finding, told: ToldEffects, *, every: bo
 def describe_hits(run: Run, finding: Finding, room: int) -> str:
     """Say in a line which programs do not load what was typed: ``MuJoCo refuses the file · Drake and Bullet replace values``.
 
-    Where targets are named, this covers them alone, whatever they do. Several effects that take more than ``room``
-    characters are summarized by verdict.
+    Where targets are named, this covers them alone, whatever they do. If all programs load it, this is what goes wrong first:
+    ``Gazebo: the joint sags``. Several effects that take more than ``room`` characters lose what follows their objects, and
+    are then summarized by verdict.
     """
     has_targets = bool(run.get_targets(finding.model))
-    effects = {
-        effect: names
-        for effect, names in _group_effects(run, finding).items()
-        if has_targets or Verdict.from_sentence(effect) > Verdict.LOADS
-    }
-    whole = _join_hits(effects, _shorten_effect)
-    return whole if len(whole) <= room or len(effects) == 1 else _join_hits(effects, _generalize_effect)
+    news = list(_group_effects(run, finding).items())
+    worst = [item for item in news if Verdict.from_sentence(item[0]) > Verdict.LOADS]
+    news.sort(key=lambda item: item[1] == ["rviz"])  # what is drawn matters less than what moves
+    effects = dict(news if has_targets else worst or news[:1])
+    lines = [_join_hits(effects, shorten) for shorten in (_shorten_effect, _name_object, _generalize_effect)]
+    return next((line for line in lines if len(line) <= room), lines[-1])
 
 
 def _join_hits(effects: Mapping[str, Sequence[str]], shorten: Callable[[str], str]) -> str:
@@ -114,14 +118,29 @@ def _matters(name: str, effect: str, targets: Sequence[str]) -> bool:
 
 def _shorten_effect(effect: str) -> str:
     """Cut a sentence at its first clause, unless that leaves its verb alone."""
-    short = _REST.sub("", effect)
+    short = _cut_clause(effect)
+    return short if " " in short else _generalize_effect(effect)
+
+
+def _name_object(effect: str) -> str:
+    """Cut a clause behind its object: ``replaces the inertia``."""
+    if Verdict.from_sentence(effect) is Verdict.LOADS:
+        return _shorten_effect(effect)
+    short = _COMPLEMENT.sub("", _shorten_effect(effect))
     return short if " " in short else _generalize_effect(effect)
 
 
 def _generalize_effect(effect: str) -> str:
     """Say what a sentence does to the model in general: ``replaces values``."""
     verdict = Verdict.from_sentence(effect)
-    return f"{verdict} {_OBJECTS[verdict]}" if verdict in _OBJECTS else _REST.sub("", effect)
+    return f"{verdict} {_OBJECTS[verdict]}" if verdict in _OBJECTS else _cut_clause(effect)
+
+
+def _cut_clause(effect: str) -> str:
+    """Return the first clause of a sentence with what leads to it."""
+    lead = _LEAD.match(effect)
+    start = lead.end() if lead else 0
+    return effect[:start] + _REST.sub("", effect[start:])
 
 
 def _use_plural(effect: str) -> str:

@@ -1,0 +1,72 @@
+"""The repair in words, as short as the lines below it allow."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from rich.text import Text
+
+from urdfcheck.output.shared.diffs import LineChange
+from urdfcheck.output.text.lines import wrap_text
+
+# What the words and the changed lines both give: ``write ixy="0" ixz="0"``.
+_WRITTEN = re.compile(r"""\bwrite (?:`?[\w:.-]+="[^"]*"`?(?:,? and |, | )?)+(?<![ ,])""")
+_VALUES = re.compile(r"""[\w:.-]+="[^"]*\"""")
+_NUMBERS = re.compile(r"\bthe numbers in the diff\b")
+# Longer texts come from attacks; each end is looked at.
+_LONGEST = 600
+# Words that belong to the next.
+_BINDING = re.compile(r"(?:^|\b(?:and|or|the|a|an|of|to|in|with|for|by|its|about))$")
+_OPENING, _CLOSING = "([{<", ")]}>"
+
+
+def refer_to_change(words: str, changes: Sequence[LineChange]) -> str:
+    """Leave out of a repair what the changed lines below it show: ``if that is the mistake, make this change``."""
+    shown = "\n".join("".join(text for text, _ in change.new) for change in changes)
+
+    def replace_values(found: re.Match[str]) -> str:
+        return "make this change" if all(value in shown for value in _VALUES.findall(found[0])) else found[0]
+
+    return _NUMBERS.sub("these numbers", _WRITTEN.sub(replace_values, words))
+
+
+def wrap_words(words: str, width: int, lead: Text, most: int) -> list[Text]:
+    """Wrap a repair into at most ``most`` lines; a longer one ends with a clause, and never within a number, a tag or quotes."""
+    text = words[:_LONGEST]
+    lines = list(wrap_text(Text(text), width, lead))
+    if len(lines) <= most and len(text) == len(words):
+        return lines
+    cuts = _list_cuts(text[: most * width])
+    fitting = [cut for cut in cuts if len(list(wrap_text(Text(f"{text[: cut[0]]} …"), width, lead))) <= most]
+    if fitting:
+        longest = fitting[-1][0]
+        # A clause is better than a longer piece, unless it is the least part of it.
+        ends = [
+            e
+            for marks, part in ((";.", 0.3), (",:", 0.6), ("", 0))
+            for e, m in reversed(fitting)
+            if e >= part * longest and (not marks or m in marks)
+        ]
+        return list(wrap_text(Text.assemble(text[: ends[0]], (" …", "dim")), width, lead))
+    kept = lines[:most]  # a word longer than the lines
+    kept[-1].truncate(width - 2)
+    kept[-1].append(" …", "dim")
+    return kept
+
+
+def _list_cuts(text: str) -> list[tuple[int, str]]:
+    """Return the index of each blank outside brackets, tags and quotes, and the character before it."""
+    cuts, depth, quote = [], 0, ""
+    for i, letter in enumerate(text):
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in '`"':
+            quote = letter
+        elif letter in _OPENING:
+            depth += 1
+        elif letter in _CLOSING:
+            depth = max(depth - 1, 0)
+        elif letter == " " and not depth and not _BINDING.search(text[:i][-10:]):
+            cuts.append((i, text[i - 1]))
+    return cuts
