@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
@@ -18,16 +18,29 @@ _MOST_NAMED = 3
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     reached = find_joint_collisions(model)
     if reached:
-        joints = list({reach.joint.name: reach.joint for reach in reached}.values())
-        first, *others = (joint.location if joint.limit is None else joint.limit.location for joint in joints)
+        joints_by_name = {reach.joint.name: reach.joint for reach in reached}
+        first, *others = (
+            joint.location if joint.limit is None else joint.limit.location for joint in joints_by_name.values()
+        )
         yield rule.finding(
             "reached",
             at=first,
             related=others,
             reaches=join_names(map(_format_reached_collision, reached), _MOST_NAMED),
+            first=_describe_joints(reached, list(joints_by_name)),
             collisions=list(map(_list_reached_collision, reached)),
         )
     ensure_all_shapes_read(self_collisions(model))
+
+
+def _describe_joints(reached: Sequence[JointCollision], names: Sequence[str]) -> str:
+    """Say for a headline which joints collide, and where if it is one: ``knee self-collides at ±1.9 rad, inside its limits``."""
+    if len(names) > 1:
+        return f"{len(names)} joints self-collide inside their range: {join_names(names)}"
+    values = [f"{reach.value:.3g}" for reach in reached]
+    opposite = len(values) == 2 and values[0].lstrip("-") == values[1].lstrip("-")
+    places = f"±{values[0].lstrip('-')}" if opposite else " and ".join(values)
+    return f"{names[0]} self-collides at {places} {reached[0].joint.position_unit}, inside its range"
 
 
 def _list_reached_collision(reach: JointCollision) -> dict[str, Any]:
