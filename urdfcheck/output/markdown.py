@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from urdfcheck.core import Applicability, Finding, Run, Severity, Verdict
+from urdfcheck.core import Applicability, Finding, Run, Severity
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.diffs import iter_diff_lines
 from urdfcheck.output.shared.escaping import (
@@ -22,7 +22,8 @@ from urdfcheck.output.shared.escaping import (
     format_code_span,
 )
 from urdfcheck.output.shared.mermaid_chart import build_mermaid_chart
-from urdfcheck.output.shared.verdict.effects import ToldEffects, join_programs, list_new_effects
+from urdfcheck.output.shared.verdict.claim import describe_losses
+from urdfcheck.output.shared.verdict.effects import ToldEffects, list_new_effects
 from urdfcheck.output.shared.verdict.finding_details import describe_other_places
 from urdfcheck.output.shared.verdict.not_checked import (
     ACCEPTING_KEY,
@@ -44,7 +45,6 @@ from urdfcheck.output.shared.wording import (
     join_first,
     sort_worst_first,
 )
-from urdfcheck.policy.consumers import predict_outcomes
 
 # At the top of a comment, so that a bot finds and replaces its own.
 MARKER = "<!-- urdfcheck report -->"
@@ -61,8 +61,8 @@ TABLE = ("| | what | where |", "| --- | --- | --- |")
 LONGEST_TEXT, MOST_LINES = 600, 30
 # Rows of errors and warnings that are not folded, in a comment and in a summary.
 MOST_ROWS, MOST_SUMMARY_ROWS = 12, 100
-# Places in a row, and programs in the title.
-MOST_PLACES, MOST_PROGRAMS = 3, 4
+# Places in a row.
+MOST_PLACES = 3
 MOST_TREES = 5
 # Models that are named together.
 MOST_NAMED = 5
@@ -150,7 +150,8 @@ def _make_fold(summary: str) -> tuple[list[str], list[str]]:
 
 def _add_head(page: _BoundedPage, run: Run) -> None:
     kind, sentence = summarize_verdict(run)
-    page.add_lines(f"### {VERDICT_SIGNS[kind]} {_describe_robot(run)}: {sentence}{_describe_refusals(run)}", "")
+    losses = describe_losses(run)
+    page.add_lines(f"### {VERDICT_SIGNS[kind]} {_describe_robot(run)}: {sentence}{losses and f'; {losses}'}", "")
     counts = " · ".join(f"{SIGNS[s]} {format_count(run.count_findings(s), str(s))}" for s in SEVERITY_ORDER)
     suppressed = sum(run.suppressed_counts.values())
     hidden = f" · {suppressed} known and not shown" if suppressed else ""
@@ -174,19 +175,6 @@ def _describe_robot(run: Run) -> str:
     """Return the name of the robot if there is one model, else that of urdfcheck."""
     name = run.models[0].robot if len(run.models) == 1 else ""
     return format_code_span(name) if name else "urdfcheck"
-
-
-def _describe_refusals(run: Run) -> str:
-    """Return ``; MuJoCo and Drake refuse it``, of the targets if there are any; nothing for several models."""
-    if len(run.models) != 1:
-        return ""
-    targets = run.get_targets(run.models[0].id)
-    outcomes = predict_outcomes(run.active_findings)
-    names = [n for n, o in outcomes.items() if o.verdict is Verdict.REFUSES and (not targets or n in targets)]
-    if not names:
-        return ""
-    who = join_programs(names) if len(names) <= MOST_PROGRAMS else format_count(len(names), "program")
-    return f"; {who} {'refuses' if len(names) == 1 else 'refuse'} it"
 
 
 def _add_findings(page: _BoundedPage, run: Run, *, most: int) -> None:

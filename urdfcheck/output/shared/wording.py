@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from urdfcheck.core import Confidence, Finding, ModelInfo, Run, Severity, Span, Verdict
 from urdfcheck.output.shared.escaping import escape_one_line
+from urdfcheck.policy.consumers import is_news
 
 SEVERITY_ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
@@ -39,7 +40,8 @@ def format_place(span: Span) -> str:
 
 
 def sort_worst_first(findings: Iterable[Finding]) -> list[Finding]:
-    """Sort findings by weight: severity, how many programs refuse the model or drop a part of it, and confidence.
+    """Sort findings by weight: severity, how many programs refuse the model or drop a part of it, confidence, and how many
+    programs do anything else than load what was typed.
 
     Of one weight those of a rule stand together, the largest excess first: millimetres of one rule and percents of another
     cannot be compared. The rules, and findings without a difference, keep their order.
@@ -47,13 +49,14 @@ def sort_worst_first(findings: Iterable[Finding]) -> list[Finding]:
     confidences = list(Confidence)
     findings = list(findings)
 
-    def weigh(finding: Finding) -> tuple[int, int, int, int]:
+    def weigh(finding: Finding) -> tuple[int, ...]:
         verdicts = [Verdict.from_sentence(effect) for effect in finding.consequences.values()]
         return (
             -finding.severity,
             -verdicts.count(Verdict.REFUSES),
             -verdicts.count(Verdict.DROPS),
             confidences.index(finding.confidence),
+            -sum(map(is_news, finding.consequences.values())),
         )
 
     weights = [weigh(finding) for finding in findings]

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
-from urdfcheck.core import Finding, Run, Severity, Verdict
+from urdfcheck.core import Run, Severity, Verdict
 from urdfcheck.output.shared.verdict.not_checked import describe_not_checked, explain_unchecked, is_accepted
 from urdfcheck.output.shared.verdict.verdict import summarize_verdict
 from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, get_base_name, join_first
@@ -33,21 +31,32 @@ def state_claim(run: Run) -> tuple[str, str]:
         said, found = "ok", f"No errors, {format_count(warnings, 'warning')}"
     else:
         return kind, sentence if not run.unchecked_models else f"{_name_unchecked(run)}. No errors and no warnings"
-    if len(run.models) == 1 and (refusing := describe_refusals([*run.findings, *run.unrequested])):
-        said, found = "warning" if said == "ok" else said, f"{found}: {refusing}"
+    if losses := describe_losses(run):
+        said, found = "warning" if said == "ok" else said, f"{found}: {losses}"
     if unchecked := describe_not_checked(run):
         said = "unchecked" if run.unchecked_models or said == "ok" else said
         found = f"{_name_unchecked(run) if run.unchecked_models else unchecked}. {found}"
     return said, found
 
 
-def describe_refusals(findings: Iterable[Finding]) -> str:
-    """Return ``MuJoCo and Drake refuse this model``; empty if no program is known to."""
-    outcomes = predict_outcomes(findings)
-    names = [PROGRAM_NAMES.get(name, name) for name, o in outcomes.items() if o.verdict == Verdict.REFUSES]
-    if not names:
+def describe_losses(run: Run) -> str:
+    """Return ``MuJoCo and Drake refuse this model, Gazebo drops a part``, of the targets if there are any.
+
+    Empty for several models, and if no program is known to.
+    """
+    if len(run.models) != 1:
         return ""
-    return f"{join_names(names)} {'refuses' if len(names) == 1 else 'refuse'} this model"
+    targets = run.get_targets(run.models[0].id)
+    names: dict[Verdict, list[str]] = {}
+    for name, outcome in predict_outcomes([*run.findings, *run.unrequested]).items():
+        if not targets or name in targets:
+            names.setdefault(outcome.verdict, []).append(PROGRAM_NAMES.get(name, name))
+    refusing, dropping = names.get(Verdict.REFUSES, []), names.get(Verdict.DROPS, [])
+    said = [f"{join_names(refusing)} {'refuses' if len(refusing) == 1 else 'refuse'} this model"] if refusing else []
+    if dropping:
+        verb = "drops" if len(dropping) == 1 else "drop"
+        said.append(f"{join_names(dropping)} {verb} a part{'' if refusing else ' of this model'}")
+    return ", ".join(said)
 
 
 def join_names(names: list[str]) -> str:
