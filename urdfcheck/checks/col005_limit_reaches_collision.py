@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -13,6 +14,8 @@ from urdfcheck.model.motion.collisions.single_joint import JointCollision, find_
 
 # Collisions in the message; the finding's data has all.
 _MOST_NAMED = 3
+# Where collisions begin is known to a thousandth of a joint's range.
+_SYMMETRIC = 0.01
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -37,9 +40,9 @@ def _describe_joints(reached: Sequence[JointCollision], names: Sequence[str]) ->
     """Say for a headline which joints collide, and where if it is one: ``knee self-collides at ±1.9 rad, inside its limits``."""
     if len(names) > 1:
         return f"{len(names)} joints self-collide inside their range: {join_names(names)}"
-    values = [f"{reach.value:.3g}" for reach in reached]
-    opposite = len(values) == 2 and values[0].lstrip("-") == values[1].lstrip("-")
-    places = f"±{values[0].lstrip('-')}" if opposite else " and ".join(values)
+    values = [reach.value for reach in reached]
+    is_symmetric = len(values) == 2 and math.isclose(values[0], -values[1], rel_tol=_SYMMETRIC)
+    places = f"±{min(map(abs, values)):.3g}" if is_symmetric else " and ".join(f"{value:.3g}" for value in values)
     return f"{names[0]} self-collides at {places} {reached[0].joint.position_unit}, inside its range"
 
 
