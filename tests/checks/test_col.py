@@ -368,6 +368,12 @@ def test_a_joint_without_limits_is_looked_at_over_a_turn(tmp_path: Path) -> None
     assert {reach["limit"] for reach in finding.data["collisions"]} == {None}
 
 
+@pytest.mark.parametrize(("limit", "where"), [("lower='-1' upper='2'", "1.67"), ("lower='-2' upper='2'", "±1.67")])
+def test_the_headline_says_where_a_joint_collides(tmp_path: Path, limit: str, where: str) -> None:
+    (finding,) = find(tmp_path, swinging(limit), "COL005")
+    assert finding.headline == f"base_arm self-collides at {where} rad, inside its range"
+
+
 def test_the_message_names_three_collisions_and_the_data_all(tmp_path: Path) -> None:
     """Five arms far apart, each with a wall."""
     parts = [make_link("base", *(f"-0.7 {10 * i} 0|" + box("1 4 1") for i in range(5)))]
@@ -375,6 +381,7 @@ def test_the_message_names_three_collisions_and_the_data_all(tmp_path: Path) -> 
         parts.append(make_joint("base", f"arm{i}", f"0 {10 * i} 0", limit="lower='-1' upper='2'"))
         parts.append(make_link(f"arm{i}", "1 0 0|" + sphere("0.1")))
     (finding,) = find(tmp_path, robot(*parts), "COL005")
+    assert finding.headline.startswith("5 joints self-collide inside their range: ")
     assert "and 2 more" in finding.message
     assert "arm3" not in finding.message
     assert [reach["links"] for reach in finding.data["collisions"]] == [["base", f"arm{i}"] for i in range(5)]

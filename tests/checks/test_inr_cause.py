@@ -95,6 +95,8 @@ def test_each_mistake_is_one_finding(tmp_path: Path, cause: str, detail: str, mi
         assert detail in finding.cause.text
         mild = cause in {"shell", "bounding_box", "convex_hull", "one_piece"}
         assert finding.severity == (Severity.INFO if mild else Severity.WARNING)
+        assert "…" not in finding.headline
+        assert not re.search(r"\(\W*\)", finding.headline)
 
 
 @pytest.mark.parametrize(("cause", "mistake"), EDITED, ids=[id for id, _ in EDITED])
@@ -125,6 +127,19 @@ def test_how_certain_a_cause_is_the_message_tells(tmp_path: Path, cause: str, me
     # A tensor that is 10⁴ too large may as well be that of a mass that is so much too small.
     finding = one(tmp_path, make_drawn_arm(format_inertial(wrong(cause)), drawn_by(tmp_path, cause)))
     assert finding.message_id == message
+
+
+@pytest.mark.parametrize(
+    ("cause", "claim"),
+    [
+        ("products_sign", "wrong inertia (products have flipped signs)"),
+        ("inertia_unit", "inertia 10,000× too large (kg·cm², not kg·m²?)"),
+        ("com_unit", "COM 84.1 m off (mm, not m)"),
+    ],
+)
+def test_the_headline_names_the_number_and_the_cause(tmp_path: Path, cause: str, claim: str) -> None:
+    finding = one(tmp_path, make_drawn_arm(format_inertial(wrong(cause))))
+    assert finding.headline == f"arm: {claim}"
 
 
 def test_a_mesh_tells_as_much_as_boxes(tmp_path: Path) -> None:

@@ -243,6 +243,7 @@ def test_all_links_with_one_placeholder_are_one_finding(tmp_path: Path) -> None:
     fingers = [Part(size=(0.02, 0.02, 0.04), mass=m, tensor=0.001 * np.eye(3)).xml(f"f{m}") for m in (0.01, 0.02, 0.03)]
     (finding,) = find(tmp_path, make_chain('<link name="base"/>', *fingers), CODES)
     assert (finding.code, len(finding.subjects), len(finding.related)) == ("INR007", 3, 2)
+    assert finding.headline == "3 links have a placeholder inertia (f0.01: 1,500× too large)"
     assert finding.fix is not None
     assert [(e.expected, float(e.replacement)) for e in finding.fix.edits] == [
         ("0.001", pytest.approx(mass * i / 12, rel=1e-3)) for mass in (0.01, 0.02, 0.03) for i in (0.002, 0.002, 0.0008)

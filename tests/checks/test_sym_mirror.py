@@ -315,6 +315,10 @@ def test_a_pair_that_nothing_names_may_be_meant_to_differ(tmp_path: Path) -> Non
     assert (finding.message_id, finding.severity) == ("pair", Severity.INFO)
 
 
+def test_the_headline_says_that_the_inertials_of_mirrored_parts_are_not(tmp_path: Path) -> None:
+    assert one(tmp_path, DEFECTS["inertia copied"](ROBOT)).headline == "left_arm and right_arm: inertials not mirrored"
+
+
 def test_the_axes_of_an_arm_may_be_called_l_and_r(tmp_path: Path) -> None:
     robot = ET.Element("robot", name="arm")
     for i, name in enumerate(("base", "link_l", "link_r")):

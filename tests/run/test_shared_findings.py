@@ -117,10 +117,10 @@ LOAD = "${xacro.load_yaml('sizes.yaml')['%s']}"
 class TestKinds:
     def test_all_fingers_are_one_finding_with_their_own_numbers(self, tmp_path: Path) -> None:
         (found,) = find(write_robots(tmp_path, "", hand=HAND)).findings
-        assert found.headline == "left_2, left_1, right_1, right_2: no body can have this inertia"
+        assert found.headline == "left_2, left_1, right_1, right_2: impossible inertia"
         assert [own.headline for own in found.occurrences][:2] == [
-            "left_2: no body can have this inertia (77.8 % short)",
-            "left_1: no body can have this inertia (60 % short)",
+            "left_2: impossible inertia (A + B < C by 77.8 %)",
+            "left_1: impossible inertia (A + B < C by 60 %)",
         ]
         assert [own.location.span for own in found.occurrences][1:] == [
             place.span for place in found.related if place.subject.startswith("link")
@@ -131,7 +131,18 @@ class TestKinds:
             "right_", "r"
         )
         (found,) = find(write_robots(tmp_path, "", hand=hand)).findings
-        assert found.headline == "4 links: no body can have this inertia"
+        assert found.headline == "4 links: impossible inertia"
+
+    def test_copies_with_long_names_are_counted_and_the_claim_stays(self, tmp_path: Path) -> None:
+        long = "the_very_long_name_of_a_link_on_the_{}_side_of_the_robot"
+        same = "".join(
+            f'<link name="{long.format(side)}"><inertial><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1"'
+            f' iyz="0" izz="0.5"/></inertial></link><joint name="j_{side}" type="continuous"><parent link="palm"/>'
+            f'<child link="{long.format(side)}"/></joint>'
+            for side in ("left", "right")
+        )
+        (found,) = find(write_robots(tmp_path, "", hand=f'<link name="palm"/>{same}')).findings
+        assert found.headline == "2 links: impossible inertia (A + B < C by 60 %)"
 
     def test_a_headline_about_numbers_is_that_of_the_first(self, tmp_path: Path) -> None:
         (found,) = find(write_robots(tmp_path, "", hand=HAND), "JNT005").findings
@@ -230,7 +241,7 @@ class TestModels:
             found.occurrences[0].subjects,
             found.occurrences[0].subjects,
         )
-        assert "also  a.urdf.xacro:1 wheel: no body can have this inertia" in text.render(find(tmp_path), width=200)
+        assert "also  a.urdf.xacro:1 wheel: impossible inertia" in text.render(find(tmp_path), width=200)
 
     def test_a_number_of_one_yaml_is_one_finding(self, tmp_path: Path) -> None:
         bodies = {name: disc(name, LOAD % key) for name, key in (("a", "x"), ("b", "x"), ("c", "y"))}

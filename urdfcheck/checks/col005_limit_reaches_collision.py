@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
@@ -13,21 +14,36 @@ from urdfcheck.model.motion.collisions.single_joint import JointCollision, find_
 
 # Collisions in the message; the finding's data has all.
 _MOST_NAMED = 3
+# Where collisions begin is known to a thousandth of a joint's range.
+_SYMMETRIC = 0.01
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     reached = find_joint_collisions(model)
     if reached:
-        joints = list({reach.joint.name: reach.joint for reach in reached}.values())
-        first, *others = (joint.location if joint.limit is None else joint.limit.location for joint in joints)
+        joints_by_name = {reach.joint.name: reach.joint for reach in reached}
+        first, *others = (
+            joint.location if joint.limit is None else joint.limit.location for joint in joints_by_name.values()
+        )
         yield rule.finding(
             "reached",
             at=first,
             related=others,
             reaches=join_names(map(_format_reached_collision, reached), _MOST_NAMED),
+            first=_describe_joints(reached, list(joints_by_name)),
             collisions=list(map(_list_reached_collision, reached)),
         )
     ensure_all_shapes_read(self_collisions(model))
+
+
+def _describe_joints(reached: Sequence[JointCollision], names: Sequence[str]) -> str:
+    """Say for a headline which joints collide, and where if it is one: ``knee self-collides at ±1.9 rad, inside its limits``."""
+    if len(names) > 1:
+        return f"{len(names)} joints self-collide inside their range: {join_names(names)}"
+    values = [reach.value for reach in reached]
+    is_symmetric = len(values) == 2 and math.isclose(values[0], -values[1], rel_tol=_SYMMETRIC)
+    places = f"±{min(map(abs, values)):.3g}" if is_symmetric else " and ".join(f"{value:.3g}" for value in values)
+    return f"{names[0]} self-collides at {places} {reached[0].joint.position_unit}, inside its range"
 
 
 def _list_reached_collision(reach: JointCollision) -> dict[str, Any]:

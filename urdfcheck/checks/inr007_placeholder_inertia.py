@@ -129,6 +129,7 @@ def _build_tensor_finding(
         "links": join_names(names),
         "what": every[0].description,
         "names": names,
+        "who": f"{names[0]} has" if len(names) == 1 else f"{len(names)} links have",
     }
     if worst is None or worst.misfit is None:
         masses = sorted(suspect.mass for suspect in every)
@@ -142,6 +143,7 @@ def _build_tensor_finding(
             related=places[1:],
             edits=_propose_edits(model, every),
             link=worst.declared.link.name,
+            worst="" if len(names) == 1 else f"{worst.declared.link.name}: ",
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),

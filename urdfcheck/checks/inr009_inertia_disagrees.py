@@ -46,6 +46,45 @@ DIGITS = 0.01
 NOTABLE, SIMILAR = 0.1, 1.33
 # A tensor so many times farther off than its principal moments is about other axes.
 _ROTATED = 1.5
+# Causes that make a tensor too large or too small as a whole.
+SIZE_CAUSES = frozenset(
+    {"inertia_unit", "about_origin", "steiner_twice", "steiner_missing", "other_mass", *MILD_CAUSES},
+)
+# What a headline calls the numbers that are wrong; for any other cause, the inertia.
+FAULTY_NUMBERS = {
+    "mass_unit": "mass",
+    "com_unit": "COM",
+    "units": "units",
+    "decimal_point": "number",
+    "quarter_turn": "COM and inertia",
+    "unmirrored": "COM and inertia",
+}
+# A cause in the few words of a headline.
+SHORT_CAUSES = {
+    "inertia_unit": "{detail}, not kg·m²",
+    "mass_unit": "{detail}, not kg",
+    "com_unit": "{detail}, not m",
+    "units": "{detail}",
+    "about_origin": "about the origin, not the COM",
+    "steiner_twice": "parallel-axis term twice",
+    "steiner_missing": "no parallel-axis term",
+    "one_piece": "of one piece only",
+    "products_sign": "products have flipped signs",
+    "axes_permuted": "its x y z are {detail}",
+    "slots_swapped": "{detail} swapped",
+    "quarter_turn": "rotated by {detail}",
+    "unmirrored": "not mirrored",
+    "rpy_missing": "rpy left out",
+    "rpy_twice": "rpy applied twice",
+    "diagonal_first": "diagonal typed first",
+    "row_major": "matrix typed row by row",
+    "one_sign": "sign of {detail} flipped",
+    "decimal_point": "decimal point: {detail} times",
+    "shell": "of a hollow shell",
+    "bounding_box": "of the bounding box",
+    "convex_hull": "of the convex hull",
+    "other_mass": "fits {detail}",
+}
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
 PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.
@@ -145,7 +184,6 @@ def _build_cause_finding(
     diagnosis, link = judged.diagnosis, tensor.link
     cause = diagnosis.cause or ""
     mended = propose_undo(model, link) if not others else None
-    data = {**_collect_data(model, link, judged), "others": others}
     exact = diagnosis.unique and mended is not None and cause not in AMBIGUOUS_CAUSES
     message = "cause" if mended is None else "exact" if exact else "named"
     if mended is not None and diagnosis.judged_by == "twin":
@@ -154,6 +192,7 @@ def _build_cause_finding(
         message = cause
     elif others:
         message = "disputed"
+    data = {**_collect_data(model, link, judged, is_certain=message == "exact"), "others": others}
     mild = cause in MILD_CAUSES or _is_light(model, link)
     return rule.finding(
         message,
@@ -178,20 +217,25 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
     )
 
 
-def _collect_data(model: Model, link: Link, judged: DiagnosedInertial) -> dict[str, Any]:
+def _collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_certain: bool = False) -> dict[str, Any]:
     declared, diagnosis = judged.declared, judged.diagnosis
     drawn = measure_link_geometry(model, link)
     moments, _ = compute_principal_moments(declared.inertia)
-    expected = measured = ""
+    expected = measured = size = apart = ""
     if drawn is not None:
         uniform, _ = compute_principal_moments(compute_solid_inertia(drawn.solid, declared.mass))
         expected = join_numbers(uniform, digits=3)
         mismatch = (diagnosis.tensor_mismatch, diagnosis.com_mismatch)
         measured = _describe_mismatch(declared, drawn, mismatch=mismatch, moments=moments, uniform=uniform)
+        size = _compare_sizes(moments, uniform, "×", digits=2)
+        apart = format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))
     return {
         "link": link.name,
         "detail": diagnosis.detail,
         "mistake": _describe_mistake(diagnosis.cause or "", diagnosis.detail),
+        "why": SHORT_CAUSES.get(diagnosis.cause or "", "").format(detail=diagnosis.detail),
+        "fault": _describe_fault(diagnosis.cause or "", size=size, apart=apart, is_certain=is_certain),
+        "off": f", {apart} from the drawn part's" if apart else "",
         "twins": join_names(judged.twins),
         "mass": f"{declared.mass:g}",
         "moments": join_numbers(moments, digits=3),
@@ -207,6 +251,15 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial) -> dict[s
         "agree": _describe_agreement(judged, drawn),
         "ruled_out": _format_ruled_out(judged),
     }
+
+
+def _describe_fault(cause: str, *, size: str, apart: str, is_certain: bool) -> str:
+    """Say for a headline what is wrong, with the number that shows it; ``apart``: how far the COM is from the drawn part's."""
+    if cause == "com_unit" and apart:
+        return f"COM {apart} off"
+    if cause in SIZE_CAUSES and size:
+        return f"inertia {size}"
+    return f"{'wrong' if is_certain else 'suspect'} {FAULTY_NUMBERS.get(cause, 'inertia')}"
 
 
 def _describe_mistake(cause: str, detail: str) -> str:
@@ -266,9 +319,8 @@ def _describe_mismatch(
     apart = float(np.linalg.norm(numbers.com - drawn.solid.com))
     if of_com > NOTABLE:
         differences.append(f"the COM is {format_length(apart)} off")
-    times = float(moments.sum() / uniform.sum())
-    if not 1 / SIMILAR < times < SIMILAR:
-        size = f"{times:.3g} times too large" if times > 1 else f"{1 / times:.3g} times too small"
+    size = _compare_sizes(moments, uniform, " times", digits=3)
+    if size:
         differences.append(f"the moments of inertia are {size} for this mass at uniform density")
     elif of_tensor > max(NOTABLE, _ROTATED * _measure_shape_mismatch(moments, uniform)):
         differences.append("the inertia tensor is about other axes")
@@ -276,6 +328,16 @@ def _describe_mismatch(
         actual, expected = join_numbers(moments, digits=3), join_numbers(uniform, digits=3)
         differences.append(f"the principal moments are {actual} instead of {expected} kg·m²")
     return " and ".join(differences) or "the inertial is only slightly off"
+
+
+def _compare_sizes(moments: Array, uniform: Array, times: str, *, digits: int) -> str:
+    """Say how much too large or too small principal moments (3,) are; nothing if they are ``SIMILAR`` in size."""
+    ratio = float(moments.sum() / uniform.sum())
+    if 1 / SIMILAR < ratio < SIMILAR:
+        return ""
+    factor = float(f"{max(ratio, 1 / ratio):.{digits}g}")
+    shown = f"{factor:,.0f}" if 100 <= factor < 1e6 else f"{factor:g}"
+    return f"{shown}{times} too {'large' if ratio > 1 else 'small'}"
 
 
 def _measure_shape_mismatch(moments: Array, uniform: Array) -> float:

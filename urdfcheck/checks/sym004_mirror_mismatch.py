@@ -51,6 +51,8 @@ ONE_SIDE_RELATIONS = {
     "both": "the same part as {}, mirrored or rotated",
     "copied": "the same part as {}",
 }
+# What the inertials of both sides lack, for the headline.
+LACKS = {"mirrored": "not mirrored", "both": "do not match", "copied": "differ"}
 BOTH_SIDES_RELATIONS = {
     "mirrored": "mirror images of each other",
     "both": "one part twice, mirrored or rotated",
@@ -115,6 +117,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         "relation": (BOTH_SIDES_RELATIONS if wrong is None else ONE_SIDE_RELATIONS)[pair.drawn_as or ""].format(
             side.twin.name
         ),
+        "lack": LACKS[pair.drawn_as or ""],
         "differences": ", ".join(differences),
         "what": " and ".join(word for word, share in parts if share > note),
         "signs": join_names(find_wrong_signs(side.actual, side.expected, note), 9),

@@ -75,9 +75,13 @@ def _merge_group(rule: Rule, group: Sequence[Finding], *, names: Sequence[str], 
     message = finding.message
     for name in names:
         message = message.replace(f"{name} {data.get(name)}", f"{name}s {data.get(name)}", 1)  # link a → links a, b
-    return replace(
-        finding, message=message, subjects=tuple(dict.fromkeys(subject for f in group for subject in f.subjects))
-    )
+    subjects = tuple(dict.fromkeys(subject for f in group for subject in f.subjects))
+    headline = finding.headline
+    is_about = rule.headlines[first.message_id].startswith(f"{{{names[0]}}}: ")
+    if is_about and not headline.startswith(str(first.data[names[0]])):
+        # The number of elements and a whole claim say more than a name that was cut and a claim that was cut.
+        headline = _join_headlines(group, len(group) - 1, {rule.code: rule})
+    return replace(finding, headline=headline, message=message, subjects=subjects)
 
 
 def _quote_first_text(group: Sequence[Finding], key: str, name: str) -> Any:

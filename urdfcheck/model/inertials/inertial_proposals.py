@@ -37,6 +37,12 @@ SMALL_EXCESS = 0.05
 
 # Causes of INR009 that the pages of INR003 and INR004 have as well.
 _SIGN_CAUSES = frozenset({"products_sign", "one_sign"})
+# When the repair of a slip that the numbers show is right.
+_SLIP_CONDITIONS = {
+    "products_filled": "the products are placeholders",
+    "products_sign": "their signs are wrong",
+    "one_sign": "its sign is wrong",
+}
 # Mistakes whose names say too little in a headline; the others are named by their ids.
 _MISTAKE_NAMES = {
     "about_origin": "tensor about the origin",
@@ -170,7 +176,7 @@ def _propose_slip(link: Link, slip: TensorSlip, claim: str) -> InertialProposal:
     return InertialProposal(
         edits,
         f"; {claim.format(detail=slip.detail)}",
-        f"if that is the mistake, write {words}; otherwise " if words else "",
+        f"write {words} if {_SLIP_CONDITIONS[slip.id]}; otherwise " if words else "",
         cause=slip.id,
         detail=slip.detail,
     )
