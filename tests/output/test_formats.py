@@ -672,7 +672,9 @@ def test_the_title_names_who_refuses_the_model() -> None:
     assert title(replace(run, targets=("drake", "gazebo"))) == "1 error to repair; Drake refuses this model"
     assert title(replace(run, targets=("gazebo",))) == "1 error to repair"
     # The other programs read it through urdfdom.
-    assert title(a_run(finding(consequences={"urdfdom": "refuses"}))) == "1 error to repair; 6 programs refuse this model"
+    assert title(a_run(finding(consequences={"urdfdom": "refuses"}))) == (
+        "1 error to repair; urdfdom, Pinocchio, Gazebo and 3 more refuse this model"
+    )
     two = replace(run, models=(*run.models, replace(run.models[0], id="b")))
     assert render(two, "markdown").splitlines()[1] == "### ❌ urdfcheck: 1 error to repair"
 
