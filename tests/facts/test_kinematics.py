@@ -68,7 +68,7 @@ def test_quaternions_are_x_y_z_w_of_any_length() -> None:
 
 @pytest.mark.parametrize("xyzw", [(0, 0, 0, 0), (0, 0, math.nan, 1), (math.inf, 0, 0, 0)])
 def test_a_quaternion_without_direction_is_refused(xyzw: tuple[float, ...]) -> None:
-    with pytest.raises(ValueError, match="no rotation"):
+    with pytest.raises(ValueError, match="not a rotation"):
         quaternion_to_matrix(xyzw)
 
 

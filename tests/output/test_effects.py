@@ -63,7 +63,8 @@ def test_a_line_has_the_first_clause_and_agrees_with_the_number_of_programs() ->
     [
         ({"mujoco": "loads it", "gazebo": "the joint sags"}, "Gazebo: the joint sags"),
         ({"rviz": "shows it elsewhere", "gazebo": "the joint sags"}, "Gazebo: the joint sags"),
-        ({"rviz": '"Mass Properties" shows a ball, beside it'}, 'RViz: "Mass Properties" shows a ball'),
+        ({"rviz": '"Mass Properties" shows a ball, and a box'}, 'RViz: "Mass Properties" shows a ball'),
+        ({"mujoco": "motors, friction and gains do not fit"}, "MuJoCo: motors, friction and gains do not fit"),
         ({"gazebo": "in Gazebo Classic, the joint shakes: it is light"}, "Gazebo: in Gazebo Classic, the joint shakes"),
     ],
 )

@@ -97,7 +97,7 @@ def test_others_are_none(encoding: str) -> None:
 def test_what_a_declaration_hides_is_refused_at_its_name(encoding: str, hidden: bytes) -> None:
     error = refuse(declare(encoding, "").encode() + hidden)
     assert (error.wrong, error.before) == (encoding, '<?xml version="1.0" encoding="')
-    assert "another text than in UTF-8" in str(error)
+    assert "a different text than in UTF-8" in str(error)
 
 
 def test_blanks_cannot_hide_the_declaration() -> None:

@@ -12,11 +12,15 @@ from urdfcheck.policy.consumers import THROUGH_URDFDOM, is_news
 # What was told: a rule, and the effects in their words.
 ToldEffects = set[tuple[str, str]]
 
-_REST = re.compile(r"\s*[,:;(\"].*", re.DOTALL)
+# What follows the first clause of a sentence; a comma may also separate the names of a list.
+_REST = re.compile(
+    r"\s*(?:[:;(\"]|,(?= (?:and|or|but|so|which|because|unless|with|without|where|when|while|as|if|though|then)\b)).*",
+    re.DOTALL,
+)
 # What may be before the clause that matters: ``in Gazebo Classic, the joint shakes``, ``"Mass Properties" shows …``.
 _LEAD = re.compile(r'(?:(?:and )?(?:in|with|where|when|if|for|at)\b[^,:;]*[,:;]\s*)*(?:"[^"]*")?')
-# A sentence about a program begins with its verb, or with another subject.
-_VERB = re.compile(r"[a-z]+s\b")
+# A sentence about a program begins with its verb, or with another subject: ``the joint``, ``contacts, mass and COM``.
+_VERB = re.compile(r"(?!(?:contacts|motors|paths|torques|wheels)\b)[a-z]+s(?=[ :;]|$)")
 # What follows the object of a verb: ``replaces the inertia by that of its box``.
 _COMPLEMENT = re.compile(r" (?:by|with|from|of|in|to|because|where|when|if|after|so that|unless)\b.*", re.DOTALL)
 _PLURALS = {"is": "are", "has": "have", "does": "do", "goes": "go"}
