@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from rich.text import Text
 
@@ -24,7 +24,7 @@ _NAMED = re.compile(r"(?!gazebo\[\d+\])\w+\[([^\]]+)\]")  # the number of a <gaz
 # Places and subjects that are named.
 _MOST_PLACES, _MOST_SUBJECTS = 3, 3
 # Lines that the repair in words may take, and the message where there is no code.
-_MOST_WORDS = 2
+_MOST_WORDS, _MOST_MESSAGE = 4, 2
 # Lines of a finding, as far as changed lines decide.
 _MOST_LINES = 8
 # Characters of an element that are searched for the end of its tag.
@@ -40,7 +40,7 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffec
     head = [*wrap_text(format_finding_title(finding), width), _format_places(finding, width)]
     facts = list(_iter_facts(run, finding, width, told))
     changes = [] if finding.fix is None else list_line_changes(run.sources, finding.fix.edits)
-    changed = list(iter_change_lines(finding, changes, indent=_INDENT, width=width, is_cut=True))
+    changed = list(iter_change_lines(finding, changes, indent=_INDENT, width=width))
     code = list(_iter_code(run, finding, width))
     span = finding.location.span
     # A line before and after its repair shows the code too, but for the message behind the marks.
@@ -48,32 +48,22 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffec
     if shows_code and not any(finding.message in line.plain for line in code):
         code = [] if len(head) + len(facts) + 1 + len(changed) <= _MOST_LINES else code
     room = _MOST_LINES - len(head) - len(code) - len(facts)
-    shown = changes if len(changed) < room else []
-    repair = changed if shown else [_format_change_count(finding, changes)] if changes else []
-    if room - len(repair) < len(_wrap_fix(finding, shown, width, most=_MOST_WORDS)) and _marks_all(code):
+    shown = changes if len(changed) < room and _fits(changed, width) else []
+    repair = changed if shown else []
+    if room - len(repair) < len(_wrap_fix(finding, changes, shown, width, most=_MOST_WORDS)) and _marks_all(code):
         code, room = code[:1], room + 1  # marks below all of a line say nothing
-    if room - len(repair) < len(_wrap_fix(finding, shown, width, most=_MOST_WORDS)) and not _names_diff(finding):
-        repair = repair if shown else []  # the words say more than the number of lines
-    words = _wrap_fix(finding, shown, width, most=max(1, min(room - len(repair), _MOST_WORDS)))
-    how = _find_option(finding, FIX_OPTIONS)
-    option = f" [{how}]" if how else ""
+    words: list[Text] = []
+    for most in range(max(1, min(room - len(repair), _MOST_WORDS)), 0, -1):
+        words = _wrap_fix(finding, changes, shown, width, most=most)
+        if len(words) <= room - len(repair):
+            break
     lines = [*words, *repair]
-    if option:
-        if words[-1].cell_len + len(option) <= width:
-            words[-1].append(option, "dim")
-        elif shown:
-            narrow = width - len(option)
-            lines = [*words, *iter_change_lines(finding, changes, indent=_INDENT, width=narrow, is_cut=True)]
-            lines[-1].append(option, "dim")
-        else:
-            lines[-1].truncate(width - len(option), overflow="ellipsis")
-            lines[-1].append(option, "dim")
     yield from (*head, *code, *facts, *lines)
     yield Text()
 
 
-def _names_diff(finding: Finding) -> bool:
-    return finding.fix is not None and "the diff" in finding.fix.title
+def _fits(lines: Iterable[Text], width: int) -> bool:
+    return all(line.cell_len <= width for line in lines)
 
 
 def _marks_all(code: Sequence[Text]) -> bool:
@@ -95,7 +85,9 @@ def _iter_code(run: Run, finding: Finding, width: int) -> Iterator[Text]:
             run, span, style=STYLES[finding.severity], width=width, context=0, label=label, most_lines=1
         )
     if span is None or not run.sources.get(span.file):
-        yield from _cut_lines(wrap_text(Text(escape_invisible(finding.message)), width, Text("  ")), _MOST_WORDS, width)
+        yield from _cut_lines(
+            wrap_text(Text(escape_invisible(finding.message)), width, Text("  ")), _MOST_MESSAGE, width
+        )
 
 
 def _join_tag(run: Run, span: Span) -> str:
@@ -227,22 +219,43 @@ def _cut_lines(lines: Iterable[Text], most: int, width: int) -> list[Text]:
     return kept
 
 
-def _wrap_fix(finding: Finding, shown: Sequence[LineChange], width: int, *, most: int) -> list[Text]:
-    """Wrap the repair in words into at most so many lines; what the changed lines ``shown`` below it say is left out."""
+def _wrap_fix(
+    finding: Finding, changes: Sequence[LineChange], shown: Sequence[LineChange], width: int, *, most: int
+) -> list[Text]:
+    """Wrap the repair in words into at most so many lines, and end it with the option that does or shows it.
+
+    What the changed lines ``shown`` below it say is left out. The option has a line of its own where the last is full; where
+    ``most`` is 1, the words are cut for it.
+    """
     if finding.fix is None:
         return []
     words = escape_invisible(finding.fix.title)
     if shown:
         words = refer_to_change(words, shown)
-    return wrap_words(words, width, Text.assemble("  ", (f"= {'fix':<{_INDENT - 4}}", "dim")), most)
+    lead = Text.assemble("  ", (f"= {'fix':<{_INDENT - 4}}", "dim"))
+    lines = wrap_words(words, width, lead, most)
+    option = _name_option(finding, changes, shown)
+    if not option:
+        return lines
+    narrow = width - len(option) - 1
+    if most == 1 and lines[-1].cell_len > narrow > 2 * _INDENT:
+        lines = wrap_words(words, narrow, lead, most)
+    if lines[-1].cell_len <= narrow:
+        lines[-1].append(f" {option}", "dim")
+        return lines
+    return [*lines, Text.assemble(" " * max(2, min(_INDENT, width - len(option))), (option, "dim"))]
 
 
-def _find_option(finding: Finding, options: Mapping[Applicability, str]) -> str:
+def _name_option(finding: Finding, changes: Sequence[LineChange], shown: Sequence[LineChange]) -> str:
+    """Name the option that applies a repair, or the one that shows it where neither its words nor lines below them do."""
     fix = finding.fix
-    return options.get(fix.applicability, "") if fix and fix.edits and finding.suppressed is None else ""
+    if fix is None or not fix.edits or finding.suppressed is not None or fix.applicability not in FIX_OPTIONS:
+        return ""
+    if shown or all(_spells(fix.title, change) for change in changes):
+        return f"[{FIX_OPTIONS[fix.applicability]}]"
+    return f"[{format_count(len(changes), 'line')}: {_DIFF_OPTIONS[fix.applicability]}]"
 
 
-def _format_change_count(finding: Finding, changes: Sequence[LineChange]) -> Text:
-    option = _find_option(finding, _DIFF_OPTIONS)
-    shown = f": see {option}" if option else ""
-    return Text.assemble(" " * _INDENT, (f"changes {format_count(len(changes), 'line')}{shown}", "dim"))
+def _spells(words: str, change: LineChange) -> bool:
+    """Whether words of a repair give all that a change writes."""
+    return all(text in words for text, is_changed in change.new if is_changed)
