@@ -152,7 +152,7 @@ def test_in_brief_the_infos_of_a_rule_are_a_line() -> None:
     other = finding(severity=Severity.INFO, code="INR001", headline="the mass is round")
     lines = render(a_run(*infos, other), width=60, detail=DetailLevel.BRIEF).splitlines()
     first, second = (line for line in lines if line.startswith("i "))
-    assert re.fullmatch(r"i INR003 wheel: no body can have this inertia… \(\+2 more\)  :\d+", first)
+    assert re.fullmatch(r"i INR003 wheel: no body can have… \(\+2 more\)  rover.urdf:\d+", first), "the file is named"
     assert re.fullmatch(r"i INR001 the mass is round  rover.urdf:\d+", second)
     assert len(first) <= 60
     assert "put the point back" in render(a_run(*infos))
@@ -351,6 +351,54 @@ def test_in_brief_nothing_is_named_twice() -> None:
     assert "also" not in text
     plugins = ("gazebo[6]/plugin[x]", "gazebo[7]/plugin[y]")
     assert "= for" not in render(a_run(finding(subjects=plugins)), detail=DetailLevel.BRIEF), "6 and 7 are no names"
+
+
+def test_in_brief_a_line_adds_what_the_headline_only_counts() -> None:
+    subjects = tuple(f"joint[{name}]" for name in ("hip", "knee", "ankle", "toe"))
+    for headline, line in (
+        ("hip, knee and 2 more: effort 0", "  = and    ankle, toe"),
+        ("4 joints have effort 0", "  = for    hip, knee, ankle and 1 more"),
+    ):
+        text = render(a_run(finding(headline=headline, subjects=subjects)), detail=DetailLevel.BRIEF)
+        assert line in text.splitlines()
+
+
+def test_in_brief_a_message_that_repeats_the_headline_is_left_out() -> None:
+    one = finding(
+        headline="2 joints have effort limit 0: a, b", message="2 joints have effort=0 (a, b): no torque", fix=None
+    )
+    assert "no torque" not in render(a_run(one), detail=DetailLevel.BRIEF)
+    other = replace(one, message="a typing mistake?")
+    assert "^ a typing mistake?" in render(a_run(other), detail=DetailLevel.BRIEF)
+
+
+def test_a_long_line_keeps_the_file_name_and_no_number_in_part() -> None:
+    path = f"package://robot/{'folder/' * 12}torso.dae"
+    numbers = " ".join(f'i{i}="0.12345678"' for i in range(9))
+    source = f'<robot>\n  <mesh filename="{path}"/>\n  <inertia {numbers}/>\n</robot>'
+    for typed, end in ((path, "torso.dae…"), (source.splitlines()[2].strip(), '0.12345678" …')):
+        start = source.index(typed)
+        line = source[:start].count("\n") + 1
+        col = start - source.rfind("\n", 0, start)
+        span = replace(span_of("<robot"), file=FILE, start=start, end=start + len(typed), line=line, end_line=line)
+        span = replace(span, col=col, end_col=col + len(typed))
+        run = replace(a_run(finding(location=Location("x", span), fix=None)), sources={FILE: source})
+        for width in (60, 80):
+            lines = render(run, width=width, detail=DetailLevel.BRIEF).splitlines()
+            code = next(text for text in lines if text.startswith(f"  {line} │"))
+            assert code.endswith(end)
+            assert len(code) <= width
+            marks = lines[lines.index(code) + 1]
+            assert "^" in marks
+            assert len(marks) <= width
+
+
+def test_in_brief_the_option_shares_the_last_line_of_words_that_are_cut() -> None:
+    lines = [
+        line.plain for line in wrap_words("write this; " * 40, 60, Text("  = fix    "), 2, "[--fix --unsafe-fixes]")
+    ]
+    assert len(lines) == 2
+    assert lines[-1].endswith("; … [--fix --unsafe-fixes]")
 
 
 def test_in_brief_places_are_counted_as_places() -> None:

@@ -6,16 +6,17 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
+from rich.cells import cell_len
 from rich.text import Text
 
 from urdfcheck.core import Applicability, Finding, Run, Severity, Span
-from urdfcheck.core.headlines import cut_line
+from urdfcheck.core.headlines import cut_line, cut_middle
 from urdfcheck.output.shared.diffs import LineChange, list_line_changes
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.effects import ToldEffects, describe_hits
 from urdfcheck.output.shared.wording import describe_models, format_count, get_base_name, join_first
 from urdfcheck.output.text.change_lines import iter_change_lines
-from urdfcheck.output.text.code_frame_lines import iter_code_frame
+from urdfcheck.output.text.code_frame_lines import crop_to_window, iter_code_frame
 from urdfcheck.output.text.fix_words import refer_to_change, wrap_words
 from urdfcheck.output.text.full_finding import FIX_OPTIONS
 from urdfcheck.output.text.lines import STYLES, format_finding_title, wrap_text
@@ -31,6 +32,9 @@ _MOST_LINES = 8
 _LONGEST_TAG = 2000
 # The options that show a fix.
 _DIFF_OPTIONS = {Applicability.SAFE: "--diff", Applicability.UNSAFE: "--diff --unsafe-fixes"}
+# A message behind the marks says nothing new if it has a larger part of the words of the headline.
+_SAME_WORDS = 0.6
+_WORD = re.compile(r"[\w.-]+")
 # Columns before the text of a line with a label.
 _INDENT = 11
 
@@ -52,13 +56,8 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffec
     repair = changed if shown else []
     if room - len(repair) < len(_wrap_fix(finding, changes, shown, width, most=_MOST_WORDS)) and _marks_all(code):
         code, room = code[:1], room + 1  # marks below all of a line say nothing
-    words: list[Text] = []
-    for most in range(max(1, min(room - len(repair), _MOST_WORDS)), 0, -1):
-        words = _wrap_fix(finding, changes, shown, width, most=most)
-        if len(words) <= room - len(repair):
-            break
-    lines = [*words, *repair]
-    yield from (*head, *code, *facts, *lines)
+    words = _wrap_fix(finding, changes, shown, width, most=max(1, min(room - len(repair), _MOST_WORDS)))
+    yield from (*head, *code, *facts, *words, *repair)
     yield Text()
 
 
@@ -80,7 +79,8 @@ def _iter_code(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     if span is not None and (tag := _join_tag(run, span)):
         yield from _iter_tag_lines(finding, span.line, tag, width)
     elif span is not None:
-        label = escape_invisible(finding.message) if span.line == span.end_line else ""
+        is_label = span.line == span.end_line and not _repeats(finding.message, finding.headline)
+        label = escape_invisible(finding.message) if is_label else ""
         yield from iter_code_frame(
             run, span, style=STYLES[finding.severity], width=width, context=0, label=label, most_lines=1
         )
@@ -88,6 +88,12 @@ def _iter_code(run: Run, finding: Finding, width: int) -> Iterator[Text]:
         yield from _cut_lines(
             wrap_text(Text(escape_invisible(finding.message)), width, Text("  ")), _MOST_MESSAGE, width
         )
+
+
+def _repeats(message: str, headline: str) -> bool:
+    """Whether a message has most words of a headline, which stands above it."""
+    said, words = (set(_WORD.findall(text.lower())) for text in (message, headline))
+    return len(words & said) > _SAME_WORDS * len(words)
 
 
 def _join_tag(run: Run, span: Span) -> str:
@@ -99,10 +105,10 @@ def _join_tag(run: Run, span: Span) -> str:
 
 def _iter_tag_lines(finding: Finding, number: int, tag: str, width: int) -> Iterator[Text]:
     margin = f"  {number} │ "
-    shown = Text(escape_invisible(tag))
-    shown.truncate(width - len(margin) - 1, overflow="ellipsis")
+    text = escape_invisible(tag)
+    shown, _ = crop_to_window(text, 0, len(text), room=max(width - len(margin) - 1, 2))
     yield Text.assemble((margin, "dim"), shown)
-    marks = "^" * max(shown.cell_len, 1)
+    marks = "^" * max(cell_len(shown), 1)
     yield Text.assemble((f"  {' ' * len(str(number))} │ ", "dim"), (marks, STYLES[finding.severity]))
 
 
@@ -117,11 +123,13 @@ def _iter_facts(run: Run, finding: Finding, width: int, told: ToldEffects) -> It
     is_long = bool(others) and "(also " not in _format_places(finding, width).plain  # a long path left no room
     also = _join_fitting(others, "place", width - _INDENT) if is_long else ""
     names = _list_names(finding)
-    if len(names) > 1 and not _are_named(names, finding.headline):
+    rest = [name for name in names if not _is_named(name, finding.headline)]
+    if len(names) > 1 and rest:
+        label, names = ("and", rest) if len(rest) < len(names) else ("for", names)
         named = _join_fitting(names, "", width - _INDENT)
         both = _join_names_and_places(names, others, width - _INDENT) if also else ""
         named, also = (both, "") if both else (named, also)
-        yield _format_line("for", Text(named), width)
+        yield _format_line(label, Text(named), width)
     if also:
         yield _format_line("also", Text(also), width)
     effect = describe_hits(run, finding, width - _INDENT)
@@ -137,10 +145,10 @@ def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
         first = next(finding for finding in findings if finding.code == code)
         more = f" (+{count - 1} more)" if count > 1 else ""
         span = first.location.span
-        place = "" if span is None else f"  {escape_one_line(get_base_name(span.file))}:{span.line}"
+        # Each line names its file, the end of which matters most; the headline makes room.
+        file = "" if span is None else cut_middle(escape_one_line(get_base_name(span.file)), max(width // 2, 10))
+        place = "" if span is None else f"  {file}:{span.line}"
         title = format_finding_title(first).plain
-        if span is not None and len(title) + len(more) + len(place) > width:
-            place = f"  :{span.line}"  # the words matter more than the name of the file
         line = Text(cut_line(title, max(width - len(more) - len(place), 20)), "cyan")
         yield Text.assemble(line, (more, "dim"), (place, "dim"))
     if findings:
@@ -153,9 +161,8 @@ def _list_names(finding: Finding) -> list[str]:
     return list(dict.fromkeys(match[1] for match in found if match is not None))
 
 
-def _are_named(names: Iterable[str], headline: str) -> bool:
-    """Whether a headline names all of these."""
-    return all(re.search(rf"(?<![\w/-]){re.escape(name)}(?![\w/-])", headline) for name in names)
+def _is_named(name: str, headline: str) -> bool:
+    return re.search(rf"(?<![\w/-]){re.escape(name)}(?![\w/-])", headline) is not None
 
 
 def _join_fitting(names: Sequence[str], noun: str, width: int) -> str:
@@ -224,8 +231,7 @@ def _wrap_fix(
 ) -> list[Text]:
     """Wrap the repair in words into at most so many lines, and end it with the option that does or shows it.
 
-    What the changed lines ``shown`` below it say is left out. The option has a line of its own where the last is full; where
-    ``most`` is 1, the words are cut for it.
+    What the changed lines ``shown`` below it say is left out.
     """
     if finding.fix is None:
         return []
@@ -233,17 +239,7 @@ def _wrap_fix(
     if shown:
         words = refer_to_change(words, shown)
     lead = Text.assemble("  ", (f"= {'fix':<{_INDENT - 4}}", "dim"))
-    lines = wrap_words(words, width, lead, most)
-    option = _name_option(finding, changes, shown)
-    if not option:
-        return lines
-    narrow = width - len(option) - 1
-    if most == 1 and lines[-1].cell_len > narrow > 2 * _INDENT:
-        lines = wrap_words(words, narrow, lead, most)
-    if lines[-1].cell_len <= narrow:
-        lines[-1].append(f" {option}", "dim")
-        return lines
-    return [*lines, Text.assemble(" " * max(2, min(_INDENT, width - len(option))), (option, "dim"))]
+    return wrap_words(words, width, lead, most, _name_option(finding, changes, shown))
 
 
 def _name_option(finding: Finding, changes: Sequence[LineChange], shown: Sequence[LineChange]) -> str:

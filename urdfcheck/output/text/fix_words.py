@@ -34,14 +34,22 @@ def refer_to_change(words: str, changes: Sequence[LineChange]) -> str:
     return _NUMBERS.sub("the numbers below", _WRITTEN.sub(replace_values, words))
 
 
-def wrap_words(words: str, width: int, lead: Text, most: int) -> list[Text]:
-    """Wrap a repair into at most ``most`` lines; a longer one ends with a clause, and never within a number, a tag or quotes."""
+def wrap_words(words: str, width: int, lead: Text, most: int, ending: str = "") -> list[Text]:
+    """Wrap a repair into at most ``most`` lines; a longer one ends with a clause, and never within a number, a tag or quotes.
+
+    ``ending``: an option behind the words, however much of them is left; it has a line more where it is longer than a line.
+    """
+    if ending and len(ending) > width - len(lead):
+        indent = " " * max(2, min(len(lead), width - len(ending)))
+        return [*wrap_words(words, width, lead, most), Text.assemble(indent, (ending, "dim"))]
+    tail = f" {ending.replace(' ', _BOUND)}" if ending else ""
     text = words[:_LONGEST]
-    lines = _wrap_whole(Text(text), width, lead)
+    lines = _wrap_whole(Text.assemble(text, (tail, "dim")), width, lead)
     if len(lines) <= most and len(text) == len(words):
         return lines
+    tail = f" …{tail}"
     cuts = _list_cuts(text[: most * width])
-    fitting = [cut for cut in cuts if len(_wrap_whole(Text(f"{text[: cut[0]]} …"), width, lead)) <= most]
+    fitting = [cut for cut in cuts if len(_wrap_whole(Text(text[: cut[0]] + tail), width, lead)) <= most]
     if fitting:
         longest = fitting[-1][0]
         # A clause is better than a longer piece, unless it is the least part of it.
@@ -51,10 +59,10 @@ def wrap_words(words: str, width: int, lead: Text, most: int) -> list[Text]:
             for e, m in reversed(fitting)
             if e >= part * longest and (not marks or m in marks)
         ]
-        return _wrap_whole(Text.assemble(text[: ends[0]], (" …", "dim")), width, lead)
+        return _wrap_whole(Text.assemble(text[: ends[0]], (tail, "dim")), width, lead)
     kept = lines[:most]  # a word longer than the lines
-    kept[-1].truncate(width - 2)
-    kept[-1].append(" …", "dim")
+    kept[-1].truncate(max(width - len(tail), 0))
+    kept[-1].append(tail.replace(_BOUND, " "), "dim")
     return kept
 
 
