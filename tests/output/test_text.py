@@ -374,7 +374,7 @@ def test_in_brief_a_message_that_repeats_the_headline_is_left_out() -> None:
 
 def test_a_long_line_keeps_the_file_name_and_no_number_in_part() -> None:
     path = f"package://robot/{'folder/' * 12}torso.dae"
-    numbers = " ".join(f'i{i}="0.12345678"' for i in range(9))
+    numbers = " ".join(f'i{i}="0.12345678"' for i in range(19))
     source = f'<robot>\n  <mesh filename="{path}"/>\n  <inertia {numbers}/>\n</robot>'
     for typed, end in ((path, "torso.dae…"), (source.splitlines()[2].strip(), '0.12345678" …')):
         start = source.index(typed)
@@ -391,6 +391,19 @@ def test_a_long_line_keeps_the_file_name_and_no_number_in_part() -> None:
             marks = lines[lines.index(code) + 1]
             assert "^" in marks
             assert len(marks) <= width
+
+
+def test_in_brief_a_long_element_is_in_two_lines_instead_of_marks_below_all_of_it() -> None:
+    typed = '<inertia ixx="0.0053694" ixy="0.0014185" ixz="-0.00092094" iyy="0.0032423" iyz="-0.0016917" izz="0.005"/>'
+    source = f"<robot>\n      {typed}\n</robot>\n"
+    start = source.index(typed)
+    span = replace(span_of("<robot"), file=FILE, start=start, end=start + len(typed), line=2, end_line=2)
+    span = replace(span, col=7, end_col=7 + len(typed))
+    run = replace(a_run(finding(location=Location("x", span), fix=None)), sources={FILE: source})
+    lines = render(run, width=80, detail=DetailLevel.BRIEF).splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("  2 │ <inertia"))
+    assert lines[at + 1].startswith("    │   ")
+    assert " ".join(line.partition("│ ")[2].strip() for line in lines[at : at + 2]) == typed
 
 
 def test_in_brief_the_option_shares_the_last_line_of_words_that_are_cut() -> None:

@@ -19,7 +19,7 @@ from urdfcheck.output.text.change_lines import iter_change_lines
 from urdfcheck.output.text.code_frame_lines import crop_to_window, iter_code_frame
 from urdfcheck.output.text.fix_words import refer_to_change, wrap_words
 from urdfcheck.output.text.full_finding import FIX_OPTIONS
-from urdfcheck.output.text.lines import STYLES, format_finding_title, wrap_text
+from urdfcheck.output.text.lines import STYLES, format_finding_title, get_first_line, wrap_text
 
 _NAMED = re.compile(r"(?!gazebo\[\d+\])\w+\[([^\]]+)\]")  # the number of a <gazebo> element would be taken for a line
 # Places and subjects that are named.
@@ -57,7 +57,7 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffec
     if room - len(repair) < len(_wrap_fix(finding, changes, shown, width, most=_MOST_WORDS)) and _marks_all(code):
         code, room = code[:1], room + 1  # marks below all of a line say nothing
     words = _wrap_fix(finding, changes, shown, width, most=max(1, min(room - len(repair), _MOST_WORDS)))
-    yield from (*head, *code, *facts, *words, *repair)
+    yield from (*head, *_unfold(run, finding, code, width), *facts, *words, *repair)
     yield Text()
 
 
@@ -71,6 +71,22 @@ def _marks_all(code: Sequence[Text]) -> bool:
         return False
     line, marks = (text.plain.partition("│ ")[2] for text in code)
     return len(line.strip()) == len(marks.strip()) == marks.count("^")
+
+
+def _unfold(run: Run, finding: Finding, code: list[Text], width: int) -> list[Text]:
+    """Return a line that is cut in two, in place of marks below all of it; else the code as it is."""
+    span = finding.location.span
+    if span is None or not _marks_all(code) or not code[0].plain.endswith("…"):
+        return code
+    text = escape_invisible(_join_tag(run, span)) or get_first_line(run, span)
+    margins = ["".join(line.plain.partition("│ ")[:2]) for line in code]
+    halves = list(wrap_text(Text(text), width - len(margins[0]) - 2)) if len(text) < 2 * width else []
+    if len(halves) != 2:
+        return code
+    return [
+        Text.assemble((margin, "dim"), indent, half)
+        for margin, indent, half in zip(margins, ("", "  "), halves, strict=True)
+    ]
 
 
 def _iter_code(run: Run, finding: Finding, width: int) -> Iterator[Text]:
