@@ -13,7 +13,7 @@ from urdfcheck.output.html.program_outcomes import VERBS, is_news, list_affected
 from urdfcheck.output.html.sections.code_listing import render_code_frame, render_diff
 from urdfcheck.output.shared.anchors import FindingCard, parse_element_key
 from urdfcheck.output.shared.verdict.claim import join_names
-from urdfcheck.output.shared.verdict.effects import list_effects
+from urdfcheck.output.shared.verdict.effects import has_own_subject, list_effects
 from urdfcheck.output.shared.verdict.not_checked import explain_block
 from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
@@ -143,8 +143,8 @@ def _render_minds(run: Run, finding: Finding) -> str:
             verbs = VERBS.get(verdict, (finding.consequences[program],) * 2)
             groups.setdefault((-verdict, kind, *verbs), []).append(PROGRAM_NAMES.get(program, program))
     phrases = [
-        f'<span class="{kind}">{render_glyph(kind) if kind != "ok" else "·"} <b>{escape_html(join_names(names))}</b> '
-        f"{render_prose(one if len(names) == 1 else several)}</span>"
+        f'<span class="{kind}">{render_glyph(kind) if kind != "ok" else "·"} <b>{escape_html(join_names(names))}'
+        f"{':' if has_own_subject(one) else ''}</b> {render_prose(one if len(names) == 1 else several)}</span>"
         for (_, kind, one, several), names in sorted(groups.items())
     ]
     return f'<p class="minds">{"".join(phrases)}</p>' if phrases else ""

@@ -80,9 +80,14 @@ def _join_hits(effects: Mapping[str, Sequence[str]], shorten: Callable[[str], st
 
 def _join_hit(names: Sequence[str], effect: str) -> str:
     """Name programs and what they do, or what happens there: ``Gazebo: the joint sags``."""
-    if not _VERB.match(effect):
+    if has_own_subject(effect):
         return f"{join_programs(names)}: {effect}"
     return f"{join_programs(names)} {effect if len(names) == 1 else _use_plural(effect)}"
+
+
+def has_own_subject(effect: str) -> bool:
+    """Whether a sentence about a program is about a part of the robot: ``the joint sags``. A colon then leads to it."""
+    return _VERB.match(effect) is None
 
 
 def join_programs(names: Sequence[str]) -> str:
