@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from urdfcheck.core.text import (
+    find_nearest_name,
+    find_only_near_name,
     format_box_size,
     format_count,
     format_large_count,
@@ -55,3 +57,24 @@ def test_a_large_count_has_separators() -> None:
 
 def test_only_a_long_text_is_truncated() -> None:
     assert (truncate_text("12345678", 8), truncate_text("123456789", 8)) == ("12345678", "12345...")
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "near"),
+    [
+        ("r_gripper_l_parallel_link", "r_gripper_palm_link", None),
+        ("r_gripper_l_parallel_link", "r_gripper_l_parallel_root_link", "r_gripper_l_parallel_root_link"),
+        ("r_wheel", "l_wheel", None),
+        ("left_weel", "left_wheel", "left_wheel"),
+        ("left_weel", "leftwheel", "leftwheel"),
+        ("lfet_wheel", "left_wheel", "left_wheel"),
+    ],
+)
+def test_a_part_of_another_side_is_not_another_spelling(name: str, known: str, near: str | None) -> None:
+    assert find_nearest_name(name, [known]) == near
+
+
+def test_a_name_is_edited_only_if_no_name_of_either_side_is_near() -> None:
+    known = ["r_forearm_link", "forearm_link"]
+    assert find_nearest_name("l_forearm_link", known) == "forearm_link"
+    assert find_only_near_name("l_forearm_link", known) is None

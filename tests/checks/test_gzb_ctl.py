@@ -86,6 +86,13 @@ def test_plugins_with_one_successor_share_its_advice(tmp_path: Path) -> None:
     assert finding.headline == "3 plugins are Gazebo Classic only: gazebo_ros_camera and 2 more"
 
 
+def test_the_headline_counts_materials_and_lists_their_names(tmp_path: Path) -> None:
+    names = ("Gazebo/DarkGrey", "Gazebo/DarkGrey", "Gazebo/FlatBlack")
+    body = "".join(block("a", f"<material>{name}</material>\n") for name in names)
+    (finding,) = find(tmp_path, robot(ARM, body), "GZB002")
+    assert finding.headline == "3 materials use Gazebo Classic names (DarkGrey, FlatBlack)"
+
+
 # -- what Gazebo merges -------------------------------------------------------------------------------------------------
 
 SHAPE = "<geometry><box size='1 1 1'/></geometry>"
@@ -226,6 +233,12 @@ OFF = "<turnGravityOff>true</turnGravityOff>"
 )
 def test_gravity_goes_with_the_body(tmp_path: Path, body: str, expected: list[str]) -> None:
     assert messages(tmp_path, make_link("base") + body, "GZB003") == expected
+
+
+def test_a_body_without_gravity_is_blamed_on_the_link_with_the_flag(tmp_path: Path) -> None:
+    body = make_link("base", 1.0) + make_link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF)
+    (finding,) = find(tmp_path, robot(body), "GZB003")
+    assert finding.headline == "camera: turnGravityOff acts on all of base (1.1 kg)"
 
 
 # -- sensors ------------------------------------------------------------------------------------------------------------

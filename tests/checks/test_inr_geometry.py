@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -167,6 +168,8 @@ def test_a_sign_is_named_when_the_other_one_is_near_the_parts_own(tmp_path: Path
     # The box is 0.1233 m from corner to corner: the other sign may miss its middle at 0.15 m by 12 mm.
     (finding,) = find(tmp_path, make_arm(replace(Part(place=(0.15, 0, 0)), com=(x, 0.001, 0))), {"INR006"})
     assert finding.message_id == message
+    end = " (sign of x?)" if message == "sign" else ""
+    assert re.fullmatch(rf"arm: COM is [\d.]+ mm outside its geometry{re.escape(end)}", finding.headline)
     assert finding.fix is not None
     edits = [(e.expected, e.replacement) for e in finding.fix.edits]
     assert edits == ([("-0.16 0.001 0.0", "0.16 0.001 0.0")] if message == "sign" else [])
@@ -232,6 +235,19 @@ def test_a_round_tensor_is_told_when_it_is_far_from_the_shape(tmp_path: Path, mo
     # 0.6 kg that fill this box have 0.00026, 0.00058 and 0.00068 kg m².
     content = make_arm(replace(Part(), tensor=moment * np.eye(3)))
     assert bool(find(tmp_path, content, {"INR007"})) == told
+
+
+@pytest.mark.parametrize(
+    ("moment", "gazebo", "mujoco"),
+    [(5e-05, "too little inertia", "too little inertia"), (1.0, "too much inertia", "loads it")],
+)
+def test_effects_of_a_placeholder_are_those_of_its_direction(
+    tmp_path: Path, moment: float, gazebo: str, mujoco: str
+) -> None:
+    (finding,) = find(tmp_path, make_arm(replace(Part(), tensor=moment * np.eye(3))), {"INR007"})
+    assert finding.data["size"] == ("large" if "much" in gazebo else "small")
+    assert finding.consequences["gazebo"].startswith(gazebo)
+    assert finding.consequences["mujoco"].startswith(mujoco)
 
 
 def test_a_cube_may_have_a_round_tensor(tmp_path: Path) -> None:

@@ -205,6 +205,17 @@ def test_two_constants_in_one_attribute_are_two_findings_and_each_edits_its_word
     assert [(e.expected, float(e.replacement)) for e in edits] == [("1.57", math.pi / 2), ("-3.14", -math.pi)]
 
 
+def test_how_far_an_angle_is_off_is_written_without_an_exponent(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_three_links(make_joint(origin("1.57 0 0"))), "JNT013")
+    assert finding.headline == "1.57 means π/2 and is off by 0.0008 rad"
+
+
+def test_the_headline_of_several_constants_spells_them(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_three_links(make_joint(origin("1.5708 0 3.1416"))), "JNT013")
+    assert finding.message_id == "several"
+    assert finding.headline == "2 rounded fractions of π: 1.5708, 3.1416"
+
+
 def test_in_xacro_the_constant_is_written_as_an_expression_and_expressions_are_left_alone(tmp_path: Path) -> None:
     (finding,) = find(
         tmp_path, make_three_links(make_joint(origin("${2 * 1.57} 0 -1.5708"))), "JNT013", name="robot.xacro"

@@ -591,7 +591,7 @@ def test_how_many_triangles_may_collide(tmp_path: Path, limit: int, reported: bo
     links = (shape("visual") + shape("collision"), shape("collision"))
     findings = find_in_mesh(tmp_path, "MSH009", CLOSED, *links, options={"MSH009": {"triangles": limit}})
     assert [(f.data["triangles"], len(f.related)) for f in findings] == ([(4, 1)] if reported else [])
-    assert [f.headline for f in findings] == (["l0: collision mesh has over 3 triangles (4)"] if reported else [])
+    assert [f.headline for f in findings] == (["l0: collision mesh has 4 triangles (limit 3)"] if reported else [])
 
 
 @pytest.mark.parametrize(

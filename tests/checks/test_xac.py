@@ -822,6 +822,16 @@ def test_value_that_is_replaced_before_anything_reads_it(tmp_path: Path, text: s
     assert [f.location.span.line for f in findings if f.location.span] == lines
 
 
+def test_a_value_set_twice_names_both_lines(tmp_path: Path) -> None:
+    (finding,) = xacro(tmp_path, prop("a", "1") + "\n" + prop("a", "2") + '<link name="l${a}"/>', {"XAC008"}).findings
+    assert finding.location.span is not None
+    lines = finding.related[0].span, finding.location.span
+    first, second = (span.line for span in lines if span is not None)
+    assert finding.fix is not None
+    assert finding.fix.title == f"delete line {first} or {second}, whichever is wrong"
+    assert first < second
+
+
 @pytest.mark.parametrize(
     ("main", "message"),
     [

@@ -71,8 +71,9 @@ def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
         "material",
         at=places[0],
         related=places[1:],
-        which=format_count(len(elements), "material has a Gazebo Classic name", "materials have Gazebo Classic names"),
+        which=format_count(len(elements), "material uses a Gazebo Classic name", "materials use Gazebo Classic names"),
         names=join_names(dict.fromkeys(element.text.strip() for element in elements)),
+        short_names=join_names(dict.fromkeys(element.text.strip().removeprefix("Gazebo/") for element in elements)),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in elements)))
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.core.text import format_length
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.model import Model
@@ -46,6 +47,7 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             edits=() if sign is None else sign.repair.edits,
             link=part.link.name,
             distance=float(f"{distance:.3g}"),
+            length=format_length(distance),
             size=float(f"{size:.3g}"),
             percent=float(f"{100.0 * distance / size:.2g}"),
             around=part.geometry_phrase,

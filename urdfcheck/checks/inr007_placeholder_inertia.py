@@ -28,6 +28,12 @@ from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambigu
 _FEWEST = 4
 # A tensor that links of this many different masses share belongs to none of them, whatever they look like.
 _FEWEST_MASSES = 3
+# What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
+_TOO_LARGE = {"gazebo": "too much inertia makes a joint sluggish", "mujoco": "loads it"}
+_TOO_SMALL = {
+    "gazebo": "too little inertia makes a joint shake or explode",
+    "mujoco": "too little inertia makes the simulation unstable at the default time step",
+}
 
 
 class _Misfit(NamedTuple):
@@ -149,6 +155,7 @@ def _build_tensor_finding(
             expected=float(f"{worst.misfit.expected:.2g}"),
             less="less" if is_less else "more",
             size="large" if is_less else "small",
+            consequences=_TOO_LARGE if is_less else _TOO_SMALL,
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))

@@ -76,6 +76,7 @@ def _build_group_finding(rule: Rule, findings: list[Finding]) -> Finding:
         related=[place for f in findings for place in (f.location, *f.related)][1:],
         edits=[edit for f in findings if f.fix is not None for edit in f.fix.edits],
         spellings=join_names(counts),
+        forms=join_names(dict.fromkeys(f.data["spelled"] for f in findings)),
         count=sum(counts.values()),
         correct=join_names(dict.fromkeys(f.data["correct"].lstrip("-").replace("{-", "{") for f in findings)),
     )

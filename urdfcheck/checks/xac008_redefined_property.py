@@ -48,6 +48,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             second=after.get("value"),
             where=f"line {_get_line_number(first)} of {files[0]}",
             file=files[1],
+            lines=f"{_get_line_number(first)} or {_get_line_number(second)}",
         )
 
 

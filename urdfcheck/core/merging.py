@@ -220,7 +220,9 @@ def _join_fixes(ordered: Sequence[Finding]) -> Fix | None:
         return fixes[0]
     title = fixes[0].title
     if len({fix.title for fix in fixes}) > 1:
-        title += f" (for the first of {len(ordered)} places, the others likewise)"
+        title += (
+            "; the other place likewise" if len(ordered) == 2 else f"; the other {len(ordered) - 1} places likewise"
+        )
     return Fix(title, max((fix.applicability for fix in fixes), key=list(Applicability).index), edits)
 
 

@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable
 SLIP_LIKENESS = 0.85
 # What stands in a proposed command in place of a value that nobody but the user knows.
 TO_FILL_IN = "…"
+_SIDES = frozenset({"l", "left", "r", "right"})
 _DIGITS = re.compile(r"\d")
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
@@ -19,18 +20,30 @@ _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 def find_nearest_name(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
     """Return the known name that is spelled most like ``name``, or None (likeness 1 is equal, 0.75 shares most letters).
 
-    A name that differs only in its digits is another part of the same kind, not another spelling.
+    A name that differs only in its digits is another part of the same kind, not another spelling; one with other sides is a
+    part elsewhere: ``r_gripper_palm`` is not ``r_gripper_l_finger``.
     """
+    sides = _find_sides(name)
+    return _find_similar_name(name, (o for o in known if not sides or _find_sides(o) in (set(), sides)), likeness)
+
+
+def _find_similar_name(name: str, known: Iterable[str], likeness: float) -> str | None:
+    """Return the name with most letters in common, on whatever side, or None."""
     letters = _DIGITS.sub("", name)
     candidates = sorted(other for other in set(known) - {""} if _DIGITS.sub("", other) != letters)
     close = difflib.get_close_matches(name, candidates, n=1, cutoff=likeness)
     return close[0] if close else None
 
 
+def _find_sides(name: str) -> set[str]:
+    """Return the sides that a name has as words of their own: ``l`` for left, ``r`` for right."""
+    return {word[0] for word in map(str.lower, split_name_words(name)) if word in _SIDES}
+
+
 def find_only_near_name(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
     """Return the known name that is spelled like ``name`` if it is the only one: an edit may write it."""
     near = find_nearest_name(name, known, likeness)
-    return None if near is None or find_nearest_name(name, set(known) - {near}, likeness) else near
+    return None if near is None or _find_similar_name(name, set(known) - {near}, likeness) else near
 
 
 def format_name_hint(name: str, known: Iterable[str]) -> str:
