@@ -265,7 +265,7 @@ def test_without_such_an_edit_the_drawn_part_s_tensor_is_offered(
     assert finding.code == code
     assert "single edit" not in finding.message
     assert finding.fix is not None
-    assert "write the numbers in the diff (the drawn part at this mass and uniform density)" in finding.fix.title
+    assert "write the computed numbers (the drawn part at this mass and uniform density)" in finding.fix.title
     assert find_clear_messages(tmp_path / "mended", edited(text, finding.fix.edits)) == []
 
 

@@ -8,9 +8,11 @@ from dataclasses import replace
 import pytest
 from output.runs import FILE, MODEL, SOURCE, a_run, finding, span_of
 from rich.cells import cell_len
+from rich.text import Text
 
 from urdfcheck.core import Applicability, Cause, Edit, Fix, Location, Severity, SkippedCheck
 from urdfcheck.output.text import DetailLevel, render, render_statistics
+from urdfcheck.output.text.fix_words import wrap_words
 
 
 def test_a_finding_begins_with_its_headline_and_then_its_place() -> None:
@@ -150,7 +152,7 @@ def test_in_brief_the_infos_of_a_rule_are_a_line() -> None:
     other = finding(severity=Severity.INFO, code="INR001", headline="the mass is round")
     lines = render(a_run(*infos, other), width=60, detail=DetailLevel.BRIEF).splitlines()
     first, second = (line for line in lines if line.startswith("i "))
-    assert re.fullmatch(r"i INR003 wheel: no body can have this inertia… \(\+2 more\)  :\d+", first)
+    assert re.fullmatch(r"i INR003 wheel: no body can have… \(\+2 more\)  rover.urdf:\d+", first), "the file is named"
     assert re.fullmatch(r"i INR001 the mass is round  rover.urdf:\d+", second)
     assert len(first) <= 60
     assert "put the point back" in render(a_run(*infos))
@@ -260,25 +262,26 @@ def test_statistics_add_up_to_the_last_line() -> None:
     assert "2 notes" in lines[-1]
 
 
-def test_in_brief_a_finding_takes_eight_lines() -> None:
+def test_in_brief_a_finding_takes_at_most_eight_lines() -> None:
     """One of several elements, that several programs mind, with a long repair of many lines."""
     edits = tuple(Edit(span_of(word), word, "x") for word in ('"base"', '"-1"', '"0.09"', '"axle"'))
     long = finding(
-        fix=Fix("write the numbers in the diff anew " * 30, Applicability.UNSAFE, edits),
+        fix=Fix("write the computed numbers anew " * 30, Applicability.UNSAFE, edits),
         subjects=("link[a]", "link[b]"),
         message="long " * 50,
     )
     lines = render(a_run(long), width=80, detail=DetailLevel.BRIEF).splitlines()
     at = next(i for i, line in enumerate(lines) if line.startswith("✖ INR003"))
-    assert lines.index("", at) - at == 8
-    assert lines[at + 7] == "           changes 4 lines: see --diff --unsafe-fixes [--fix --unsafe-fixes]"
+    end = lines.index("", at)
+    assert 7 <= end - at <= 8
+    assert lines[end - 1].endswith(" [4 lines: --diff --unsafe-fixes]"), "the option is at the end of the words"
 
 
 def test_in_brief_words_that_the_change_shows_are_left_out() -> None:
     edit = Edit(span_of('"0.09"'), '"0.09"', '"0.019"')
     fix = Fix('if that is the mistake, write izz="0.019"; otherwise export it again', Applicability.UNSAFE, (edit,))
     text = render(a_run(finding(fix=fix)), detail=DetailLevel.BRIEF)
-    assert "= fix    if that is the mistake, make this change; otherwise export it again" in text
+    assert "= fix    if that is the mistake, apply the diff below; otherwise export it again" in text
     other = replace(fix, title='write izz="0.018" or the like')
     assert 'write izz="0.018" or the like' in render(a_run(finding(fix=other)), detail=DetailLevel.BRIEF)
 
@@ -289,7 +292,7 @@ def test_in_brief_the_option_never_cuts_the_words() -> None:
     lines = render(a_run(finding(fix=Fix(words, Applicability.UNSAFE, (edit,)))), width=95, detail=DetailLevel.BRIEF)
     at = next(i for i, line in enumerate(lines.splitlines()) if "= fix" in line)
     assert lines.splitlines()[at].endswith(words)
-    assert lines.splitlines()[at + 2].endswith("[--fix --unsafe-fixes]")
+    assert lines.splitlines()[at + 1].strip() == "[--fix --unsafe-fixes]", "above the changed lines, never behind one"
     assert max(map(len, lines.splitlines())) <= 95
 
 
@@ -305,10 +308,29 @@ def test_in_brief_the_option_never_cuts_the_words() -> None:
     ],
 )
 def test_a_long_repair_ends_with_a_clause(words: str, end: str) -> None:
-    lines = render(a_run(finding(fix=Fix(words, Applicability.DISPLAY, ()))), width=60, detail=DetailLevel.BRIEF)
-    fix = lines.partition("= fix")[2].partition("\n\n")[0]
-    assert " ".join(fix.split()).endswith(end)
-    assert fix.count("\n") <= 1
+    lines = wrap_words(words, 60, Text("  = fix    "), 2)
+    assert " ".join(" ".join(line.plain for line in lines).split()).endswith(end)
+    assert len(lines) <= 2
+
+
+def test_a_tag_is_not_broken_between_lines() -> None:
+    words = (
+        'delete the lines and give the <visual>s a <material name="…"><color rgba="…"/></material>, which RViz reads'
+    )
+    for width in range(64, 100):
+        lines = [line.plain.strip() for line in wrap_words(words, width, Text("  = fix    "), 4)]
+        assert not [line for line in lines if line.endswith(("<color", "<material"))]
+        assert " ".join(lines).removeprefix("= fix    ") == words
+
+
+def test_in_brief_a_repair_has_the_lines_that_remain() -> None:
+    words = (
+        "if the left one is correct, write a in the right one; if the right one is correct, write b in the left one; "
+        "otherwise measure both of them again, and write what is measured"
+    )
+    text = render(a_run(finding(fix=Fix(words, Applicability.DISPLAY, ()))), width=80, detail=DetailLevel.BRIEF)
+    fix = text.partition("= fix")[2].partition("\n\n")[0]
+    assert " ".join(fix.split()) == words
 
 
 def test_in_brief_an_element_of_several_lines_is_shown_in_one() -> None:
@@ -329,6 +351,67 @@ def test_in_brief_nothing_is_named_twice() -> None:
     assert "also" not in text
     plugins = ("gazebo[6]/plugin[x]", "gazebo[7]/plugin[y]")
     assert "= for" not in render(a_run(finding(subjects=plugins)), detail=DetailLevel.BRIEF), "6 and 7 are no names"
+
+
+def test_in_brief_a_line_adds_what_the_headline_only_counts() -> None:
+    subjects = tuple(f"joint[{name}]" for name in ("hip", "knee", "ankle", "toe"))
+    for headline, line in (
+        ("hip, knee and 2 more: effort 0", "  = and    ankle, toe"),
+        ("4 joints have effort 0", "  = for    hip, knee, ankle and 1 more"),
+    ):
+        text = render(a_run(finding(headline=headline, subjects=subjects)), detail=DetailLevel.BRIEF)
+        assert line in text.splitlines()
+
+
+def test_in_brief_a_message_that_repeats_the_headline_is_left_out() -> None:
+    one = finding(
+        headline="2 joints have effort limit 0: a, b", message="2 joints have effort=0 (a, b): no torque", fix=None
+    )
+    assert "no torque" not in render(a_run(one), detail=DetailLevel.BRIEF)
+    other = replace(one, message="a typing mistake?")
+    assert "^ a typing mistake?" in render(a_run(other), detail=DetailLevel.BRIEF)
+
+
+def test_a_long_line_keeps_the_file_name_and_no_number_in_part() -> None:
+    path = f"package://robot/{'folder/' * 12}torso.dae"
+    numbers = " ".join(f'i{i}="0.12345678"' for i in range(19))
+    source = f'<robot>\n  <mesh filename="{path}"/>\n  <inertia {numbers}/>\n</robot>'
+    for typed, end in ((path, "torso.dae…"), (source.splitlines()[2].strip(), '0.12345678" …')):
+        start = source.index(typed)
+        line = source[:start].count("\n") + 1
+        col = start - source.rfind("\n", 0, start)
+        span = replace(span_of("<robot"), file=FILE, start=start, end=start + len(typed), line=line, end_line=line)
+        span = replace(span, col=col, end_col=col + len(typed))
+        run = replace(a_run(finding(location=Location("x", span), fix=None)), sources={FILE: source})
+        for width in (60, 80):
+            lines = render(run, width=width, detail=DetailLevel.BRIEF).splitlines()
+            code = next(text for text in lines if text.startswith(f"  {line} │"))
+            assert code.endswith(end)
+            assert len(code) <= width
+            marks = lines[lines.index(code) + 1]
+            assert "^" in marks
+            assert len(marks) <= width
+
+
+def test_in_brief_a_long_element_is_in_two_lines_instead_of_marks_below_all_of_it() -> None:
+    typed = '<inertia ixx="0.0053694" ixy="0.0014185" ixz="-0.00092094" iyy="0.0032423" iyz="-0.0016917" izz="0.005"/>'
+    source = f"<robot>\n      {typed}\n</robot>\n"
+    start = source.index(typed)
+    span = replace(span_of("<robot"), file=FILE, start=start, end=start + len(typed), line=2, end_line=2)
+    span = replace(span, col=7, end_col=7 + len(typed))
+    run = replace(a_run(finding(location=Location("x", span), fix=None)), sources={FILE: source})
+    lines = render(run, width=80, detail=DetailLevel.BRIEF).splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("  2 │ <inertia"))
+    assert lines[at + 1].startswith("    │   ")
+    assert " ".join(line.partition("│ ")[2].strip() for line in lines[at : at + 2]) == typed
+
+
+def test_in_brief_the_option_shares_the_last_line_of_words_that_are_cut() -> None:
+    lines = [
+        line.plain for line in wrap_words("write this; " * 40, 60, Text("  = fix    "), 2, "[--fix --unsafe-fixes]")
+    ]
+    assert len(lines) == 2
+    assert lines[-1].endswith("; … [--fix --unsafe-fixes]")
 
 
 def test_in_brief_places_are_counted_as_places() -> None:
@@ -360,4 +443,4 @@ def test_in_brief_a_terminal_may_be_narrow(width: int) -> None:
         subjects=("link[a]", "link[b]"), fix=Fix('write izz="0.019" ' * 9, Applicability.UNSAFE, finding().fix.edits)
     )  # type: ignore[union-attr]
     text = render(a_run(finding(), many, finding(severity=Severity.INFO)), width=width, detail=DetailLevel.BRIEF)
-    assert text.count("--fix --unsafe-fixes]") == 2
+    assert text.count("--fix --unsafe-fixes]") + text.count("[1 line: --diff --unsafe-fixes]") == 2

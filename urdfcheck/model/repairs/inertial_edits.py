@@ -34,8 +34,8 @@ class InertialRepair:
 
     @property
     def words(self) -> str:
-        """What to write, for a sentence: the text, or a reference to the diff where that shows many numbers."""
-        return self.text if not self.edits or len(self.places) <= _MOST_SPELLED else "the numbers in the diff"
+        """What to write, for a sentence: the text, or a reference to the edits where they write many numbers."""
+        return self.text if not self.edits or len(self.places) <= _MOST_SPELLED else "the computed numbers"
 
 
 def build_inertial_repair(inertial: Inertial, expected: DeclaredInertial) -> InertialRepair:

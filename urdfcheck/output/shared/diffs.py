@@ -79,40 +79,14 @@ def list_line_changes(sources: Mapping[str, str], edits: Iterable[Edit]) -> list
 def fit_change(change: LineChange, width: int) -> tuple[tuple[Piece, ...], tuple[Piece, ...]]:
     """Return the pieces of a change without the indent of its line.
 
-    Where one of the two lines takes more than ``width`` characters, of what does not change only the tag remains.
+    Where one of the two lines takes more than ``width`` characters, of what does not change only the tag remains. What changes
+    is never left out: the line may then be longer.
     """
     sides = [_join_pieces(side) for side in (change.old, change.new)]
     fits = all(len(side.strip()) <= width for side in sides)
     if fits:
         return _strip_pieces(change.old), _strip_pieces(change.new)
-    pair = [list(_shorten_pieces(side)) for side in (change.old, change.new)]
-    while max(len(_join_pieces(side)) for side in pair) > width and (least := _find_least_change(*pair)) is not None:
-        for side in pair:
-            before, after = side[least - 1 : least], side[least + 1 : least + 2]
-            end = _TAG_END.search(after[0][0]) if after and least + 2 == len(side) else None
-            gap = f"{before[0][0].rstrip(' …')} …{f' {end[0].strip()}' if end else ' '}"
-            side[least - 1 : least + 2] = [(gap, False)]
-    old, new = map(_strip_pieces, pair)
-    return old, new
-
-
-def _find_least_change(old: Sequence[Piece], new: Sequence[Piece]) -> int | None:
-    """Return the index of the attribute that changes least, where several of the same do; None where one is left."""
-    changed = [i for i, piece in enumerate(old) if piece[1]]
-    if len(old) != len(new) or len(changed) < 2 or changed != [i for i, piece in enumerate(new) if piece[1]]:
-        return None
-    return min(
-        (i for i in changed if 0 < i < len(old) - 1), key=lambda i: _measure_change(old[i][0], new[i][0]), default=None
-    )
-
-
-def _measure_change(old: str, new: str) -> float:
-    """Return how much the number of an attribute changes, from 0 to 2; 2 for any other text."""
-    try:
-        one, two = (float(text.partition("=")[2].strip(" \"'")) for text in (old, new))
-    except ValueError:
-        return 2.0
-    return abs(one - two) / max(abs(one), abs(two), 1e-300)
+    return _strip_pieces(_shorten_pieces(change.old)), _strip_pieces(_shorten_pieces(change.new))
 
 
 def _join_pieces(pieces: Iterable[Piece]) -> str:

@@ -14,13 +14,8 @@ from urdfcheck.output.text.lines import wrap_text
 _STYLES = {"-": "red", "+": "green"}
 
 
-def iter_change_lines(
-    finding: Finding, changes: Sequence[LineChange], *, indent: int, width: int, is_cut: bool
-) -> Iterator[Text]:
-    """Yield the changed lines below a label of ``indent`` columns, with the number of each line.
-
-    ``is_cut``: whether lines that are too long are cut; else they are wrapped.
-    """
+def iter_change_lines(finding: Finding, changes: Sequence[LineChange], *, indent: int, width: int) -> Iterator[Text]:
+    """Yield the changed lines below a label of ``indent`` columns, with the number of each line; long ones are wrapped."""
     span = finding.location.span
     for change in changes:
         is_elsewhere = span is None or change.file != span.file
@@ -33,11 +28,7 @@ def iter_change_lines(
                 continue
             head = Text.assemble((lead.rjust(indent - 1) + " ", "dim"), (f"{sign} ", _STYLES[sign]))
             line = Text.assemble(*(_format_piece(piece, _STYLES[sign]) for piece in pieces))
-            if is_cut:
-                line.truncate(width - indent - 2, overflow="ellipsis")
-                yield head + line
-            else:
-                yield from wrap_text(line, width, head)
+            yield from wrap_text(line, width, head)
 
 
 def _format_piece(piece: Piece, style: str) -> tuple[str, str]:

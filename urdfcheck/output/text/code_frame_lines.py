@@ -27,10 +27,11 @@ def iter_code_frame(
     for line in lines:
         text = escape_invisible(line.text.replace("\t", " "))
         start, end = (len(escape_invisible(line.text[:k].replace("\t", " "))) for k in line.marked or (0, 0))
-        shown, cut = _crop_to_window(text, start, end, room=room)
+        shown, cut = crop_to_window(text, start, end, room=room)
         yield Text.assemble((f"  {line.number:>{digits}} │ ", "dim"), shown)
         if line.marked is not None:
-            marks = " " * (start - cut) + "^" * max(min(end - cut, room) - (start - cut), 1)
+            first = max(start - cut, 0)
+            marks = " " * first + "^" * max(min(end - cut, cell_len(shown)) - first, 1)
             told = Text.assemble((f"  {' ' * digits} │ ", "dim"), (marks, style))
             if label and told.cell_len + 1 + cell_len(label) <= width:
                 told.append(f" {label}", style)
@@ -38,12 +39,21 @@ def iter_code_frame(
             yield told
 
 
-def _crop_to_window(text: str, start: int, end: int, *, room: int) -> tuple[str, int]:
-    """Cut a line to ``room`` columns around its marked part; return it and the number of columns cut from its left."""
+def crop_to_window(text: str, start: int, end: int, *, room: int) -> tuple[str, int]:
+    """Cut a line to ``room`` columns around its marked part; return it and the number of columns cut from its left.
+
+    A marked part that is longer keeps its end, the name of a file, if it is one word, and else the attributes that fit.
+    """
+    is_word = " " not in text[start:end].strip()
     cut = 0 if end <= room - 1 else max(0, min(start - room // 3, len(text) - room))
+    if cut + room <= end < len(text) or cut + room < end:
+        whole = max(cut, min(end + 1, len(text)) - room)  # with an ellipsis on each side
+        cut = whole if whole < start or is_word else cut
     shown = text[cut : cut + room]
     if cut:
         shown = "…" + shown[1:]
     if cut + room < len(text):
-        shown = shown[:-1] + "…"
+        before, blank, _ = shown.rpartition(" ")
+        is_cut = end > cut + room - 1  # of the marked part, whose numbers are not cut
+        shown = f"{before}{blank}…" if is_cut and not is_word and len(before) > room // 2 else shown[:-1] + "…"
     return shown, cut

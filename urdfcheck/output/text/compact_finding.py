@@ -4,33 +4,37 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
+from rich.cells import cell_len
 from rich.text import Text
 
 from urdfcheck.core import Applicability, Finding, Run, Severity, Span
-from urdfcheck.core.headlines import cut_line
+from urdfcheck.core.headlines import cut_line, cut_middle
 from urdfcheck.output.shared.diffs import LineChange, list_line_changes
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.effects import ToldEffects, describe_hits
 from urdfcheck.output.shared.wording import describe_models, format_count, get_base_name, join_first
 from urdfcheck.output.text.change_lines import iter_change_lines
-from urdfcheck.output.text.code_frame_lines import iter_code_frame
+from urdfcheck.output.text.code_frame_lines import crop_to_window, iter_code_frame
 from urdfcheck.output.text.fix_words import refer_to_change, wrap_words
 from urdfcheck.output.text.full_finding import FIX_OPTIONS
-from urdfcheck.output.text.lines import STYLES, format_finding_title, wrap_text
+from urdfcheck.output.text.lines import STYLES, format_finding_title, get_first_line, wrap_text
 
 _NAMED = re.compile(r"(?!gazebo\[\d+\])\w+\[([^\]]+)\]")  # the number of a <gazebo> element would be taken for a line
 # Places and subjects that are named.
 _MOST_PLACES, _MOST_SUBJECTS = 3, 3
 # Lines that the repair in words may take, and the message where there is no code.
-_MOST_WORDS = 2
+_MOST_WORDS, _MOST_MESSAGE = 4, 2
 # Lines of a finding, as far as changed lines decide.
 _MOST_LINES = 8
 # Characters of an element that are searched for the end of its tag.
 _LONGEST_TAG = 2000
 # The options that show a fix.
 _DIFF_OPTIONS = {Applicability.SAFE: "--diff", Applicability.UNSAFE: "--diff --unsafe-fixes"}
+# A message behind the marks says nothing new if it has a larger part of the words of the headline.
+_SAME_WORDS = 0.6
+_WORD = re.compile(r"[\w.-]+")
 # Columns before the text of a line with a label.
 _INDENT = 11
 
@@ -40,7 +44,7 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffec
     head = [*wrap_text(format_finding_title(finding), width), _format_places(finding, width)]
     facts = list(_iter_facts(run, finding, width, told))
     changes = [] if finding.fix is None else list_line_changes(run.sources, finding.fix.edits)
-    changed = list(iter_change_lines(finding, changes, indent=_INDENT, width=width, is_cut=True))
+    changed = list(iter_change_lines(finding, changes, indent=_INDENT, width=width))
     code = list(_iter_code(run, finding, width))
     span = finding.location.span
     # A line before and after its repair shows the code too, but for the message behind the marks.
@@ -48,32 +52,17 @@ def iter_compact_finding(run: Run, finding: Finding, width: int, told: ToldEffec
     if shows_code and not any(finding.message in line.plain for line in code):
         code = [] if len(head) + len(facts) + 1 + len(changed) <= _MOST_LINES else code
     room = _MOST_LINES - len(head) - len(code) - len(facts)
-    shown = changes if len(changed) < room else []
-    repair = changed if shown else [_format_change_count(finding, changes)] if changes else []
-    if room - len(repair) < len(_wrap_fix(finding, shown, width, most=_MOST_WORDS)) and _marks_all(code):
+    shown = changes if len(changed) < room and _fits(changed, width) else []
+    repair = changed if shown else []
+    if room - len(repair) < len(_wrap_fix(finding, changes, shown, width, most=_MOST_WORDS)) and _marks_all(code):
         code, room = code[:1], room + 1  # marks below all of a line say nothing
-    if room - len(repair) < len(_wrap_fix(finding, shown, width, most=_MOST_WORDS)) and not _names_diff(finding):
-        repair = repair if shown else []  # the words say more than the number of lines
-    words = _wrap_fix(finding, shown, width, most=max(1, min(room - len(repair), _MOST_WORDS)))
-    how = _find_option(finding, FIX_OPTIONS)
-    option = f" [{how}]" if how else ""
-    lines = [*words, *repair]
-    if option:
-        if words[-1].cell_len + len(option) <= width:
-            words[-1].append(option, "dim")
-        elif shown:
-            narrow = width - len(option)
-            lines = [*words, *iter_change_lines(finding, changes, indent=_INDENT, width=narrow, is_cut=True)]
-            lines[-1].append(option, "dim")
-        else:
-            lines[-1].truncate(width - len(option), overflow="ellipsis")
-            lines[-1].append(option, "dim")
-    yield from (*head, *code, *facts, *lines)
+    words = _wrap_fix(finding, changes, shown, width, most=max(1, min(room - len(repair), _MOST_WORDS)))
+    yield from (*head, *_unfold(run, finding, code, width), *facts, *words, *repair)
     yield Text()
 
 
-def _names_diff(finding: Finding) -> bool:
-    return finding.fix is not None and "the diff" in finding.fix.title
+def _fits(lines: Iterable[Text], width: int) -> bool:
+    return all(line.cell_len <= width for line in lines)
 
 
 def _marks_all(code: Sequence[Text]) -> bool:
@@ -84,18 +73,43 @@ def _marks_all(code: Sequence[Text]) -> bool:
     return len(line.strip()) == len(marks.strip()) == marks.count("^")
 
 
+def _unfold(run: Run, finding: Finding, code: list[Text], width: int) -> list[Text]:
+    """Return a line that is cut in two, in place of marks below all of it; else the code as it is."""
+    span = finding.location.span
+    if span is None or not _marks_all(code) or not code[0].plain.endswith("…"):
+        return code
+    text = escape_invisible(_join_tag(run, span)) or get_first_line(run, span)
+    margins = ["".join(line.plain.partition("│ ")[:2]) for line in code]
+    halves = list(wrap_text(Text(text), width - len(margins[0]) - 2)) if len(text) < 2 * width else []
+    if len(halves) != 2:
+        return code
+    return [
+        Text.assemble((margin, "dim"), indent, half)
+        for margin, indent, half in zip(margins, ("", "  "), halves, strict=True)
+    ]
+
+
 def _iter_code(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     """Yield the line of a finding with its marks; the message where no code shows what is meant."""
     span = finding.location.span
     if span is not None and (tag := _join_tag(run, span)):
         yield from _iter_tag_lines(finding, span.line, tag, width)
     elif span is not None:
-        label = escape_invisible(finding.message) if span.line == span.end_line else ""
+        is_label = span.line == span.end_line and not _repeats(finding.message, finding.headline)
+        label = escape_invisible(finding.message) if is_label else ""
         yield from iter_code_frame(
             run, span, style=STYLES[finding.severity], width=width, context=0, label=label, most_lines=1
         )
     if span is None or not run.sources.get(span.file):
-        yield from _cut_lines(wrap_text(Text(escape_invisible(finding.message)), width, Text("  ")), _MOST_WORDS, width)
+        yield from _cut_lines(
+            wrap_text(Text(escape_invisible(finding.message)), width, Text("  ")), _MOST_MESSAGE, width
+        )
+
+
+def _repeats(message: str, headline: str) -> bool:
+    """Whether a message has most words of a headline, which stands above it."""
+    said, words = (set(_WORD.findall(text.lower())) for text in (message, headline))
+    return len(words & said) > _SAME_WORDS * len(words)
 
 
 def _join_tag(run: Run, span: Span) -> str:
@@ -107,10 +121,10 @@ def _join_tag(run: Run, span: Span) -> str:
 
 def _iter_tag_lines(finding: Finding, number: int, tag: str, width: int) -> Iterator[Text]:
     margin = f"  {number} │ "
-    shown = Text(escape_invisible(tag))
-    shown.truncate(width - len(margin) - 1, overflow="ellipsis")
+    text = escape_invisible(tag)
+    shown, _ = crop_to_window(text, 0, len(text), room=max(width - len(margin) - 1, 2))
     yield Text.assemble((margin, "dim"), shown)
-    marks = "^" * max(shown.cell_len, 1)
+    marks = "^" * max(cell_len(shown), 1)
     yield Text.assemble((f"  {' ' * len(str(number))} │ ", "dim"), (marks, STYLES[finding.severity]))
 
 
@@ -125,11 +139,13 @@ def _iter_facts(run: Run, finding: Finding, width: int, told: ToldEffects) -> It
     is_long = bool(others) and "(also " not in _format_places(finding, width).plain  # a long path left no room
     also = _join_fitting(others, "place", width - _INDENT) if is_long else ""
     names = _list_names(finding)
-    if len(names) > 1 and not _are_named(names, finding.headline):
+    rest = [name for name in names if not _is_named(name, finding.headline)]
+    if len(names) > 1 and rest:
+        label, names = ("and", rest) if len(rest) < len(names) else ("for", names)
         named = _join_fitting(names, "", width - _INDENT)
         both = _join_names_and_places(names, others, width - _INDENT) if also else ""
         named, also = (both, "") if both else (named, also)
-        yield _format_line("for", Text(named), width)
+        yield _format_line(label, Text(named), width)
     if also:
         yield _format_line("also", Text(also), width)
     effect = describe_hits(run, finding, width - _INDENT)
@@ -145,10 +161,10 @@ def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
         first = next(finding for finding in findings if finding.code == code)
         more = f" (+{count - 1} more)" if count > 1 else ""
         span = first.location.span
-        place = "" if span is None else f"  {escape_one_line(get_base_name(span.file))}:{span.line}"
+        # Each line names its file, the end of which matters most; the headline makes room.
+        file = "" if span is None else cut_middle(escape_one_line(get_base_name(span.file)), max(width // 2, 10))
+        place = "" if span is None else f"  {file}:{span.line}"
         title = format_finding_title(first).plain
-        if span is not None and len(title) + len(more) + len(place) > width:
-            place = f"  :{span.line}"  # the words matter more than the name of the file
         line = Text(cut_line(title, max(width - len(more) - len(place), 20)), "cyan")
         yield Text.assemble(line, (more, "dim"), (place, "dim"))
     if findings:
@@ -161,9 +177,8 @@ def _list_names(finding: Finding) -> list[str]:
     return list(dict.fromkeys(match[1] for match in found if match is not None))
 
 
-def _are_named(names: Iterable[str], headline: str) -> bool:
-    """Whether a headline names all of these."""
-    return all(re.search(rf"(?<![\w/-]){re.escape(name)}(?![\w/-])", headline) for name in names)
+def _is_named(name: str, headline: str) -> bool:
+    return re.search(rf"(?<![\w/-]){re.escape(name)}(?![\w/-])", headline) is not None
 
 
 def _join_fitting(names: Sequence[str], noun: str, width: int) -> str:
@@ -227,22 +242,32 @@ def _cut_lines(lines: Iterable[Text], most: int, width: int) -> list[Text]:
     return kept
 
 
-def _wrap_fix(finding: Finding, shown: Sequence[LineChange], width: int, *, most: int) -> list[Text]:
-    """Wrap the repair in words into at most so many lines; what the changed lines ``shown`` below it say is left out."""
+def _wrap_fix(
+    finding: Finding, changes: Sequence[LineChange], shown: Sequence[LineChange], width: int, *, most: int
+) -> list[Text]:
+    """Wrap the repair in words into at most so many lines, and end it with the option that does or shows it.
+
+    What the changed lines ``shown`` below it say is left out.
+    """
     if finding.fix is None:
         return []
     words = escape_invisible(finding.fix.title)
     if shown:
         words = refer_to_change(words, shown)
-    return wrap_words(words, width, Text.assemble("  ", (f"= {'fix':<{_INDENT - 4}}", "dim")), most)
+    lead = Text.assemble("  ", (f"= {'fix':<{_INDENT - 4}}", "dim"))
+    return wrap_words(words, width, lead, most, _name_option(finding, changes, shown))
 
 
-def _find_option(finding: Finding, options: Mapping[Applicability, str]) -> str:
+def _name_option(finding: Finding, changes: Sequence[LineChange], shown: Sequence[LineChange]) -> str:
+    """Name the option that applies a repair, or the one that shows it where neither its words nor lines below them do."""
     fix = finding.fix
-    return options.get(fix.applicability, "") if fix and fix.edits and finding.suppressed is None else ""
+    if fix is None or not fix.edits or finding.suppressed is not None or fix.applicability not in FIX_OPTIONS:
+        return ""
+    if shown or all(_spells(fix.title, change) for change in changes):
+        return f"[{FIX_OPTIONS[fix.applicability]}]"
+    return f"[{format_count(len(changes), 'line')}: {_DIFF_OPTIONS[fix.applicability]}]"
 
 
-def _format_change_count(finding: Finding, changes: Sequence[LineChange]) -> Text:
-    option = _find_option(finding, _DIFF_OPTIONS)
-    shown = f": see {option}" if option else ""
-    return Text.assemble(" " * _INDENT, (f"changes {format_count(len(changes), 'line')}{shown}", "dim"))
+def _spells(words: str, change: LineChange) -> bool:
+    """Whether words of a repair give all that a change writes."""
+    return all(text in words for text, is_changed in change.new if is_changed)

@@ -93,7 +93,7 @@ def _iter_fix_lines(run: Run, finding: Finding, fix: Fix, width: int) -> Iterato
         "fix", Text.assemble(escape_invisible(fix.title), (f" [{how}]" if how else "", "dim")), width
     )
     changes = list_line_changes(run.sources, fix.edits)
-    yield from iter_change_lines(finding, changes[:MAX_RELATED], indent=_INDENT, width=width, is_cut=False)
+    yield from iter_change_lines(finding, changes[:MAX_RELATED], indent=_INDENT, width=width)
     if len(changes) > MAX_RELATED:
         more = format_remainder(len(changes) - MAX_RELATED, "changed line")
         yield from wrap_labelled("", Text(more, "dim"), width)
