@@ -169,7 +169,7 @@ def test_a_sign_is_named_when_the_other_one_is_near_the_parts_own(tmp_path: Path
     (finding,) = find(tmp_path, make_arm(replace(Part(place=(0.15, 0, 0)), com=(x, 0.001, 0))), {"INR006"})
     assert finding.message_id == message
     end = " (sign of x?)" if message == "sign" else ""
-    assert re.fullmatch(rf"arm: COM is [\d.]+ mm outside its geometry{re.escape(end)}", finding.headline)
+    assert re.fullmatch(rf"arm: COM is [\d.]+ mm outside the part{re.escape(end)}", finding.headline)
     assert finding.fix is not None
     edits = [(e.expected, e.replacement) for e in finding.fix.edits]
     assert edits == ([("-0.16 0.001 0.0", "0.16 0.001 0.0")] if message == "sign" else [])

@@ -119,8 +119,8 @@ class TestKinds:
         (found,) = find(write_robots(tmp_path, "", hand=HAND)).findings
         assert found.headline == "left_2, left_1, right_1, right_2: impossible inertia"
         assert [own.headline for own in found.occurrences][:2] == [
-            "left_2: impossible inertia (A + B < C by 77.8 %)",
-            "left_1: impossible inertia (A + B < C by 60 %)",
+            "left_2: impossible inertia (moments A + B < C by 77.8 %)",
+            "left_1: impossible inertia (moments A + B < C by 60 %)",
         ]
         assert [own.location.span for own in found.occurrences][1:] == [
             place.span for place in found.related if place.subject.startswith("link")
@@ -142,7 +142,7 @@ class TestKinds:
             for side in ("left", "right")
         )
         (found,) = find(write_robots(tmp_path, "", hand=f'<link name="palm"/>{same}')).findings
-        assert found.headline == "2 links: impossible inertia (A + B < C by 60 %)"
+        assert found.headline == "2 links: impossible inertia (moments A + B < C by 60 %)"
 
     def test_a_headline_about_numbers_is_that_of_the_first(self, tmp_path: Path) -> None:
         (found,) = find(write_robots(tmp_path, "", hand=HAND), "JNT005").findings

@@ -58,7 +58,9 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             found=repair.message,
             remedy=repair.remedy,
             detail=repair.detail,
-            reason=repair.detail if repair.cause == "products_filled" else f"A + B < C by {data['percent']:.3g} %",
+            reason=repair.detail
+            if repair.cause == "products_filled"
+            else f"moments A + B < C by {data['percent']:.3g} %",
             **data,
         )
     if helpers:
