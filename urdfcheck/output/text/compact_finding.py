@@ -35,6 +35,8 @@ _DIFF_OPTIONS = {Applicability.SAFE: "--diff", Applicability.UNSAFE: "--diff --u
 # A message behind the marks says nothing new if it has a larger part of the words of the headline.
 _SAME_WORDS = 0.6
 _WORD = re.compile(r"[\w.-]+")
+# Lines of what programs do.
+_MOST_EFFECT = 2
 # Columns before the text of a line with a label.
 _INDENT = 11
 
@@ -151,7 +153,8 @@ def _iter_facts(run: Run, finding: Finding, width: int, told: ToldEffects) -> It
     effect = describe_hits(run, finding, width - _INDENT)
     if effect and (finding.severity is Severity.ERROR or (finding.code, effect) not in told):
         told.add((finding.code, effect))
-        yield _format_line("effect", Text(cut_line(escape_one_line(effect), width - _INDENT)), width)
+        lead = Text.assemble("  ", (f"= {'effect':<{_INDENT - 4}}", "dim"))
+        yield from wrap_words(escape_one_line(effect), width, lead, _MOST_EFFECT, "")
 
 
 def iter_brief_rules(findings: Sequence[Finding], width: int) -> Iterator[Text]:
