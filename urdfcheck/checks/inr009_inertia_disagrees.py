@@ -79,7 +79,7 @@ SHORT_CAUSES = {
     "diagonal_first": "diagonal typed first",
     "row_major": "matrix typed row by row",
     "one_sign": "sign of {detail} flipped",
-    "decimal_point": "decimal point: {detail} times",
+    "decimal_point": "decimal point off: {detail}×",
     "shell": "of a hollow shell",
     "bounding_box": "of the bounding box",
     "convex_hull": "of the convex hull",
