@@ -29,6 +29,8 @@ class RealRobot:
     """Folders that hold packages."""
     expands: bool = True
     """Whether `entry` is one file of which a robot can be made."""
+    links: int = 0
+    """Number of links as far as it is known: how long a check takes."""
 
 
 def list_robots() -> list[RealRobot]:
@@ -50,6 +52,7 @@ def _iter_robots(folder: Path) -> Iterator[RealRobot]:
             arguments=entry["xacro_args"],
             package_roots=tuple(root for name in entry["package_roots"] if (root := folder / name).is_dir()),
             expands=entry["expands"],
+            links=entry.get("urdf_links") or 0,
         )
 
 
