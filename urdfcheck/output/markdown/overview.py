@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Run
@@ -89,25 +89,23 @@ def _iter_model_rows(run: Run) -> Iterator[str]:
 
 def add_trees(page: BoundedPage, run: Run) -> None:
     """Add the kinematic trees in the colours of their findings."""
-    for scene in _select_drawn_scenes(page, run):
-        head = [f"#### The kinematic tree of {format_code_span(scene.model)}", ""]
-        if not page.add_lines(*head, *_format_tree(run, scene), ""):
-            page.missing.append("a kinematic tree")
+    _add_trees(page, run, lambda model: ([f"#### The kinematic tree of {format_code_span(model)}", ""], [""]))
 
 
 def add_folded_trees(page: BoundedPage, run: Run) -> None:
     """Add the kinematic trees in the colours of their findings, folded."""
-    for scene in _select_drawn_scenes(page, run):
-        head, foot = make_fold(f"🌳 the kinematic tree of {_format_html_code(scene.model)}")
-        if not page.add_lines(*head, *_format_tree(run, scene), *foot):
-            page.missing.append("a kinematic tree")
+    _add_trees(page, run, lambda model: make_fold(f"🌳 the kinematic tree of {_format_html_code(model)}"))
 
 
-def _select_drawn_scenes(page: BoundedPage, run: Run) -> list[Scene]:
+def _add_trees(page: BoundedPage, run: Run, frame: Callable[[str], tuple[list[str], list[str]]]) -> None:
+    """Add trees between the lines that ``frame`` returns for the name of a model."""
     scenes = [scene for scene in run.scenes if len(scene.links) > 1]
-    if len(scenes) > MOST_TREES:
-        page.missing.append(format_count(len(scenes) - MOST_TREES, "kinematic tree"))
-    return scenes[:MOST_TREES]
+    missing = max(len(scenes) - MOST_TREES, 0)
+    for scene in scenes[:MOST_TREES]:
+        head, foot = frame(scene.model)
+        missing += not page.add_lines(*head, *_format_tree(run, scene), *foot)
+    if missing:
+        page.missing.append(format_count(missing, "kinematic tree"))
 
 
 def _format_tree(run: Run, scene: Scene) -> list[str]:
