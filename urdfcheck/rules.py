@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import re
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
@@ -196,7 +197,12 @@ def explain_rule(rule: Rule) -> str:
 
 def has_check(rule: Rule) -> bool:
     """Whether the rule has a check module; most rules about urdfcheck itself (URC) have none."""
-    return importlib.util.find_spec(get_check_module(rule)) is not None
+    return _has_module(get_check_module(rule))
+
+
+@cache  # each unit of a run asks about each rule
+def _has_module(name: str) -> bool:
+    return importlib.util.find_spec(name) is not None
 
 
 def get_check_module(rule: Rule) -> str:
@@ -206,7 +212,9 @@ def get_check_module(rule: Rule) -> str:
 
 def load_check(rule: Rule) -> Check:
     """Return the ``check`` function of the module with the page's stem."""
-    check: Check = importlib.import_module(get_check_module(rule)).check
+    name = get_check_module(rule)
+    module = sys.modules.get(name)  # not the import system's search, for each rule and each unit
+    check: Check = (importlib.import_module(name) if module is None else module).check
     return check
 
 
