@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Located, Rule
+from urdfcheck.core import Edit, Finding, Located, Rule, Severity
 from urdfcheck.model import Link, Model, Shape
 from urdfcheck.model.repairs.edits import edit_literals
 
@@ -38,7 +38,7 @@ class _PlacedShape:
         return moved, 2 * math.asin(min(1.0, chord))
 
 
-def check(model: Model, rule: Rule, *, distance: float, angle: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, distance: float, angle: float, apart: float) -> Iterator[Finding]:
     def is_same_pose(one: _PlacedShape, other: _PlacedShape) -> bool:
         moved, turned = one.measure_difference(other)
         return moved <= distance and turned <= angle
@@ -58,6 +58,7 @@ def check(model: Model, rule: Rule, *, distance: float, angle: float) -> Iterato
                     at=collision.place,
                     related=[visual.place],
                     edits=_propose_edits(visual.shape, collision.shape),
+                    severity=Severity.WARNING if moved > apart else None,
                     link=link.name,
                     mesh=collision.mesh_name,
                     moved=float(f"{moved:.4g}"),
