@@ -126,6 +126,50 @@ def test_zero_effort_of_all_joints_is_one_finding(tmp_path: Path) -> None:
     assert finding.subjects == ("joint[j]/limit@effort", "joint[k]/limit@effort")
 
 
+def test_limits_that_are_zero_throughout_are_one_finding(tmp_path: Path) -> None:
+    empty = '<limit lower="0" upper="0" effort="0" velocity="0"/>'
+    spinning = make_joint('<limit effort="0" velocity="0"/>', "continuous", name="k", child="c")
+    text = make_three_links(make_joint(empty), spinning)
+    both = find(tmp_path, text, {"JNT005", "JNT007"})
+    assert [(f.code, f.message_id, f.subjects) for f in both] == [
+        ("JNT005", "equal", ("joint[j]/limit",)),
+        ("JNT007", "both-zero", ("joint[k]/limit@effort", "joint[k]/limit@velocity")),
+    ]
+    assert both[0].data["hides"] == ["JNT007"]
+    # Without JNT005 nothing is lost.
+    alone = find(tmp_path, text, "JNT007")
+    assert {subject for finding in alone for subject in finding.subjects} >= {
+        "joint[j]/limit@effort",
+        "joint[k]/limit@effort",
+    }
+
+
+def test_a_missing_effort_is_no_part_of_equal_limits(tmp_path: Path) -> None:
+    text = make_three_links(make_joint('<limit lower="0" upper="0" velocity="0"/>'))
+    assert [f.message_id for f in find(tmp_path, text, {"JNT005", "JNT007"})] == ["missing", "equal", "velocity-zero"]
+
+
+@pytest.mark.parametrize(
+    ("extra", "efforts", "message"),
+    [
+        ("", (0, 5, 5), "effort-passive"),
+        ("", (0, 0, 5), "effort-zero"),
+        ('<transmission name="t"><joint name="j0"/></transmission>', (0, 5, 5), "effort-zero"),
+        ('<ros2_control name="t"><joint name="j0"/></ros2_control>', (0, 5, 5), "effort-zero"),
+    ],
+)
+def test_a_joint_without_effort_may_be_passive_where_most_others_have_one(
+    tmp_path: Path, extra: str, efforts: tuple[int, ...], message: str
+) -> None:
+    joints = [
+        f'<link name="l{i}"/><joint name="j{i}" type="revolute"><parent link="base"/><child link="l{i}"/><axis xyz="0 0 1"/>'
+        f'<limit lower="-1" upper="1" effort="{effort}" velocity="1"/></joint>'
+        for i, effort in enumerate(efforts)
+    ]
+    (finding,) = find(tmp_path, f'<robot name="r"><link name="base"/>{"".join(joints)}{extra}</robot>', "JNT007")
+    assert (finding.message_id, len(finding.subjects)) == (message, efforts.count(0))
+
+
 def test_a_followers_effort_may_be_zero(tmp_path: Path) -> None:
     follower = '<limit lower="0" upper="1" effort="0" velocity="1"/><mimic joint="k"/>'
     assert not find(tmp_path, make_three_links(make_joint(follower), make_joint(LIMIT, name="k", child="c")), "JNT007")

@@ -12,7 +12,7 @@ from urdfcheck.model.repairs.edits import swap_literals
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    equal: dict[float, list[Joint]] = {}
+    equal: dict[tuple[float, bool], list[Joint]] = {}
     for joint in model.joints:
         limit, lower, upper = joint.limit, joint.get_limit_value("lower"), joint.get_limit_value("upper")
         if joint.type not in {"revolute", "prismatic"} or limit is None or lower is None or upper is None:
@@ -21,7 +21,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if not typed or lower < upper:
             continue  # JNT004 reports a limit with neither
         if lower == upper:
-            equal.setdefault(lower, []).append(joint)
+            is_empty = all(
+                value == 0 for value in (lower, joint.get_limit_value("effort"), joint.get_limit_value("velocity"))
+            )
+            equal.setdefault((lower, is_empty), []).append(joint)
         else:
             yield rule.finding(
                 "inverted",
@@ -33,7 +36,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 unit=joint.position_unit,
             )
     # Joints with the same numbers come from one template or one exporter's default.
-    for value, joints in equal.items():
+    for (value, is_empty), joints in equal.items():
         yield build_group_finding(
             rule,
             "equal",
@@ -42,4 +45,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joints=join_names(joint.name for joint in joints),
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
+            rest="; effort and velocity are 0 too: the limits were not filled in" if is_empty else "",
+            wanted="range, effort and velocity" if is_empty else "range",
+            explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
         )

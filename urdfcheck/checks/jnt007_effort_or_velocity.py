@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
@@ -19,21 +19,51 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(
                 "missing", at=limit, severity=Severity.ERROR, joint=joint.name, names=" and ".join(missing)
             )
-    for name in ("effort", "velocity"):
-        values = [(joint, joint.get_limit_value(name)) for joint in model.joints if joint.is_driven]
-        zero = [joint for joint, value in values if value == 0]
-        negative = [joint for joint, value in values if value is not None and value < 0]
-        # Joints with the same defect come from one template or one exporter's default.
-        for kind, joints in (("zero", zero), ("negative", negative)):
-            if joints:
-                yield _build_wrong_limit_finding(rule, name, kind, joints=joints)
+    groups: dict[str, list[Joint]] = {}
+    driven = [joint for joint in model.joints if joint.is_driven]
+    for joint in driven:
+        for kind in _classify_limits(joint):
+            groups.setdefault(kind, []).append(joint)
+    # Joints with the same defect come from one template or one exporter's default.
+    for kind, joints in groups.items():
+        message = kind.removesuffix("-locked")
+        if kind == "effort-zero" and _are_passive(model, joints, driven):
+            message = "effort-passive"
+        yield _build_wrong_limit_finding(rule, message, joints)
 
 
-def _build_wrong_limit_finding(rule: Rule, name: str, kind: str, *, joints: list[Joint]) -> Finding:
+def _classify_limits(joint: Joint) -> list[str]:
+    """Say which limits of a joint are wrong, and how."""
+    values = {name: joint.get_limit_value(name) for name in ("effort", "velocity")}
+    if all(value == 0 for value in values.values()):
+        # Of a joint that has no range either, nothing was filled in: JNT005 reports all of it as one defect.
+        is_locked = joint.type != "continuous" and joint.get_limit_value("lower") == joint.get_limit_value("upper") == 0
+        return ["both-zero-locked" if is_locked else "both-zero"]
+    return [
+        f"{name}-{'zero' if value == 0 else 'negative'}"
+        for name, value in values.items()
+        if value is not None and value <= 0
+    ]
+
+
+def _are_passive(model: Model, joints: Sequence[Joint], driven: Sequence[Joint]) -> bool:
+    """Whether joints without effort may be meant to have no motor: most others have one, and nothing commands them."""
+    limited = [joint for joint in driven if (joint.get_limit_value("effort") or 0.0) > 0]
+    commanded = {
+        element.get("name")
+        for tag in ("ros2_control", "transmission")
+        for block in model.robot.find_children(tag)
+        for element in block.find_children("joint")
+    }
+    return len(joints) < len(limited) and commanded.isdisjoint(joint.name for joint in joints)
+
+
+def _build_wrong_limit_finding(rule: Rule, message: str, joints: Sequence[Joint]) -> Finding:
+    names = ("effort", "velocity") if message == "both-zero" else (message.partition("-")[0],)
     return build_group_finding(
         rule,
-        f"{name}-{kind}",
-        [joint.limit.attributes[name] for joint in joints if joint.limit is not None],
+        message,
+        [joint.limit.attributes[name] for joint in joints if joint.limit is not None for name in names],
         joints=join_names(joint.name for joint in joints),
         count=len(joints),
         noun="joint" if len(joints) == 1 else "joints",
