@@ -28,7 +28,7 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
             index_by_element.setdefault((finding.code, _get_element(subject)), index)
     explained = {
         (code, element): index
-        for index, finding in enumerate(findings)
+        for index, finding in reversed([*enumerate(findings)])  # the first one wins
         for code, _, element in (claim.partition(" ") for claim in finding.data.get("explains", ()))
     }
     dropped: set[int] = set()
