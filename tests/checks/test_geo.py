@@ -361,6 +361,46 @@ def test_more_than_a_centimetre_is_a_warning(tmp_path: Path, moved: str, severit
     assert finding.severity == severity
 
 
+@pytest.mark.parametrize(
+    ("inside", "rpy", "found"),
+    [
+        ('<sphere radius="0.1"/>', "1 2 3", False),
+        ('<cylinder radius="0.1" length="0.3"/>', "0 0 1", False),
+        ('<cylinder radius="0.1" length="0.3"/>', "3.141592653589793 0 1", False),
+        ('<cylinder radius="0.1" length="0.3"/>', "0.1 0 1", True),
+        ('<box size="0.1 0.1 0.3"/>', "0 0 1.5707963267948966", False),
+        ('<box size="0.1 0.2 0.3"/>', "0 0 1.5707963267948966", True),
+        ('<box size="0.1 0.2 0.3"/>', "0 0 3.141592653589793", False),
+        ('<box size="0.1 0.1 0.1"/>', "1.5707963267948966 0 1.5707963267948966", False),
+        ('<box size="0.1 0.1 0.1"/>', "0 0 0.7", True),
+        ('<box size="0.004 0.004 0.004"/>', "0 0 0.7", False),
+    ],
+)
+def test_a_rotation_that_leaves_a_primitive_as_it_is_does_not_count(
+    tmp_path: Path, inside: str, rpy: str, found: bool
+) -> None:
+    one = link("a", geometry("visual", inside), geometry("collision", inside, f'<origin rpy="{rpy}"/>'))
+    assert bool(find(tmp_path, robot(one), "GEO005")) == found
+
+
+@pytest.mark.parametrize(
+    ("xyz", "rpy", "cause"),
+    [
+        ("0 1.57 0", "0 0 0", "rpy_in_xyz"),
+        ("0 1.57 0", "0 1.57 0", None),  # copied, not mistaken
+        ("0 1.5 0", "0 0 0", None),
+    ],
+)
+def test_angles_in_the_place_of_the_position_are_named(tmp_path: Path, xyz: str, rpy: str, cause: str | None) -> None:
+    part = '<box size="0.1 0.2 0.3"/>'
+    drawn = geometry("visual", part, '<origin xyz="0 0 0" rpy="0 1.57 0"/>')
+    text = robot(link("a", drawn, geometry("collision", part, f'<origin xyz="{xyz}" rpy="{rpy}"/>')))
+    (finding,) = find(tmp_path, text, {"GEO003", "GEO005"})
+    assert finding.code == "GEO005"
+    assert finding.data["hides"] == ["GEO003"]
+    assert (finding.cause.id if finding.cause else None) == cause
+
+
 def test_another_file_or_scale_has_a_place_of_its_own(tmp_path: Path) -> None:
     moved = '<origin xyz="1 0 0"/>'
     assert not find(tmp_path, robot(link("a", placed("visual") + placed("collision", moved, "other.stl"))), "GEO005")

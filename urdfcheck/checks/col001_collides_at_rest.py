@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_length, join_names, join_numbers
 from urdfcheck.model import Model
 from urdfcheck.model.motion.collisions.at_rest import Contact
 from urdfcheck.model.motion.collisions.lying_meshes import LyingMeshes, find_lying_meshes
+from urdfcheck.model.motion.collisions.restored_origins import RestoredOrigin, find_restored_origins
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
@@ -33,6 +35,11 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
         if any(pair.links in fallen.freed_pairs for pair, _ in on_side):
             yield _build_up_axis_finding(rule, on_side, fallen)
             deep = [item for item in deep if item not in on_side]
+    restored = find_restored_origins(collisions, [pair for pair, _ in deep]) if deep else []
+    for origin in restored:
+        yield _build_displaced_finding(rule, origin)
+    freed = {pair.links for origin in restored for pair in origin.freed}
+    deep = [item for item in deep if item[0].links not in freed]
     by_design = [(pair, contact) for pair, contact in deep if samples > 1 and pair.hit_share >= always]
     rest = [item for item in deep if item not in by_design]
     nested = [item for item in rest if _is_telescope(model, item[0])]
@@ -110,6 +117,42 @@ def _build_up_axis_finding(
     )
 
 
+def _build_displaced_finding(rule: Rule, restored: RestoredOrigin) -> Finding:
+    """Report the overlaps of a link and the displaced collision shape that causes them as one."""
+    contacts = [(pair, pair.contact) for pair in restored.freed if pair.contact is not None]
+    contacts.sort(key=lambda item: -item[1].depth)
+    shapes = {id(shape) for _, contact in contacts for shape in contact.shapes}
+    first = next((one for one in restored.shapes if id(one.collision.shape) in shapes), restored.shapes[0])
+    link = first.link.name
+    others = [(next(name for name in pair.links if name != link), contact) for pair, contact in contacts]
+    xyz = first.collision.shape.origin.get_attribute("xyz")
+    return rule.finding(
+        "displaced",
+        at=first.collision.place,
+        related=[
+            *(one.collision.place for one in restored.shapes if one is not first),
+            *(one.visual.place for one in restored.shapes),
+            *(locate_geometry(shape) for _, contact in contacts for shape in contact.shapes),
+        ],
+        cause="rpy_in_xyz" if first.has_angles_as_position else None,
+        edits=[edit for one in restored.shapes for edit in one.propose_edits()],
+        confidence=Confidence.STRONG,
+        link=link,
+        other=others[0][0],
+        others=join_names([f"{name} ({contact.depth * 1e3:.3g} mm)" for name, contact in others]),
+        more=f" and {format_count(len(others) - 1, 'more link')}" if len(others) > 1 else "",
+        count=len(others),
+        depth=round_significant(contacts[0][1].depth),
+        millimetres=contacts[0][1].depth * 1e3,
+        moved=float(f"{first.moved:.4g}"),
+        degrees=math.degrees(first.turned),
+        gap=first.describe_gap(),
+        mesh=first.collision.what,
+        xyz="" if xyz is None else xyz.value,
+        explains=[f"{code} {first.link.element.label}" for code in ("GEO003", "GEO005")],
+    )
+
+
 def _group_by_shape(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> Iterator[list[tuple[CollisionPair, Contact]]]:
     """Group overlaps by a common shape, the deepest first.
 
@@ -147,6 +190,7 @@ def _build_overlap_finding(
         other=pair.links[1 - place],
         others=join_names([f"{name} ({c.depth * 1e3:.3g} mm)" for name, c in others]),
         count=len(group),
+        more=format_count(len(group) - 1, "more link"),
         depth=round_significant(contact.depth),
         millimetres=contact.depth * 1e3,
         normal=[round(v, 3) + 0.0 for v in contact.normal],
