@@ -190,7 +190,7 @@ def test_a_mistake_without_effect_is_none() -> None:
 @pytest.mark.parametrize(("decimals", "named"), [(8, False), (6, True), (5, False), (4, False)])
 def test_a_small_part_loses_its_tensor_by_rounding(decimals: int, named: bool) -> None:
     """With two decimals more next to nothing is lost; with one less it is a point."""
-    drawn = geometry(CASTING, 0.2)
+    drawn = geometry(CASTING, 0.17)
     true = uniform(drawn.solid)
     typed = with_slots(true, [round(v, decimals) for v in slots(true)])
     found = judged(typed, drawn)
@@ -315,6 +315,13 @@ def test_an_equal_twin_changes_nothing() -> None:
     found = judged(true, DRAWN, replace(true, mass=true.mass * 1.001, tensor=true.tensor * 1.001))
     assert found.sound
     assert found.cause is None
+
+
+@pytest.mark.parametrize("cause", ["products_sign", "positive_notation", "about_origin", "inertia_unit"])
+def test_a_mistake_that_both_twins_have_is_named_although_they_differ(cause: str) -> None:
+    with_screw = with_lumps(CASTING, TRUE.mass, [(0.02, np.array((0.10, 0.01, 0.15)))])
+    found = judged(BY_ID[cause](TRUE, DRAWN), DRAWN, BY_ID[cause](with_screw, DRAWN))
+    assert (found.cause, found.judged_by, found.at_fault) == (cause, "mesh", True)
 
 
 @each_mistake

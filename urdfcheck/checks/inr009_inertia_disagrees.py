@@ -278,10 +278,8 @@ def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None)
     """Describe how near the numbers are to those of the drawn part when the mistake is undone."""
     diagnosis = judged.diagnosis
     residual, mended = max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch), diagnosis.mended
-    if residual < DIGITS:
-        return "the two agree exactly"
     if residual < EXACT:
-        return f"the two agree to within {100 * residual:.0f} %"
+        return f"the two agree to within {max(1.0, 100 * residual):.0f} %"
     if mended is None or drawn is None:
         return "the two agree better"
     left = []

@@ -68,8 +68,6 @@ _NEAR_ZERO = 0.3
 
 # Mistakes in one number: a cause is named only if it is certain which number.
 _PRECISE = frozenset({"decimal_point", "one_sign", "slots_swapped", "slots_shifted", "one_piece"})
-# What rounding takes away is worth saying from here on: half of a second moment.
-_LEAST_EFFECTS = {"rounded": math.log(2.0)}
 # Mistakes that are told together where it is not certain which of them was made, by the one that both have in common.
 _FAMILIES = {"inertia_unit": "units", "positive_notation": "about_origin"}
 # What a convex hull in place of an open mesh can show: powers of ten, places far outside, another order of the numbers.
@@ -200,6 +198,8 @@ def diagnose_inertial(
         # What else explains the numbers by themselves has to lead to the twin's: if not, the two just differ.
         if by_twin.sound or by_mesh.cause in _LOSSY or _agrees_with_twin(by_mesh.mended, twin):
             return by_mesh
+        if by_mesh.cause not in {None, "unmirrored"} and _has_cause(twin, geometry, by_mesh):
+            return by_mesh
     better = by_twin.cause is not None and _is_better_fit(twin, declared, geometry)
     # Several parts may be wrong in the same way, and only this one may have the numbers of its geometry.
     return replace(by_twin, at_fault=better or (trusted and not _is_better_fit(declared, twin, geometry)))
@@ -210,6 +210,12 @@ def _agrees_with_twin(mended: DeclaredInertial | None, twin: DeclaredInertial) -
         return False
     covariance = compute_mass_covariance(twin.inertia, twin.mass)
     return max(measure_inertial_mismatch(mended, twin.com, covariance)) < EXACT
+
+
+def _has_cause(twin: DeclaredInertial, geometry: VisualGeometry, found: Diagnosis) -> bool:
+    """Whether the twin has the same mistake, judged by the drawing: both were exported alike, and differ in something else."""
+    of_twin = _diagnose_against(twin, build_geometry_reference(geometry), geometry)
+    return (of_twin.cause, of_twin.detail) == (found.cause, found.detail)
 
 
 def _is_better_fit(one: DeclaredInertial, other: DeclaredInertial, geometry: VisualGeometry) -> bool:
@@ -342,7 +348,7 @@ def _can_be_named(declared: DeclaredInertial, reference: Reference, ranking: _Ra
         return False
     if ranking.best.id in _PRECISE and len({_name_changed_number(mistake) for mistake in ranking.contenders}) > 1:
         return False
-    least = TWIN_LIKE if reference.twin is not None else _LEAST_EFFECTS.get(ranking.best.id, EFFECT)
+    least = TWIN_LIKE if reference.twin is not None else EFFECT
     return (
         _is_convincing(ranking, reference)
         and _measure_effect(declared, ranking.numbers[0], ranking.best.factor) > least

@@ -26,8 +26,8 @@ _MOST_PIECES = 6
 _OTHER_SIGNS = 2.0 * np.eye(3) - 1.0
 # A number of fewer digits may be twice there by chance.
 _TELLING_DIGITS = 4
-# Half a unit of the last decimal, and what tessellation adds. A unit below this share of the largest number takes nothing away.
-_HALF, _COARSE_UNIT = 0.51, 0.05
+# Half a unit of the last decimal, and what tessellation adds. Rounding that changes no moment by this part is not worth saying.
+_HALF, _LOST = 0.51, 1.0 / 3.0
 
 Corrected = Iterator[tuple[Mistake, DeclaredInertial]]
 
@@ -159,8 +159,9 @@ def _undo_rounded(suspect: Suspect) -> Corrected:
     unit = measure_decimal(declared.tensor)
     uniform = declared.mass * (np.trace(reference.covariance) * np.eye(3) - reference.covariance)
     typed_axes = declared.rotation.T @ uniform @ declared.rotation
-    off = np.abs(typed_axes - declared.tensor).max()
-    if unit is not None and off <= _HALF * unit and unit > _COARSE_UNIT * np.abs(typed_axes).max():
+    off = np.abs(typed_axes - declared.tensor)
+    has_lost_moment = bool((np.diag(off) > _LOST * np.diag(typed_axes)).any())
+    if unit is not None and has_lost_moment and off.max() <= _HALF * unit:
         detail = f"{max(0, -round(math.log10(unit)))} decimals"
         yield replace(make_mistake("rounded", detail), borrowed=(6, 0)), replace(declared, tensor=typed_axes)
 
