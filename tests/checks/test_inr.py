@@ -198,6 +198,16 @@ def test_an_impossible_link_is_judged_with_what_it_is_fixed_to(
     assert (finding.message_id, finding.severity) == (message, severity)
 
 
+def test_a_light_link_with_six_equal_numbers_is_explained(tmp_path: Path) -> None:
+    six = " ".join(f'{name}="1e-6"' for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    frame = f'<inertial><mass value="1e-6"/><inertia {six}/></inertial>'
+    (finding,) = find(tmp_path, make_arm(SOUND, more=fixed("cover", frame)), "INR003")
+    assert finding.message_id == "helper"
+    assert finding.cause is not None
+    assert finding.cause.id == "products_filled"
+    assert "all six numbers are 1e-6" in finding.cause.text
+
+
 def test_a_light_impossible_link_that_a_joint_moves_is_no_helper(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_arm(impossible("0.0005", "1e-5", "1e-4")), "INR003")
     assert (finding.message_id, finding.severity) == ("violated", Severity.ERROR)
