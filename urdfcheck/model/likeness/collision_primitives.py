@@ -158,10 +158,12 @@ def _is_same_size(one: Shape, other: Shape, differ: float) -> bool:
 def _is_same_place(model: Model, one: Shape, other: Shape, differ: float) -> bool:
     """Whether two shapes fill boxes of one size at one place along the axes of their links' frames, or at its mirror images."""
     boxes = [compute_bounding_box(model, [(shape, np.eye(4))]) for shape in (one, other)]
-    if boxes[0] is None or boxes[1] is None:
+    known = [box for box in boxes if box is not None]
+    if len(known) < len(boxes):
         return True
-    tolerance = max(_MIN_OFFSET, differ * float(np.linalg.norm(boxes[1][1] - boxes[1][0])))
-    centres, extents = ([f(box) for box in boxes] for f in (lambda b: np.abs(b.mean(axis=0)), lambda b: b[1] - b[0]))
+    tolerance = max(_MIN_OFFSET, differ * float(np.linalg.norm(known[1][1] - known[1][0])))
+    centres = [np.abs(box.mean(axis=0)) for box in known]
+    extents = [box[1] - box[0] for box in known]
     return bool(
         np.linalg.norm(centres[0] - centres[1]) <= tolerance and np.abs(extents[0] - extents[1]).max() <= tolerance
     )
