@@ -125,6 +125,34 @@ def test_closed_fingers_may_press_against_each_other(tmp_path: Path, press: floa
     assert bool(find(tmp_path, text, "COL001")) == bad
 
 
+def telescope(axis: str = "0 0 1", kind: str = "prismatic") -> str:
+    """Three tubes in each other, drawn as solid cylinders, and a plate that the last one carries."""
+    tube = "<collision><geometry><cylinder radius='{}' length='1'/></geometry></collision>"
+    slide = "<axis xyz='{}'/><limit lower='0' upper='1.5' effort='1' velocity='1'/>"
+    return robot(
+        *(link(name, tube.format(radius)) for name, radius in (("outer", 0.06), ("middle", 0.05), ("inner", 0.04))),
+        joint("m", "outer", "middle", slide.format("0 0 1"), kind="prismatic"),
+        joint("i", "middle", "inner", slide.format(axis), kind=kind),
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "severity"),
+    [
+        (telescope(), "nested", Severity.INFO),
+        (telescope("0 0 -1"), "nested", Severity.INFO),
+        (telescope("1 0 0"), "overlap", Severity.WARNING),
+        (telescope(kind="revolute"), "overlap", Severity.WARNING),
+        (folded(gap=-0.00015), "slight", Severity.INFO),
+        (folded(gap=-0.0003), "overlap", Severity.WARNING),
+        (folded(scale=0.01, gap=-0.01), "overlap", Severity.WARNING),  # 0.1 mm, and much of the shape
+    ],
+)
+def test_what_hardly_matters_is_an_info(tmp_path: Path, text: str, message: str, severity: Severity) -> None:
+    found = find(tmp_path, text, "COL001")
+    assert [(f.message_id, f.severity) for f in found if f.message_id != "always"] == [(message, severity)]
+
+
 def test_rest_is_the_limit_nearest_to_zero(tmp_path: Path) -> None:
     """At zero the fingers would be one in the other; their range begins where they are apart."""
     ball = sphere("0.01")

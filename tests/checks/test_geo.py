@@ -149,6 +149,22 @@ def test_a_moving_link_that_is_drawn_and_not_touched(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("size", "hand", "message"),
+    [(0.1, BOTH, "between"), (0.5, BOTH, "missing"), (0.1, "", "missing"), (0.1, box("visual"), "missing")],
+    ids=["small", "large", "nothing behind", "bare behind"],
+)
+def test_a_small_piece_between_two_that_collide_is_an_info(
+    tmp_path: Path, size: float, hand: str, message: str
+) -> None:
+    piece = geometry("visual", f'<box size="{size} {size} {size}"/>')
+    parts = make_arm_with_hands(BOTH, BOTH, piece)
+    if hand:
+        parts += link("tip", hand) + make_joint("hand2", "tip", xyz="0 0 1")
+    messages = {f.message_id: f.severity for f in find(tmp_path, robot(parts), "GEO002")}
+    assert messages == {message: Severity.INFO if message == "between" else Severity.WARNING}
+
+
+@pytest.mark.parametrize(
     "inside",
     ["", BOTH, box("collision"), geometry("visual", '<box size="0.005 0.001 0.001"/>')],
     ids=["frame", "both", "not drawn", "token"],
@@ -336,6 +352,13 @@ def placed(role: str, origin: str = "", name: str = "part.stl", scale: str = "1 
 def test_how_far_origins_may_differ(tmp_path: Path, visual: str, collision: str, found: bool) -> None:
     inside = placed("visual", visual) + placed("collision", collision)
     assert bool(find(tmp_path, robot(link("a", inside)), "GEO005")) == found
+
+
+@pytest.mark.parametrize(("moved", "severity"), [("0.0099", Severity.INFO), ("0.0101", Severity.WARNING)])
+def test_more_than_a_centimetre_is_a_warning(tmp_path: Path, moved: str, severity: Severity) -> None:
+    inside = placed("visual") + placed("collision", f'<origin xyz="{moved} 0 0"/>')
+    (finding,) = find(tmp_path, robot(link("a", inside)), "GEO005")
+    assert finding.severity == severity
 
 
 @pytest.mark.parametrize(

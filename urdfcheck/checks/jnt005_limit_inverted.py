@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
@@ -12,7 +12,7 @@ from urdfcheck.model.repairs.edits import swap_literals
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    equal: dict[tuple[float, bool], list[Joint]] = {}
+    equal: dict[float, list[Joint]] = {}
     for joint in model.joints:
         limit, lower, upper = joint.limit, joint.get_limit_value("lower"), joint.get_limit_value("upper")
         if joint.type not in {"revolute", "prismatic"} or limit is None or lower is None or upper is None:
@@ -21,10 +21,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if not typed or lower < upper:
             continue  # JNT004 reports a limit with neither
         if lower == upper:
-            is_empty = all(
-                value == 0 for value in (lower, joint.get_limit_value("effort"), joint.get_limit_value("velocity"))
-            )
-            equal.setdefault((lower, is_empty), []).append(joint)
+            equal.setdefault(lower, []).append(joint)
         else:
             yield rule.finding(
                 "inverted",
@@ -36,7 +33,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 unit=joint.position_unit,
             )
     # Joints with the same numbers come from one template or one exporter's default.
-    for (value, is_empty), joints in equal.items():
+    for value, joints in equal.items():
         yield build_group_finding(
             rule,
             "equal",
@@ -45,7 +42,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joints=join_names(joint.name for joint in joints),
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
-            rest="; effort and velocity are 0 too: the limits were not filled in" if is_empty else "",
-            wanted="range, effort and velocity" if is_empty else "range",
-            explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
+            also=_describe_empty(joints),
         )
+
+
+def _describe_empty(joints: Sequence[Joint]) -> str:
+    """Say that effort and velocity are 0 too; JNT007 leaves that to this finding if the limits are 0."""
+    values = {joint.get_limit_value(name) for joint in joints for name in ("lower", "effort", "velocity")}
+    return ". Effort and velocity are 0 too" if values == {0} else ""
