@@ -64,6 +64,10 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
             related=[locate_geometry(contact.shapes[1]) for _, contact in by_design[1:]],
             severity=Severity.INFO,
             pairs=_join_pairs(by_design),
+            one=by_design[0][0].links[0],
+            other=by_design[0][0].links[1],
+            millimetres=by_design[0][1].depth * 1e3,
+            more=f" (+{format_count(len(by_design) - 1, 'pair')})" if len(by_design) > 1 else "",
             percent=round(100 * always),
             samples=samples,
         )
