@@ -74,7 +74,7 @@ SHORT_CAUSES = {
     "com_unit": "{detail}, not m",
     "units": "{detail}",
     "about_origin": "about the origin, not the COM",
-    "positive_notation": "about the origin, products flipped",
+    "positive_notation": "at the origin, CAD signs",
     "steiner_twice": "parallel-axis term twice",
     "steiner_missing": "no parallel-axis term",
     "one_piece": "of one piece only",

@@ -428,6 +428,8 @@ def _is_convincing(ranking: _Ranking, reference: Reference, *, is_habit: bool = 
         return equal and bool(moments[-1] - moments[0] > _NOT_A_SPHERE * moments[-1])
     if twin is not None:  # the reference is not a uniform solid, but the numbers as they should be
         return worst < EXACT
+    if best.id == "decimal_point" and best.detail.startswith(("mass ", "tensor ")):
+        return worst < EFFECT  # a ratio of mass and tensor near ten may be a changed mass or a motor
     if best.borrowed == (0, 0):
         # A part with the COM (or the tensor) of its uniform solid has uniform density: the other has to agree as well.
         if float(fit.com_mismatch[none]) < UNIFORM and tensor_mismatch > 2 * EFFECT:
