@@ -20,6 +20,7 @@ from multiprocessing import get_context
 
 import cost
 import defects
+import formulas
 import habits
 import tables
 from parts import FAMILIES, SPLITS
@@ -27,7 +28,7 @@ from scoring import Excluded, Outcome, outcomes
 
 import urdfcheck
 
-PARTS = ("parts", "cost", "fixtures", "habits")
+PARTS = ("parts", "formulas", "cost", "fixtures", "habits")
 
 
 def main() -> None:
@@ -51,6 +52,8 @@ def main() -> None:
     )
     if "parts" in only:
         print(tables.parts(_cases(options.split, options.seed, number, options.jobs)), flush=True)
+    if "formulas" in only:
+        print(formulas.build_table(options.split, options.seed, 2 * number), flush=True)
     if "cost" in only:
         print(cost.table(options.split, options.seed, min(number, 72)), flush=True)
     if "fixtures" in only:
