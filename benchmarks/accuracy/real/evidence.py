@@ -124,7 +124,7 @@ def _find_drawn_evidence(part: Part, old: Numbers, new: Numbers) -> set[str]:
     if drawn is None or not drawn.closed or drawn.solid.volume <= 0:
         return set()
     solid, found = drawn.solid, set()
-    covariance = np.asarray(solid.covariance) / solid.volume
+    covariance = np.asarray(solid.covariance)
     tensor = np.trace(covariance) * np.eye(3) - covariance
 
     def differ(n: Numbers) -> float:
