@@ -14,7 +14,7 @@ from urdfcheck.facts.inertials.inertia_tensor import list_half_units
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
-from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
+from urdfcheck.model.inertials.inertial_proposals import describe_drawn_inertial
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 
 if TYPE_CHECKING:
@@ -38,16 +38,12 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not ratio < excess < np.inf:
             continue
-        drawn = (
-            propose_from_geometry(model, part.link) if has_drawn_shape(part.link) and len(part.readings) == 1 else None
-        )
+        is_known = has_drawn_shape(part.link) and len(part.readings) == 1
+        drawn = describe_drawn_inertial(model, part.link) if is_known else ""
         yield rule.finding(
             "exceeds",
             at=declared.element,
-            edits=() if drawn is None else drawn.edits,
-            computed="compute them from the mesh"
-            if drawn is None or not drawn.text
-            else f"write {drawn.words} (the drawn part at uniform density)",
+            computed=f"write {drawn}" if drawn else "compute them from the mesh",
             link=part.link.name,
             ratio=float(f"{excess:.3g}"),
             mass=part.mass,

@@ -19,7 +19,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
-from urdfcheck.model.inertials.inertial_proposals import name_mistake, propose_from_geometry, propose_undo
+from urdfcheck.model.inertials.inertial_proposals import describe_drawn_inertial, name_mistake, propose_undo
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
@@ -207,12 +207,11 @@ def _build_cause_finding(
 
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
-    mended = propose_from_geometry(model, tensor.link)
+    drawn = describe_drawn_inertial(model, tensor.link)
     return rule.finding(
         "disagrees",
         at=tensor.element,
-        edits=() if mended is None else mended.edits,
-        edit="" if mended is None else f"; at this mass and uniform density the drawn part has {mended.words}",
+        edit=f", or write {drawn}" if drawn else "",
         **_collect_data(model, tensor.link, judged),
     )
 
