@@ -9,6 +9,7 @@ import json
 import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,17 +19,18 @@ from filelock import FileLock, Timeout
 
 import urdfcheck
 from urdfcheck.core import Finding, Run
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.model import Model
 from urdfcheck.policy.config import TARGETS
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run import pipeline, unit_audit
 from urdfcheck.run.findings import FinalFindings
-from urdfcheck.run.jobs import PackageFolders, Request
+from urdfcheck.run.jobs import PackageFolders, Request, Unit
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run_audit
 from urdfcheck.simulators.engine_input import build_input
 from urdfcheck.simulators.outcome import EngineInput
 from urdfcheck.simulators.processes import ENGINES
-from urdfcheck.source.load import load_source
+from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.package.finder import PackageFinder
 
 # Expands only when it is started in its own folder: its includes are relative to the working directory.
@@ -110,24 +112,60 @@ def check_robots(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> dict
 
 
 def check_robot(request: Request) -> CheckedRobot:
-    """Check what a request leads to. Between the two runs nothing changes: models are looked for and expanded once."""
+    """Check what a request leads to. Between the two runs nothing changes: models are looked for and expanded once, and their
+    facts, which do not depend on the targets (`list_rules_for_targets`), are computed once."""
     reading, deciding = list_rules_for_targets()
     policy = replace(request.policy, targets=TARGETED, codes=deciding)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pipeline, "discover_targets", once(pipeline.discover_targets))
         patch.setattr(unit_audit, "load_source", once(unit_audit.load_source))
+        patch.setattr(unit_audit, "Model", models := KnownModels())
         with record_reported() as reported:
             audited = run_audit(request, IN_THIS_PROCESS)
         again = run_audit(replace(request, policy=policy), IN_THIS_PROCESS).outcome
     found = [f for f in audited.outcome.findings if f.code not in reading]
     found += [f for f in again.findings if f.code in reading]
-    models = {model.id for model in audited.outcome.models}
+    ids = {model.id for model in audited.outcome.models}
     inputs = {
-        unit.id: read_input(Path(unit.path), unit.arguments, unit.packages or request.packages, xacro=unit.is_xacro)
+        unit.id: build_known_input(unit, models) or read_unit(unit, request)
         for unit in audited.units
-        if unit.kind == "model" and unit.id in models
+        if unit.kind == "model" and unit.id in ids
     }
     return CheckedRobot(audited.outcome, frozenset(reported), tuple(found), inputs)
+
+
+class KnownModels:
+    """Makes models as `Model` does. The second of one source, for other targets, knows what was computed of the first."""
+
+    def __init__(self) -> None:
+        self.by_source: dict[int, Model] = {}
+
+    def __call__(self, *, source: Source, targets: tuple[str, ...], **more: Any) -> Model:
+        known = self.by_source.get(id(source))
+        if known is None:
+            known = self.by_source[id(source)] = Model(source=source, targets=targets, **more)
+            return known
+        assert known.robot is more["robot"]
+        model = Model(source=source, targets=targets, **more)
+        vars(model).update({name: value for name, value in vars(known).items() if name not in {"targets", "cache"}})
+        return model
+
+    def find(self, unit: Unit) -> Model | None:
+        """Return the model that was made of a unit; None where a launch file decides about it, which engines do not read."""
+        found = (m for m in self.by_source.values() if m.source.path == Path(unit.path))
+        same = (m for m in found if not m.source.found_arguments and m.source.arguments == unit.arguments)
+        return None if unit.launches else next(same, None)
+
+
+def build_known_input(unit: Unit, models: KnownModels) -> EngineInput | None:
+    """A model as engines get it, of what a run has expanded already."""
+    model = models.find(unit)
+    return None if model is None else build_input(model.source, model)
+
+
+def read_unit(unit: Unit, request: Request) -> EngineInput | None:
+    """A model as engines get it; its files are read again."""
+    return read_input(Path(unit.path), unit.arguments, unit.packages or request.packages, xacro=unit.is_xacro)
 
 
 @contextlib.contextmanager
@@ -159,9 +197,16 @@ def list_defects(findings: Iterable[Finding]) -> set[Defect]:
 def find_lost_defects(reported: Iterable[Defect], run: Run) -> set[Defect]:
     """Find the defects that the findings of a run do not have.
 
-    Left out are those that a stronger rule hides on the element, and those of files that turned out to be parts of a model.
+    Left out are those that a stronger rule hides on the element or explains, and those of files that turned out to be parts of
+    a model.
     """
     told = list_defects(run.findings)
+    explained = {
+        (claim, model)
+        for finding in iter_occurrences(run.findings)
+        for model in finding.subjects_by_model
+        for claim in finding.data.get("explains", ())
+    }
     elements = {(code, model, subject.partition("]")[0]) for code, model, subject, _ in told}
     rules = load_rules()
     return {
@@ -169,6 +214,7 @@ def find_lost_defects(reported: Iterable[Defect], run: Run) -> set[Defect]:
         for defect in set(reported) - told
         if defect[1] in run.unit_ids
         and not any((code, defect[1], defect[2].partition("]")[0]) in elements for code in rules[defect[0]].hidden_by)
+        and (f"{defect[0]} {defect[2].partition(']')[0]}]", defect[1]) not in explained
     }
 
 
@@ -185,6 +231,7 @@ def once(function: Callable[..., T]) -> Callable[..., T]:
     return call
 
 
+@cache
 def list_rules_for_targets() -> tuple[frozenset[str], frozenset[str]]:
     """Codes of the rules that find other things for other targets, and of all that decide about them: whose checks read the
     targets, with those that give way to them, and those that all of these give way to."""

@@ -20,13 +20,14 @@ from multiprocessing import get_context
 
 import cost
 import defects
+import formulas
 import tables
 from parts import FAMILIES, SPLITS
 from scoring import Excluded, Outcome, outcomes
 
 import urdfcheck
 
-PARTS = ("parts", "cost", "fixtures")
+PARTS = ("parts", "formulas", "cost", "fixtures")
 
 
 def main() -> None:
@@ -50,6 +51,8 @@ def main() -> None:
     )
     if "parts" in only:
         print(tables.parts(_cases(options.split, options.seed, number, options.jobs)), flush=True)
+    if "formulas" in only:
+        print(formulas.build_table(options.split, options.seed, 2 * number), flush=True)
     if "cost" in only:
         print(cost.table(options.split, options.seed, min(number, 72)), flush=True)
     if "fixtures" in only:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import box, collision, find, inertial, joint, link, robot, visual
+from castings import edited
 from numpy.typing import NDArray
 
 from urdfcheck.facts.inertials.hull_bounds import measure_hull_distance
@@ -108,6 +109,23 @@ def test_the_message_tells_the_ratio_and_both_spreads(tmp_path: Path) -> None:
     assert finding.data["spread"] == pytest.approx(98.7654321**0.5 * 0.1 / 12**0.5, rel=0.01)
     assert finding.data["most"] == pytest.approx(half, rel=0.01)
     assert "inside the drawn geometry" in finding.message
+
+
+def test_the_headline_compares_spreads_and_not_moments(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_arm(replace(Part(), tensor=98.7654321 * Part().inertia)), CODES)
+    assert finding.data["wider"] == pytest.approx(finding.data["spread"] / finding.data["most"], rel=0.01)
+    assert f"needs mass spread {finding.data['wider']:g}× wider" in finding.headline
+
+
+def test_one_mistake_that_explains_the_excess_is_named_and_undone(tmp_path: Path) -> None:
+    part = Part(size=(0.3, 0.2, 0.1))
+    content = make_arm(replace(part, tensor=1e4 * part.inertia))
+    (finding,) = find(tmp_path, content, {"INR005"})
+    assert finding.message.endswith("One mistake explains it: unit of the tensor: kg·cm²")
+    assert finding.fix is not None
+    assert find(tmp_path, edited(content, finding.fix.edits), CODES) == []
+    # The rule about causes speaks first.
+    assert [f.code for f in find(tmp_path, content, {*CODES, "INR009"})] == ["INR009"]
 
 
 @pytest.mark.parametrize(("digits", "exceeds"), [("1e-6", False), ("1.00e-6", True)])

@@ -35,13 +35,17 @@ class _Reader(HTMLParser):
         super().__init__(convert_charrefs=True)
         self.document = Document()
         self.open: list[str] = []
+        # Joined at the end: to add each piece to the text so far takes the square of a report's length.
+        self.text: list[str] = []
+        self.style: list[str] = []
+        self.scripts: list[list[str]] = []
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         names = [name for name, _ in attrs]
         assert len(names) == len(set(names)), f"<{tag}> repeats an attribute"
         self.document.tags.append((tag, {name: value or "" for name, value in attrs}))
         if tag == "script":
-            self.document.scripts.append("")
+            self.scripts.append([])
         if tag not in VOID:
             self.open.append(tag)
 
@@ -55,11 +59,16 @@ class _Reader(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         if self.open and self.open[-1] == "style":
-            self.document.style += data
+            self.style.append(data)
         elif self.open and self.open[-1] == "script":
-            self.document.scripts[-1] += data
+            self.scripts[-1].append(data)
         else:
-            self.document.text += data
+            self.text.append(data)
+
+    def close(self) -> None:
+        super().close()
+        self.document.text, self.document.style = "".join(self.text), "".join(self.style)
+        self.document.scripts = list(map("".join, self.scripts))
 
 
 def read(html: str) -> Document:

@@ -19,7 +19,12 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
-from urdfcheck.model.inertials.inertial_proposals import describe_drawn_inertial, name_mistake, propose_undo
+from urdfcheck.model.inertials.inertial_proposals import (
+    describe_drawn_inertial,
+    describe_mistake,
+    name_mistake,
+    propose_undo,
+)
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
@@ -34,8 +39,8 @@ if TYPE_CHECKING:
 # A part of a rigid body that is lighter than this share of it hardly changes how the body moves.
 LIGHT = 0.05
 # The body may be a thin shell, its hull or box may have been easier to compute, and a decorative piece may have been left out:
-# such causes are worth knowing and rarely harmful.
-MILD_CAUSES = frozenset({"shell", "convex_hull", "bounding_box", "one_piece"})
+# such causes are worth knowing and rarely harmful. So is rounding, which leaves a possible tensor here.
+MILD_CAUSES = frozenset({"shell", "convex_hull", "bounding_box", "one_piece", "rounded"})
 # What a program gets wrong in all links of a model alike.
 UNIT_CAUSES = frozenset({"com_unit", "mass_unit", "inertia_unit"})
 # Either the mass or the tensor may be the wrong number: two different edits make such an inertial agree.
@@ -48,7 +53,10 @@ NOTABLE, SIMILAR = 0.1, 1.33
 _ROTATED = 1.5
 # Causes that make a tensor too large or too small as a whole.
 SIZE_CAUSES = frozenset(
-    {"inertia_unit", "about_origin", "steiner_twice", "steiner_missing", "other_mass", *MILD_CAUSES},
+    {
+        *("inertia_unit", "about_origin", "positive_notation", "steiner_twice", "steiner_missing", "other_mass"),
+        *("wrong_formula", *MILD_CAUSES),
+    },
 )
 # What a headline calls the numbers that are wrong; for any other cause, the inertia.
 FAULTY_NUMBERS = {
@@ -66,12 +74,14 @@ SHORT_CAUSES = {
     "com_unit": "{detail}, not m",
     "units": "{detail}",
     "about_origin": "about the origin, not the COM",
+    "positive_notation": "about the origin, products flipped",
     "steiner_twice": "parallel-axis term twice",
     "steiner_missing": "no parallel-axis term",
     "one_piece": "of one piece only",
     "products_sign": "products have flipped signs",
     "axes_permuted": "its x y z are {detail}",
     "slots_swapped": "{detail} swapped",
+    "slots_shifted": "{detail}",
     "quarter_turn": "rotated by {detail}",
     "unmirrored": "not mirrored",
     "rpy_missing": "rpy left out",
@@ -80,6 +90,8 @@ SHORT_CAUSES = {
     "row_major": "matrix typed row by row",
     "one_sign": "sign of {detail} flipped",
     "decimal_point": "decimal point off: {detail}×",
+    "rounded": "rounded to {detail}",
+    "wrong_formula": "of {detail}",
     "shell": "of a hollow shell",
     "bounding_box": "of the bounding box",
     "convex_hull": "of the convex hull",
@@ -231,7 +243,7 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_cer
     return {
         "link": link.name,
         "detail": diagnosis.detail,
-        "mistake": _describe_mistake(diagnosis.cause or "", diagnosis.detail),
+        "mistake": describe_mistake(diagnosis.cause or "", diagnosis.detail),
         "why": SHORT_CAUSES.get(diagnosis.cause or "", "").format(detail=diagnosis.detail),
         "fault": _describe_fault(diagnosis.cause or "", size=size, apart=apart, is_certain=is_certain),
         "off": f", {apart} from the drawn part's" if apart else "",
@@ -261,20 +273,12 @@ def _describe_fault(cause: str, *, size: str, apart: str, is_certain: bool) -> s
     return f"{'wrong' if is_certain else 'suspect'} {FAULTY_NUMBERS.get(cause, 'inertia')}"
 
 
-def _describe_mistake(cause: str, detail: str) -> str:
-    """Name a cause in a few words, with its detail."""
-    name = name_mistake(cause)
-    return f"{name}: {detail}{' times' if cause == 'decimal_point' else ''}" if detail else name
-
-
 def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None) -> str:
     """Describe how near the numbers are to those of the drawn part when the mistake is undone."""
     diagnosis = judged.diagnosis
     residual, mended = max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch), diagnosis.mended
-    if residual < DIGITS:
-        return "the two agree exactly"
     if residual < EXACT:
-        return f"the two agree to within {100 * residual:.0f} %"
+        return f"the two agree to within {max(1.0, 100 * residual):.0f} %"
     if mended is None or drawn is None:
         return "the two agree better"
     left = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
@@ -42,4 +42,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joints=join_names(joint.name for joint in joints),
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
+            also=_describe_empty(joints),
         )
+
+
+def _describe_empty(joints: Sequence[Joint]) -> str:
+    """Say that effort and velocity are 0 too; JNT007 leaves that to this finding if the limits are 0."""
+    values = {joint.get_limit_value(name) for joint in joints for name in ("lower", "effort", "velocity")}
+    return ". Effort and velocity are 0 too" if values == {0} else ""

@@ -1,8 +1,8 @@
-"""JNT007 reports effort and velocity limits that are missing, zero or negative."""
+"""JNT007 reports effort and velocity limits that are missing, zero, negative or beyond any drive."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
@@ -11,7 +11,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.source.text.grammar import is_attribute_missing
 
 
-def check(model: Model, rule: Rule) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float) -> Iterator[Finding]:
     for joint in model.joints:
         limit = joint.limit
         missing = [] if limit is None else [n for n in ("effort", "velocity") if is_attribute_missing(limit, n)]
@@ -19,23 +19,72 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(
                 "missing", at=limit, severity=Severity.ERROR, joint=joint.name, names=" and ".join(missing)
             )
-    for name in ("effort", "velocity"):
-        values = [(joint, joint.get_limit_value(name)) for joint in model.joints if joint.is_driven]
-        zero = [joint for joint, value in values if value == 0]
-        negative = [joint for joint, value in values if value is not None and value < 0]
+    driven = [joint for joint in model.joints if joint.is_driven]
+    yield from _check_zeros(model, rule, driven)
+    for name, most in (("effort", most_effort), ("velocity", most_velocity)):
+        values = [(joint, value) for joint in driven if (value := joint.get_limit_value(name)) is not None]
         # Joints with the same defect come from one template or one exporter's default.
-        for kind, joints in (("zero", zero), ("negative", negative)):
-            if joints:
-                yield _build_wrong_limit_finding(rule, name, kind, joints=joints)
+        if negative := [joint for joint, value in values if value < 0]:
+            yield _build_finding(rule, f"{name}-negative", name, negative)
+        if absurd := [joint for joint, value in values if value >= most]:
+            largest = max(value for _, value in values)
+            yield _build_finding(rule, f"{name}-absurd", name, absurd, largest=largest, most=most)
 
 
-def _build_wrong_limit_finding(rule: Rule, name: str, kind: str, *, joints: list[Joint]) -> Finding:
+def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[Finding]:
+    still = {joint.name for joint in driven if joint.get_limit_value("velocity") == 0}
+    powerless = [joint for joint in driven if joint.get_limit_value("effort") == 0]
+    # The fields of the exporter's dialog were empty. If lower and upper are 0 too, JNT005 reports all four.
+    empty = [joint for joint in powerless if joint.name in still]
+    if stated := [joint for joint in empty if not _is_locked(joint)]:
+        yield _build_finding(rule, "both-zero", "effort", stated)
+    powerless = [joint for joint in powerless if joint.name not in still]
+    commanded = _collect_commanded_names(model)
+    if with_motor := [joint for joint in powerless if joint.name in commanded]:
+        yield _build_finding(rule, "effort-zero", "effort", with_motor)
+    if unused := [joint for joint in powerless if joint.name not in commanded]:
+        yield _build_finding(rule, "effort-unused", "effort", unused, severity=Severity.INFO)
+    if slow := [joint for joint in driven if joint.name in still and joint not in empty]:
+        yield _build_finding(rule, "velocity-zero", "velocity", slow)
+
+
+def _is_locked(joint: Joint) -> bool:
+    """Whether lower and upper of a joint with a range are both typed as 0."""
+    limit = joint.limit
+    if limit is None or joint.type == "continuous" or not {"lower", "upper"} <= limit.attributes.keys():
+        return False
+    return joint.get_limit_value("lower") == joint.get_limit_value("upper") == 0
+
+
+def _collect_commanded_names(model: Model) -> frozenset[str]:
+    """Collect the joints that a transmission or a command interface of ros2_control gives a motor."""
+    transmitted = (j for t in model.robot.find_children("transmission") for j in t.find_children("joint"))
+    controlled = (
+        joint
+        for control in model.robot.find_children("ros2_control")
+        for joint in control.find_children("joint")
+        if joint.find_child("command_interface") is not None
+    )
+    return frozenset(joint.get("name") for joint in (*transmitted, *controlled))
+
+
+def _build_finding(
+    rule: Rule,
+    message: str,
+    name: str,
+    joints: Sequence[Joint],
+    *,
+    severity: Severity | None = None,
+    **data: float,
+) -> Finding:
     return build_group_finding(
         rule,
-        f"{name}-{kind}",
+        message,
         [joint.limit.attributes[name] for joint in joints if joint.limit is not None],
+        severity=severity,
         joints=join_names(joint.name for joint in joints),
         count=len(joints),
         noun="joint" if len(joints) == 1 else "joints",
         verb="has" if len(joints) == 1 else "have",
+        **data,
     )

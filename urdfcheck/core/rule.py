@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from urdfcheck.core.findings import (
@@ -86,6 +86,9 @@ class Rule:
     the smallest first."""
     on_request: frozenset[str] = frozenset()
     """Ids of the messages whose notes (infos) are reported only on request."""
+    pedantic: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Ids of the messages whose notes (infos) are warnings for a pedantic reader, each with the targets for which they are
+    warnings too."""
     layers: tuple[str, ...] = ("visual",)
     """What the 3D view of the report shows for a finding: layers of its viewer."""
 

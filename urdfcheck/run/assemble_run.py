@@ -91,6 +91,8 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
 
 def list_unused_macro_files(plan: Plan, audited_units: AuditedUnits) -> tuple[str, ...]:
     """Return the files with macros that no checked model has read."""
+    if not plan.macro_files:
+        return ()
     read = {os.path.realpath(unit.path) for unit, _ in audited_units}
     for _, report in audited_units:
         if report.info is not None and report.info.status == "checked":

@@ -106,7 +106,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
         return sizes.limit_report(texts.share(report, unit.id), unit.id)
 
     reports = {index: bound(report, units[index]) for index, report in reports.items()}
-    with audit_session(request, units, plan) as settings:
+    with audit_session(request, units, plan, in_process=execution.audit is not None) as settings:
         while missing := list_next_units(units, reports):
             total = len(reports) + len(missing)
             stream = stream_reports(
@@ -221,8 +221,13 @@ def _discover_bounded(
 
 
 @contextlib.contextmanager
-def audit_session(request: Request, units: Sequence[Unit], plan: Plan) -> Iterator[AuditSettings]:
-    """Yield the settings for the audit of these units of a plan; they hold as long as the context."""
+def audit_session(
+    request: Request, units: Sequence[Unit], plan: Plan, *, in_process: bool = False
+) -> Iterator[AuditSettings]:
+    """Yield the settings for the audit of these units of a plan; they hold as long as the context.
+
+    ``in_process``: this process audits them; it sees all folders.
+    """
     reach = plan.reach or request.reach
     with _open_cache_folder(request, units) as folder:
         yield AuditSettings(
@@ -232,7 +237,7 @@ def audit_session(request: Request, units: Sequence[Unit], plan: Plan) -> Iterat
             cache=folder,
             reach=reach.roots,
             known_packages=plan.known_packages,
-            visible_folders=_list_visible_folders(reach, units),
+            visible_folders=() if in_process else _list_visible_folders(reach, units),
         )
 
 

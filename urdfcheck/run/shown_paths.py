@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -24,16 +25,18 @@ class PathShortener:
 
     def __init__(self, folders: Iterable[str], is_typed: Callable[[str], bool]) -> None:
         # A root or a folder below it would take too much for a path.
-        long = {folder.rstrip(os.sep) for folder in folders if folder.rstrip(os.sep).count(os.sep) > 1}
-        listed = "|".join(map(re.escape, sorted(long, key=len, reverse=True)))
+        self.folders = {folder.rstrip(os.sep) for folder in folders if folder.rstrip(os.sep).count(os.sep) > 1}
         self.is_typed = is_typed
-        self.pattern = (
-            re.compile(rf"(?:file:/{{0,3}}|(?<![\w./:-]))({listed})(?=[/\\]|(?![\w.-])){_REST}") if long else None
-        )
+
+    @cached_property  # few texts hold such a path, and this takes as long as a check of a small model's text
+    def pattern(self) -> re.Pattern[str]:
+        """Matches a path below one of the folders, with the scheme before it."""
+        listed = "|".join(map(re.escape, sorted(self.folders, key=len, reverse=True)))
+        return re.compile(rf"(?:file:/{{0,3}}|(?<![\w./:-]))({listed})(?=[/\\]|(?![\w.-])){_REST}")
 
     def shorten_finding(self, finding: Finding) -> Finding:
         """Return a finding without absolute paths below the folders."""
-        if self.pattern is None:
+        if not self.folders:
             return finding
         fix, cause = finding.fix, finding.cause
         return replace(
@@ -51,7 +54,7 @@ class PathShortener:
 
     def shorten_text(self, text: str) -> str:
         """Return a text without absolute paths below the folders."""
-        if self.pattern is None or os.sep not in text:
+        if not any(folder in text for folder in self.folders):
             return text
         return self.pattern.sub(self._shorten_match, text)
 

@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -198,7 +198,7 @@ class _UnitAudit:
 
     def get_options(self, rule: Rule) -> dict[str, Any]:
         """Return the values of a rule's options."""
-        options = {name: o.default for name, o in rule.options.items()}
+        options = {name: o.default for name, o in rule.options.items()} if rule.options else {}
         return {**options, **self.policy.options.get(rule.code, {})}
 
     def load_source(self) -> Source:
@@ -308,7 +308,7 @@ class _UnitAudit:
         for rule in self.rules.values():
             if scope not in rule.scopes:
                 continue
-            missing = _find_missing_tier(rule, self.policy.tier)
+            missing = _find_missing_tier(rule.needs, self.policy.tier)
             if missing:
                 self.add_skip(rule.code, f"{SkippedCheck.TIER_REASON}{missing}")
                 continue
@@ -358,7 +358,7 @@ class _UnitAudit:
             number = "a mesh" if len(files) == 1 else f"{len(files)} meshes"
             reason = f"nothing is known of {number} in package {package}, which is not installed here"
             for rule in self.rules.values():
-                if "mesh" in rule.needs and not _find_missing_tier(rule, self.policy.tier):
+                if "mesh" in rule.needs and not _find_missing_tier(rule.needs, self.policy.tier):
                     self.add_skip(rule.code, reason, is_partial=True)
 
     def skip_scope(self, scope: str, reason: str) -> None:
@@ -475,9 +475,10 @@ def _find_undeclared_arguments(source: Source) -> dict[str, str] | None:
     }
 
 
-def _find_missing_tier(rule: Rule, tier: str) -> str | None:
-    """Return the tier that a rule needs, if more than ``tier``."""
-    wanted = max((TIERS.index(_TIER_OF_NEED[need]) for need in rule.needs), default=0)
+@cache  # each unit asks about each rule
+def _find_missing_tier(needs: tuple[str, ...], tier: str) -> str | None:
+    """Return the tier that the ``needs`` of a rule ask for, if more than ``tier``."""
+    wanted = max((TIERS.index(_TIER_OF_NEED[need]) for need in needs), default=0)
     return TIERS[wanted] if wanted > TIERS.index(tier) else None
 
 

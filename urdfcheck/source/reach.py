@@ -49,12 +49,11 @@ def find_project_folder(path: Path) -> Path:
     counts by its own place, not by its target: the link may be a stranger's.
     """
     folder = _find_own_folder(path)
-    around = [
-        f for f in (folder, *folder.parents) if not is_shared_by_all(f)
-    ]  # a whole home folder may be a repository
+    shared = list_shared_folders()  # a whole home folder may be a repository
+    around = [f for f in (folder, *folder.parents) if not is_shared_by_all(f, shared)]
     for mark in (".git", "package.xml"):
         for outer in around:
-            if os.path.exists(outer / mark):
+            if os.path.exists(os.path.join(outer, mark)):
                 return outer
     return folder
 
@@ -96,14 +95,22 @@ def _find_own_folder(path: Path) -> Path:
     return place if os.path.isdir(place) and not os.path.islink(place) else place.parent
 
 
-def is_shared_by_all(folder: Path) -> bool:
-    """Whether a folder is the root of the disk, the user's home or one for temporary files: it does not belong to a robot."""
+def is_shared_by_all(folder: Path, shared: frozenset[str] | None = None) -> bool:
+    """Whether a folder is the root of the disk, the user's home or one for temporary files: it does not belong to a robot.
+
+    ``shared``: the folders of `list_shared_folders`, for callers that ask about many.
+    """
+    return folder.parent == folder or str(folder) in (list_shared_folders() if shared is None else shared)
+
+
+def list_shared_folders() -> frozenset[str]:
+    """Return the user's home and the folders for temporary files, as real paths."""
     # Not tempfile.gettempdir(), which tries to write: a worker may not.
     named = filter(None, map(os.environ.get, ("TMPDIR", "TEMP", "TMP")))
-    return folder.parent == folder or str(folder) in _resolve_all((os.path.expanduser("~"), *_TEMPORARY, *named))
+    return _resolve_all((os.path.expanduser("~"), *_TEMPORARY, *named))
 
 
-@lru_cache(maxsize=8)  # a check asks about each folder above each file
+@lru_cache(maxsize=8)  # a check asks about the folders above each file
 def _resolve_all(folders: tuple[str, ...]) -> frozenset[str]:
     return frozenset(map(os.path.realpath, folders))
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+from urdfcheck.facts.inertials.explanations import list_explanations
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.inertial_fit import (
     CLOSED_MIXTURE,
@@ -35,7 +36,7 @@ from urdfcheck.facts.inertials.inertial_fit import (
     measure_fit,
     measure_inertial_mismatch,
 )
-from urdfcheck.facts.inertials.mistakes import EFFECT, Mistake, Suspect, list_explanations
+from urdfcheck.facts.inertials.mistakes import EFFECT, Mistake, Suspect
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools
@@ -66,7 +67,9 @@ _NOT_A_SPHERE = 0.05
 _NEAR_ZERO = 0.3
 
 # Mistakes in one number: a cause is named only if it is certain which number.
-_PRECISE = frozenset({"decimal_point", "one_sign", "slots_swapped", "one_piece"})
+_PRECISE = frozenset({"decimal_point", "one_sign", "slots_swapped", "slots_shifted", "one_piece"})
+# Mistakes that are told together where it is not certain which of them was made, by the one that both have in common.
+_FAMILIES = {"inertia_unit": "units", "positive_notation": "about_origin"}
 # What a convex hull in place of an open mesh can show: powers of ten, places far outside, another order of the numbers.
 _COARSE = frozenset(
     {"inertia_unit", "mass_unit", "com_unit", "units", "mesh_scale", "com_missing", "diagonal_first", "row_major"}
@@ -77,7 +80,7 @@ _SCALED = frozenset({"com_unit", "decimal_point"})
 _LOSSY = frozenset(
     {
         *("shell", "bounding_box", "convex_hull", "one_piece", "steiner_missing"),
-        *("row_major", "com_missing", "rpy_missing", "mesh_scale"),
+        *("row_major", "com_missing", "rpy_missing", "mesh_scale", "rounded", "wrong_formula"),
     }
 )
 
@@ -195,6 +198,8 @@ def diagnose_inertial(
         # What else explains the numbers by themselves has to lead to the twin's: if not, the two just differ.
         if by_twin.sound or by_mesh.cause in _LOSSY or _agrees_with_twin(by_mesh.mended, twin):
             return by_mesh
+        if by_mesh.cause not in {None, "unmirrored"} and _has_cause(twin, geometry, by_mesh):
+            return by_mesh
     better = by_twin.cause is not None and _is_better_fit(twin, declared, geometry)
     # Several parts may be wrong in the same way, and only this one may have the numbers of its geometry.
     return replace(by_twin, at_fault=better or (trusted and not _is_better_fit(declared, twin, geometry)))
@@ -205,6 +210,12 @@ def _agrees_with_twin(mended: DeclaredInertial | None, twin: DeclaredInertial) -
         return False
     covariance = compute_mass_covariance(twin.inertia, twin.mass)
     return max(measure_inertial_mismatch(mended, twin.com, covariance)) < EXACT
+
+
+def _has_cause(twin: DeclaredInertial, geometry: VisualGeometry, found: Diagnosis) -> bool:
+    """Whether the twin has the same mistake, judged by the drawing: both were exported alike, and differ in something else."""
+    of_twin = _diagnose_against(twin, build_geometry_reference(geometry), geometry)
+    return (of_twin.cause, of_twin.detail) == (found.cause, found.detail)
 
 
 def _is_better_fit(one: DeclaredInertial, other: DeclaredInertial, geometry: VisualGeometry) -> bool:
@@ -228,7 +239,7 @@ def _diagnose_against(declared: DeclaredInertial, reference: Reference, geometry
     return Diagnosis(
         sound=not named and fits_geometry and _is_unremarkable(reference, tensor_mismatch, com_mismatch),
         cause=_name_cause(ranking.contenders) if named else None,
-        detail=" or ".join(dict.fromkeys(mistake.detail for mistake in ranking.contenders)) if named else "",
+        detail=" or ".join(dict.fromkeys(m.detail for m in ranking.contenders if m.detail)) if named else "",
         mended=ranking.numbers[best] if certain else None,
         tensor_mismatch=tensor_mismatch,
         com_mismatch=com_mismatch,
@@ -285,7 +296,8 @@ def _rank_explanations(suspect: Suspect) -> _Ranking:
             body = mistake.source_body
             tensor_mismatch, com_mismatch = measure_inertial_mismatch(declared, body.com, body.covariance)
             # The COM may be that of the part nevertheless.
-            fit.tensor_mismatch[i] = tensor_mismatch
+            # A formula's numbers were compared digit by digit.
+            fit.tensor_mismatch[i] = 0.0 if mistake.id == "wrong_formula" else tensor_mismatch
             fit.com_mismatch[i] = min(com_mismatch, float(fit.com_mismatch[0]))
     scores = compute_log_likelihood(
         reference,
@@ -389,14 +401,16 @@ def _name_cause(contenders: Sequence[Mistake]) -> str:
 
 def _get_mistake_family(mistake: Mistake) -> str:
     """Return what mistakes that differ only in their parameter have in common."""
-    return "units" if mistake.id == "inertia_unit" else mistake.id
+    return _FAMILIES.get(mistake.id, mistake.id)
 
 
 def _name_changed_number(mistake: Mistake) -> str:
     """Return which number a mistake in one number is about. The last word is the power of ten, which counts for a coordinate of
-    the COM: one that is next to zero after any of them need not have lost a decimal point."""
+    the COM: one that is next to zero after any of them need not have lost a decimal point. Mass and tensor count as one: only
+    their ratio shows."""
     has_power = mistake.id == "decimal_point" and not mistake.detail.startswith("com")
-    return mistake.detail.rpartition(" ")[0] if has_power else mistake.detail
+    name = mistake.detail.rpartition(" ")[0] if has_power else mistake.detail
+    return "mass or tensor" if name in {"mass", "tensor"} else name
 
 
 def _is_unremarkable(reference: Reference, tensor_mismatch: float, com_mismatch: float) -> bool:

@@ -57,8 +57,8 @@ _MORE_DIGITS = 2
 # With the right signs the products are so near to the drawn part's, relative to these.
 _NEAR_PRODUCTS = 0.5
 
-# Causes of INR009 that the pages of INR003 and INR004 have as well.
-_SIGN_CAUSES = frozenset({"products_sign", "one_sign"})
+# Causes of INR009 that the pages of INR003 and INR004 have as well, with their ids there.
+_SHARED_CAUSES = {"products_sign": "products_sign", "one_sign": "one_sign", "rounded": "digits"}
 # When the repair of a slip that the numbers show is right.
 _SLIP_CONDITIONS = {
     "products_filled": "the products are placeholders",
@@ -75,14 +75,18 @@ _MISTAKE_NAMES = {
     "mass_unit": "unit of the mass",
     "one_piece": "one piece only",
     "one_sign": "one sign",
+    "positive_notation": "tensor about the origin, with products of the other sign",
     "products_sign": "signs of the products",
+    "rounded": "rounding",
     "row_major": "order of the numbers",
     "rpy_missing": "rpy left out",
     "rpy_twice": "rpy applied twice",
+    "slots_shifted": "shifted numbers",
     "slots_swapped": "swapped numbers",
     "steiner_missing": "parallel-axis theorem left out",
     "steiner_twice": "parallel-axis theorem applied twice",
     "unmirrored": "not mirrored",
+    "wrong_formula": "formula of another solid",
 }
 
 
@@ -104,6 +108,12 @@ class InertialProposal:
 def name_mistake(cause: str) -> str:
     """Return a cause of INR009 in two or three words."""
     return _MISTAKE_NAMES.get(cause, cause.replace("_", " "))
+
+
+def describe_mistake(cause: str, detail: str) -> str:
+    """Name a cause of INR009 in a few words, with its ``detail``."""
+    name = name_mistake(cause)
+    return f"{name}: {detail}{' times' if cause == 'decimal_point' else ''}" if detail else name
 
 
 def propose_repair(model: Model, link: Link) -> InertialProposal:
@@ -163,7 +173,7 @@ def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None
         change.edits,
         f"; {claim}",
         f"write {change.words}, or ",
-        cause=diagnosis.cause if diagnosis.cause in _SIGN_CAUSES else None,
+        cause=_SHARED_CAUSES.get(diagnosis.cause or ""),
         detail=diagnosis.detail,
     )
 

@@ -18,7 +18,7 @@ from urdfcheck.source.package.package_folders import (
     read_manifest_name,
     walk_packages,
 )
-from urdfcheck.source.reach import FileReach, is_below, is_shared_by_all, resolve_real_path
+from urdfcheck.source.reach import FileReach, is_below, is_shared_by_all, list_shared_folders, resolve_real_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import note_lookup, read_regular
@@ -218,11 +218,12 @@ class PackageFinder:
         The root of the disk, the home and the folders for everybody's temporary files belong to none.
         """
         levels: list[Path] = []
+        shared = list_shared_folders()
         for level in (self.start, *self.start.parents):
-            if len(levels) > LEVELS_UP or is_shared_by_all(level):
+            if len(levels) > LEVELS_UP or is_shared_by_all(level, shared):
                 break
             levels.append(level)
-            if (level / ".git").exists():
+            if os.path.exists(os.path.join(level, ".git")):
                 break
         return levels
 
@@ -304,8 +305,9 @@ class PackageFinder:
         """Return the package that a file belongs to: the nearest folder above it with a package.xml."""
         for folder in path.parents:
             if folder not in self._packages:
-                manifest = folder / "package.xml"
-                readable = os.path.isfile(manifest) and self.can_open(manifest)  # in this order: most folders have none
+                manifest = os.path.join(folder, "package.xml")
+                # In this order: most folders have none.
+                readable = os.path.isfile(manifest) and self.can_open(Path(manifest))
                 self._packages[folder] = load_package(folder) if readable else None
             package = self._packages[folder]
             if package is not None:
