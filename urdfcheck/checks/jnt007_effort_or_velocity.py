@@ -34,10 +34,12 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
 def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[Finding]:
     still = {joint.name for joint in driven if joint.get_limit_value("velocity") == 0}
     powerless = [joint for joint in driven if joint.get_limit_value("effort") == 0]
-    # The fields of the exporter's dialog were empty. If lower and upper are 0 too, JNT005 reports all four.
+    # The fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all four, and this finding
+    # gives way to it.
     empty = [joint for joint in powerless if joint.name in still]
-    if stated := [joint for joint in empty if not _is_locked(joint)]:
-        yield _build_finding(rule, "both-zero", "effort", stated)
+    for is_locked in (True, False):
+        if alike := [joint for joint in empty if _is_locked(joint) == is_locked]:
+            yield _build_finding(rule, "both-zero", "effort", alike)
     powerless = [joint for joint in powerless if joint.name not in still]
     commanded = _collect_commanded_names(model)
     if with_motor := [joint for joint in powerless if joint.name in commanded]:
