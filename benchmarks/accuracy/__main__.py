@@ -21,13 +21,14 @@ from multiprocessing import get_context
 import cost
 import defects
 import formulas
+import habits
 import tables
 from parts import FAMILIES, SPLITS
 from scoring import Excluded, Outcome, outcomes
 
 import urdfcheck
 
-PARTS = ("parts", "formulas", "cost", "fixtures")
+PARTS = ("parts", "formulas", "cost", "fixtures", "habits")
 
 
 def main() -> None:
@@ -57,6 +58,8 @@ def main() -> None:
         print(cost.table(options.split, options.seed, min(number, 72)), flush=True)
     if "fixtures" in only:
         print(defects.table(options.split, options.seed, quick=options.quick), flush=True)
+    if "habits" in only:
+        print(habits.table(options.split, options.seed, quick=options.quick), flush=True)
 
 
 def _cases(split: str, seed: int, number: int, jobs: int) -> Sequence[Outcome | Excluded]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from itertools import combinations, product
 from pathlib import Path
 
@@ -124,6 +125,17 @@ def test_closed_fingers_may_press_against_each_other(tmp_path: Path, press: floa
     assert bool(find(tmp_path, text, "COL001")) == bad
 
 
+def jaws() -> str:
+    """Two fingers that slide towards each other and overlap at rest."""
+    finger = "<collision><geometry><box size='0.1 0.02 0.02'/></geometry></collision>"
+    slide = "<axis xyz='0 {} 0'/><limit lower='0' upper='0.1' effort='1' velocity='1'/>"
+    return robot(
+        *(link("palm"), link("left", finger), link("right", finger)),
+        joint("l", "palm", "left", slide.format(1), kind="prismatic", xyz="0 0.005 0"),
+        joint("r", "palm", "right", slide.format(-1), kind="prismatic", xyz="0 -0.005 0"),
+    )
+
+
 def telescope(axis: str = "0 0 1", kind: str = "prismatic") -> str:
     """Three tubes in each other, drawn as solid cylinders, and a plate that the last one carries."""
     tube = "<collision><geometry><cylinder radius='{}' length='1'/></geometry></collision>"
@@ -142,6 +154,7 @@ def telescope(axis: str = "0 0 1", kind: str = "prismatic") -> str:
         (telescope("0 0 -1"), "nested", Severity.INFO),
         (telescope("1 0 0"), "overlap", Severity.WARNING),
         (telescope(kind="revolute"), "overlap", Severity.WARNING),
+        (jaws(), "overlap", Severity.WARNING),
         (folded(gap=-0.00015), "slight", Severity.INFO),
         (folded(gap=-0.0003), "overlap", Severity.WARNING),
         (folded(scale=0.01, gap=-0.01), "overlap", Severity.WARNING),  # 0.1 mm, and much of the shape
@@ -174,6 +187,7 @@ def test_links_that_always_overlap_are_one_info(tmp_path: Path) -> None:
     )
     (finding,) = find(tmp_path, text, "COL001")
     assert (finding.severity, finding.message_id) == (Severity.INFO, "always")
+    assert re.fullmatch(r"\S+ and \S+ overlap by [\d.]+ mm in nearly all poses( \(\+\d+ pairs?\))?", finding.headline)
 
 
 def displaced(drawn: str, collides: str, more: str = "") -> str:
@@ -226,6 +240,7 @@ def test_a_shape_that_overlaps_several_links_is_one_finding(tmp_path: Path) -> N
     (finding,) = find(tmp_path, robot(*parts), "COL001")
     assert finding.message_id == "several"
     assert finding.location.subject == "link[base]/collision/geometry/box"
+    assert re.fullmatch(r"base overlaps [lr]2 by \d+(\.\d+)? mm at rest, and 1 more link", finding.headline)
     assert "l2 (" in finding.message
     assert "r2 (" in finding.message
 
@@ -446,7 +461,7 @@ def test_the_message_names_three_collisions_and_the_data_all(tmp_path: Path) -> 
         parts.append(make_joint("base", f"arm{i}", f"0 {10 * i} 0", limit="lower='-1' upper='2'"))
         parts.append(make_link(f"arm{i}", "1 0 0|" + sphere("0.1")))
     (finding,) = find(tmp_path, robot(*parts), "COL005")
-    assert finding.headline.startswith("5 joints self-collide inside their range: ")
+    assert finding.headline == "base_arm0 self-collides at 1.67 rad, inside its range (+4 joints)"
     assert "and 2 more" in finding.message
     assert "arm3" not in finding.message
     assert [reach["links"] for reach in finding.data["collisions"]] == [["base", f"arm{i}"] for i in range(5)]

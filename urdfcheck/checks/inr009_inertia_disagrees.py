@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Confidence, FactUnavailableError, Finding, Located, Rule, Severity
-from urdfcheck.core.merging import merge_identical
+from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import format_length, join_names, join_numbers
 from urdfcheck.facts.inertials.diagnosis import EXACT, FAR
 from urdfcheck.facts.inertials.inertia_tensor import (
@@ -74,7 +74,7 @@ SHORT_CAUSES = {
     "com_unit": "{detail}, not m",
     "units": "{detail}",
     "about_origin": "about the origin, not the COM",
-    "positive_notation": "about the origin, products flipped",
+    "positive_notation": "at the origin, CAD signs",
     "steiner_twice": "parallel-axis term twice",
     "steiner_missing": "no parallel-axis term",
     "one_piece": "of one piece only",
@@ -111,11 +111,14 @@ def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Itera
 
 def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
     doubtful: list[DeclaredTensor] = []
+    habitual = _list_habitual_links(model)
+    if habitual:
+        yield _build_habit_finding(model, rule, habitual)
     contradicted_links = find_contradicted_links(model)
     disputed = _find_disputed_units(model)
     for name, judged in inertial_diagnoses(model).items():
         tensor, diagnosis = model.tensor_by_name[name], judged.diagnosis
-        if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged):
+        if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged) or tensor.link in habitual:
             continue
         if diagnosis.cause is not None:
             by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
@@ -144,6 +147,53 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             first=first,
             ruled_out=_format_ruled_out(inertial_diagnoses(model)[first]),
         )
+
+
+def _list_habitual_links(model: Model) -> list[Link]:
+    """List the links that have the mistake that most links of the file have; none where fewer than two are left to report."""
+    links = [
+        model.link_by_name[name]
+        for name, judged in inertial_diagnoses(model).items()
+        if judged.is_habit and _is_possible(judged)
+    ]
+    return links if len(links) > 1 else []
+
+
+def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Finding:
+    """Report a mistake of the program that exported the file, once."""
+    diagnoses = inertial_diagnoses(model)
+    judged = [diagnoses[link.name] for link in links]
+    repairs = [propose_undo(model, link, is_habit=True) for link in links]
+    complete = [repair for repair in repairs if repair is not None and repair.edits]
+    cause, detail = judged[0].diagnosis.cause or "", judged[0].diagnosis.detail
+    edits = {edit.span: edit for repair in complete for edit in repair.edits} if len(complete) == len(links) else {}
+    return build_group_finding(
+        rule,
+        "habit",
+        [model.tensor_by_name[link.name].element for link in links],
+        cause=cause,
+        edits=tuple(edits.values()),
+        severity=Severity.INFO if all(_is_light(model, link) for link in links) else None,
+        links=join_names(link.name for link in links),
+        first=links[0].name,
+        count=len(links),
+        known=len(diagnoses),
+        faulty=FAULTY_NUMBERS.get(cause, "inertia"),
+        why=SHORT_CAUSES.get(cause, "").format(detail=detail),
+        detail=detail,
+        mistake=describe_mistake(cause, detail),
+        before=float(f"{_compute_median_mismatch(judged, is_mended=False):.2g}"),
+        after=float(f"{_compute_median_mismatch(judged, is_mended=True):.2g}"),
+        edit="" if repairs[0] is None else repairs[0].words,
+    )
+
+
+def _compute_median_mismatch(judged: Sequence[DiagnosedInertial], *, is_mended: bool) -> float:
+    """Return the median of how far the inertials are from the drawn parts; a tensor that no body has is infinitely far."""
+    found = [one.diagnosis for one in judged]
+    if is_mended:
+        return float(np.median([max(one.mended_tensor_mismatch, one.mended_com_mismatch) for one in found]))
+    return float(np.median([max(one.tensor_mismatch, one.com_mismatch) for one in found]))
 
 
 def _find_disputed_units(model: Model) -> dict[str, str]:
