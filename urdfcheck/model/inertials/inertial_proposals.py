@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -32,11 +32,14 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
+    from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
 
 # Causes after which the file does not show which number is right, or whose numbers come from the mesh.
 _UNDECIDED_CAUSES = frozenset(
     {"other_mass", "one_piece", "shell", "bounding_box", "convex_hull", "com_missing", "mesh_scale"}
 )
+# Causes that are undone with numbers of the mesh: these need not lead to the numbers of a twin.
+_UNDONE_BY_MESH = frozenset({"steiner_missing", "row_major", "rpy_missing"})
 # The undone mistake must leave no more than this part of the mismatch, and no more than lumps of a third of the mass make.
 _REMAINING, _SOUND = 0.3, 0.75
 # The nearest possible tensor is offered as an edit without a cause where it changes less than mass properties are known by.
@@ -255,7 +258,11 @@ def propose_undo(model: Model, link: Link, *, is_habit: bool = False) -> Inertia
     change = build_inertial_repair(inertial, diagnosed.diagnosis.mended)
     if not change.text:
         return None
-    is_certain = (is_habit or is_evident(diagnosed.diagnosis)) and _has_same_mistake(model, inertial.element.span)
+    is_certain = (
+        (is_habit or is_evident(diagnosed.diagnosis))
+        and _has_same_mistake(model, inertial.element.span)
+        and not _contradicts_twins(model, diagnosed)
+    )
     return change if is_certain else replace(change, edits=())
 
 
@@ -298,6 +305,14 @@ def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     return change if _has_same_geometry(model, link.inertial.element.span) else replace(change, edits=())
 
 
+def _contradicts_twins(model: Model, diagnosed: DiagnosedInertial) -> bool:
+    """Whether undoing a mistake may make two parts differ that are drawn alike: the other does not have the mistake."""
+    diagnosis = diagnosed.diagnosis
+    if diagnosis.cause not in _UNDONE_BY_MESH or diagnosis.judged_by == "twin":
+        return False
+    return any(_identify_mistake(model, model.link_by_name[twin])[0] != diagnosis.cause for twin in diagnosed.twins)
+
+
 @fact
 def _has_same_mistake(model: Model, text: Span | None) -> bool:
     """Whether one mistake was found in all links whose inertials are one text."""
@@ -320,13 +335,13 @@ def _links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]
     return links
 
 
-def _identify_mistake(model: Model, link: Link) -> Hashable:
+def _identify_mistake(model: Model, link: Link) -> tuple[str | None, str]:
     from urdfcheck.model.inertials.inertia_diagnosis import (
         inertial_diagnoses,  # heavy, and needed for wrong inertials only
     )
 
     diagnosed = inertial_diagnoses(model).get(link.name)
-    return None if diagnosed is None else (diagnosed.diagnosis.cause, diagnosed.diagnosis.detail)
+    return (None, "") if diagnosed is None else (diagnosed.diagnosis.cause, diagnosed.diagnosis.detail)
 
 
 def _format_drawn_inertial(model: Model, link: Link) -> str | None:
