@@ -275,14 +275,24 @@ def test_a_cube_may_have_a_round_tensor(tmp_path: Path) -> None:
 
 
 def test_all_links_with_one_placeholder_are_one_finding(tmp_path: Path) -> None:
-    fingers = [Part(size=(0.02, 0.02, 0.04), mass=m, tensor=0.001 * np.eye(3)).xml(f"f{m}") for m in (0.01, 0.02, 0.03)]
+    masses = (0.011, 0.022, 0.033)
+    fingers = [Part(size=(0.02, 0.02, 0.04), mass=m, tensor=0.001 * np.eye(3)).xml(f"f{m}") for m in masses]
     (finding,) = find(tmp_path, make_chain('<link name="base"/>', *fingers), CODES)
     assert (finding.code, len(finding.subjects), len(finding.related)) == ("INR007", 3, 2)
-    assert finding.headline == "3 links have a placeholder inertia (f0.01: 1,500× too large)"
+    assert finding.headline == "3 links have a placeholder inertia (f0.011: 1,400× too large)"
     assert finding.fix is not None
     assert [(e.expected, float(e.replacement)) for e in finding.fix.edits] == [
-        ("0.001", pytest.approx(mass * i / 12, rel=1e-3)) for mass in (0.01, 0.02, 0.03) for i in (0.002, 0.002, 0.0008)
+        ("0.001", pytest.approx(mass * i / 12, rel=1e-3)) for mass in masses for i in (0.002, 0.002, 0.0008)
     ]
+
+
+@pytest.mark.parametrize(("mass", "edits"), [(0.013, 3), (0.01, 0)])
+def test_a_round_mass_decides_no_inertia(tmp_path: Path, mass: float, edits: int) -> None:
+    """It is a placeholder as well."""
+    finger = Part(size=(0.02, 0.02, 0.04), mass=mass, tensor=0.001 * np.eye(3))
+    (finding,) = find(tmp_path, make_arm(finger), CODES)
+    assert finding.fix is not None
+    assert (finding.code, len(finding.fix.edits)) == ("INR007", edits)
 
 
 def test_a_placeholder_that_happens_to_be_near_is_one_as_well(tmp_path: Path) -> None:
