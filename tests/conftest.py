@@ -127,7 +127,21 @@ def pytest_collection_finish() -> None:
             load_check(rule)
     gc.collect()
     gc.freeze()
+    gc.set_threshold(200_000, 30, 30)  # as the command does
     gc.enable()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with what takes long, so that no process is left alone with it at the end: real robots, which tests of all
+    processes share, then the modules that are marked slow."""
+
+    def rank(item: pytest.Item) -> int:
+        if {"corpus", "robots"} & set(getattr(item, "fixturenames", ())):
+            return 0
+        return 1 if item.get_closest_marker("slow") else 2
+
+    items.sort(key=rank)
 
 
 FAILED = pytest.StashKey[bool]()

@@ -54,7 +54,7 @@ LINKS = (
 COPIED = """case "$*" in *"-m venv "*)
     "{python}" "$@" --without-pip || exit
     for made; do :; done
-    exec cp -R "{packages}/." "$made"/lib/*/site-packages;;
+    exec cp -Rp "{packages}/." "$made"/lib/*/site-packages;;
 esac"""
 
 

@@ -24,6 +24,8 @@ Transformation = Callable[[Robot], Robot]
 NUMERIC = frozenset({"xyz", "rpy", "size", "radius", "length", "value", "lower", "upper", "effort", "velocity"}) | {
     "ixx", "ixy", "ixz", "iyy", "iyz", "izz",
 }  # fmt: skip
+XACRO = "http://www.ros.org/wiki/xacro"
+ET.register_namespace("xacro", XACRO)
 _PLACED = frozenset({"inertial", "visual", "collision"})
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
@@ -145,7 +147,7 @@ def with_properties(robot: Robot) -> Robot:
                 places = [names.setdefault(word, f"value_{len(names)}") for word in words]
                 element.set(name, " ".join(f"${{{place}}}" for place in places))
     for value, name in reversed(names.items()):
-        changed.insert(0, ET.Element("{http://www.ros.org/wiki/xacro}property", {"name": name, "value": value}))
+        changed.insert(0, ET.Element(f"{{{XACRO}}}property", {"name": name, "value": value}))
     return changed
 
 

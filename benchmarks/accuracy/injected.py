@@ -15,6 +15,7 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from datetime import datetime, timezone
 from functools import partial
 from multiprocessing import get_context
@@ -85,8 +86,8 @@ def run_injections(
     if jobs == 1:
         found = [one(task) for task in tasks]
     else:
-        with get_context("spawn").Pool(jobs) as pool:
-            found = pool.map(one, tasks, chunksize=1)
+        with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:
+            found = list(pool.map(one, tasks))
     return [case for cases in found for case in cases], sum(bool(cases) for cases in found)
 
 

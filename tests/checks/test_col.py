@@ -125,6 +125,17 @@ def test_closed_fingers_may_press_against_each_other(tmp_path: Path, press: floa
     assert bool(find(tmp_path, text, "COL001")) == bad
 
 
+def jaws() -> str:
+    """Two fingers that slide towards each other and overlap at rest."""
+    finger = "<collision><geometry><box size='0.1 0.02 0.02'/></geometry></collision>"
+    slide = "<axis xyz='0 {} 0'/><limit lower='0' upper='0.1' effort='1' velocity='1'/>"
+    return robot(
+        *(link("palm"), link("left", finger), link("right", finger)),
+        joint("l", "palm", "left", slide.format(1), kind="prismatic", xyz="0 0.005 0"),
+        joint("r", "palm", "right", slide.format(-1), kind="prismatic", xyz="0 -0.005 0"),
+    )
+
+
 def telescope(axis: str = "0 0 1", kind: str = "prismatic") -> str:
     """Three tubes in each other, drawn as solid cylinders, and a plate that the last one carries."""
     tube = "<collision><geometry><cylinder radius='{}' length='1'/></geometry></collision>"
@@ -143,6 +154,7 @@ def telescope(axis: str = "0 0 1", kind: str = "prismatic") -> str:
         (telescope("0 0 -1"), "nested", Severity.INFO),
         (telescope("1 0 0"), "overlap", Severity.WARNING),
         (telescope(kind="revolute"), "overlap", Severity.WARNING),
+        (jaws(), "overlap", Severity.WARNING),
         (folded(gap=-0.00015), "slight", Severity.INFO),
         (folded(gap=-0.0003), "overlap", Severity.WARNING),
         (folded(scale=0.01, gap=-0.01), "overlap", Severity.WARNING),  # 0.1 mm, and much of the shape

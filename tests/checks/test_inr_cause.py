@@ -100,6 +100,10 @@ def test_each_mistake_is_one_finding(tmp_path: Path, cause: str, detail: str, mi
         assert not re.search(r"\(\W*\)", finding.headline)
 
 
+# Another edit would be as good, or the numbers come from the mesh.
+UNDECIDED = {"com_missing", "other_mass", "shell", "bounding_box", "convex_hull"}
+
+
 @pytest.mark.parametrize(("cause", "mistake"), EDITED, ids=[id for id, _ in EDITED])
 @pytest.mark.parametrize("name", ["robot.urdf", "robot.urdf.xacro"])
 def test_the_edit_mends_it(tmp_path: Path, cause: str, mistake: Mistake, name: str) -> None:
@@ -108,13 +112,16 @@ def test_the_edit_mends_it(tmp_path: Path, cause: str, mistake: Mistake, name: s
         text = text.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
     finding = one(tmp_path, text, name)
     assert finding.fix is not None
+    if cause in UNDECIDED:
+        assert str(finding.fix.applicability) == "display"
+        assert re.search(r"(write|has) \w+=\"", finding.fix.title)
+        return
     assert str(finding.fix.applicability) == "unsafe"
     mended = edited(text, finding.fix.edits)
     assert find_clear_messages(tmp_path, mended, name=name) == []
-    if cause != "com_missing":
-        assert format_inertial(TRUE, 5).split("<mass")[0].split('"')[1].split() == [
-            f"{float(word):.5g}" for word in re.findall(r'<origin xyz="([^"]*)"', mended)[0].split()
-        ]
+    assert format_inertial(TRUE, 5).split("<mass")[0].split('"')[1].split() == [
+        f"{float(word):.5g}" for word in re.findall(r'<origin xyz="([^"]*)"', mended)[0].split()
+    ]
 
 
 WHEEL = '<visual><geometry><cylinder radius="0.033" length="0.026"/></geometry></visual>'
@@ -287,7 +294,7 @@ def test_an_impossible_tensor_tells_the_one_edit_that_mends_it(tmp_path: Path) -
 
 
 @pytest.mark.parametrize(("moments", "code"), [((0.002, 0.003, 0.009), "INR003"), ((0.009, 0.003, -0.004), "INR004")])
-def test_without_such_an_edit_the_drawn_part_s_tensor_is_offered(
+def test_without_such_an_edit_the_drawn_part_s_tensor_is_told(
     tmp_path: Path, moments: tuple[float, float, float], code: str
 ) -> None:
     xx, yy, zz = moments
@@ -296,8 +303,9 @@ def test_without_such_an_edit_the_drawn_part_s_tensor_is_offered(
     assert finding.code == code
     assert "single edit" not in finding.message
     assert finding.fix is not None
-    assert "write the computed numbers (the drawn part at this mass and uniform density)" in finding.fix.title
-    assert find_clear_messages(tmp_path / "mended", edited(text, finding.fix.edits)) == []
+    assert "(the drawn part at this mass and uniform density)" in finding.fix.title
+    assert "xyz" not in finding.fix.title  # the COM is the author's
+    assert finding.fix.edits == ()
 
 
 def test_nothing_is_offered_where_nothing_is_drawn(tmp_path: Path) -> None:

@@ -126,11 +126,31 @@ def test_zero_effort_of_all_joints_is_one_finding(tmp_path: Path) -> None:
     assert finding.subjects == ("joint[j]/limit@effort", "joint[k]/limit@effort")
 
 
-MOTOR = '<transmission name="t"><joint name="j"/></transmission>'
-COMMAND = '<ros2_control name="c"><joint name="j"><command_interface name="effort"/></joint></ros2_control>'
+def transmit(interface: str) -> str:
+    inside = f'<joint name="j"><hardwareInterface>hardware_interface/{interface}</hardwareInterface></joint>'
+    return f'<transmission name="t">{inside}</transmission>'
 
 
-@pytest.mark.parametrize("control", [MOTOR, COMMAND])
+def control(plugin: str) -> str:
+    inside = '<joint name="j"><command_interface name="position"/></joint>'
+    return f'<ros2_control name="c"><hardware><plugin>{plugin}</plugin></hardware>{inside}</ros2_control>'
+
+
+@pytest.mark.parametrize("text", [transmit("PositionJointInterface"), control("mock_components/GenericSystem")])
+def test_zero_effort_of_a_motor_that_no_simulator_makes_is_an_info(tmp_path: Path, text: str) -> None:
+    idle = make_joint('<limit lower="0" upper="1" effort="0" velocity="1"/>')
+    (finding,) = find(tmp_path, make_three_links(idle, text), "JNT007")
+    assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
+
+
+def test_a_rocker_without_effort_and_velocity_has_no_motor(tmp_path: Path) -> None:
+    rocker = make_joint('<limit lower="-1" upper="1" effort="0" velocity="0"/>')
+    driven = make_joint(LIMIT, name="k", child="c")
+    (finding,) = find(tmp_path, make_three_links(rocker, driven), "JNT007")
+    assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
+
+
+@pytest.mark.parametrize("control", [transmit("EffortJointInterface"), control("gz_ros2_control/GazeboSimSystem")])
 def test_zero_effort_of_a_motor_is_a_warning(tmp_path: Path, control: str) -> None:
     idle = make_joint('<limit lower="0" upper="1" effort="0" velocity="1"/>')
     passive = idle.replace('name="j"', 'name="k"').replace('"b"', '"c"')

@@ -7,7 +7,6 @@ import builtins
 import io
 import json
 import logging
-import os
 import pickle
 import struct
 import sys
@@ -18,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from conftest import CORPORA
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -961,9 +961,10 @@ def test_a_mesh_error_crosses_processes() -> None:
     assert (error.reason_id, str(error)) == ("truncated", "is truncated")
 
 
-@pytest.mark.skipif("URDFCHECK_CORPUS" not in os.environ, reason="needs URDFCHECK_CORPUS, a folder of robots")
+@pytest.mark.skipif(not CORPORA, reason="needs URDFCHECK_CORPUS, a folder of robots")
 def test_meshes_of_real_robots_are_at_least_as_watertight_as_trimesh_finds_them() -> None:
-    files = sorted(p for p in Path(os.environ["URDFCHECK_CORPUS"]).rglob("*") if p.suffix.lower() in {".stl", ".obj"})
+    files = sorted(p for folder in CORPORA for p in folder.rglob("*") if p.suffix.lower() in {".stl", ".obj"})
+    assert files
     for path in files[::7]:
         facts = measure_mesh(path.read_bytes(), path.suffix.lower()[1:])
         mesh = trimesh.load_mesh(path, skip_materials=True)

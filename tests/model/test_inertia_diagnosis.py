@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -180,8 +181,8 @@ def test_digits_stay_where_only_the_sign_or_a_power_of_ten_changes(
     text = f'<link name="a"><inertial><mass value="1"/><inertia {SIX.format(typed)}/></inertial></link>'
     given = model(tmp_path, make_star(text)).link_by_name["a"].inertial
     assert given is not None
-    # The other numbers are as small, or the change would be none.
-    tensor = np.diag((2.0, 2.0, 2.0)) if abs(wanted) > 1e-6 or not wanted else np.diag((1e-14, 1e-14, 1e-14))
+    # The moments are larger, so that a body can have the tensor, but as small, or the change would be none.
+    tensor = 10.0 * (abs(wanted) or 1.0) * np.eye(3)
     tensor[0, 1] = tensor[1, 0] = wanted
     edits = [
         edit
@@ -225,7 +226,7 @@ def test_noise_of_the_mesh_is_no_number_to_write(tmp_path: Path) -> None:
     folder = tmp_path / "noise"
     folder.mkdir()
     write_stl(folder / "part.stl", box)
-    odd = uniform(geometry([((0.1, 0.1, 0.1), (0.0, 0.3, 0.0))]).solid)
+    odd = replace(uniform(geometry([((0.1, 0.1, 0.1), (0.0, 0.3, 0.0))]).solid), com=np.zeros(3))
     one = model(folder, make_star(make_link("arm", odd)))
     change = propose_from_geometry(one, one.link_by_name["arm"])
     assert change is not None

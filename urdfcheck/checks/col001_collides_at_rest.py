@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_length, join_names, join_numbers
-from urdfcheck.model import Model
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.motion.collisions.at_rest import Contact
 from urdfcheck.model.motion.collisions.lying_meshes import LyingMeshes, find_lying_meshes
 from urdfcheck.model.motion.collisions.restored_origins import RestoredOrigin, find_restored_origins
@@ -81,13 +81,21 @@ def _is_shallow(contact: Contact, slight: float) -> bool:
 
 def _is_telescope(model: Model, pair: CollisionPair) -> bool:
     """Whether two links are parts of one telescope: all joints that move one against the other slide along one direction."""
-    one, other = (model.tree.find_path_to(name) for name in pair.links)
-    moving = [joint for joint in {*one} ^ {*other} if joint.type != "fixed"]
+    inner, outer = (model.tree.find_path_to(name) for name in reversed(pair.links))
+    moving = [joint for joint in inner if joint.type != "fixed" and joint not in outer]
+    if not _is_fixed_beyond(inner, outer):
+        return False  # two fingers of a gripper
     axes = [model.axes.get(joint.name) for joint in moving if joint.type == "prismatic"]
     known = [axis for axis in axes if axis is not None]
     if len(known) < len(moving) or len(known) < _LEAST_STAGES:
         return False
     return all(abs(float(axis @ known[0])) > _PARALLEL for axis in known)
+
+
+def _is_fixed_beyond(inner: Sequence[Joint], outer: Sequence[Joint]) -> bool:
+    """Whether the path to the inner link goes on from the body of the outer one, or from one that is fixed to it."""
+    shared = sum(1 for one, other in zip(inner, outer, strict=False) if one is other)
+    return all(joint.type == "fixed" for joint in outer[shared:])
 
 
 def _join_pairs(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> str:

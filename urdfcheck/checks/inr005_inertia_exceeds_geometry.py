@@ -15,7 +15,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
-from urdfcheck.model.inertials.inertial_proposals import describe_mistake, propose_from_geometry, propose_undo
+from urdfcheck.model.inertials.inertial_proposals import describe_drawn_inertial, describe_mistake, propose_undo
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 
@@ -63,10 +63,9 @@ def _propose(model: Model, part: EnclosedInertial) -> tuple[InertialRepair | Non
     if diagnosed is not None and diagnosed.diagnosis.at_fault and (undo := propose_undo(model, part.link)) is not None:
         mistake = describe_mistake(diagnosed.diagnosis.cause or "", diagnosed.diagnosis.detail)
         return undo, f"write {undo.words} if that is the mistake", f". One mistake explains it: {mistake}"
-    drawn = propose_from_geometry(model, part.link) if has_drawn_shape(part.link) and len(part.readings) == 1 else None
-    if drawn is None or not drawn.text:
-        return drawn, "compute them from the mesh", ""
-    return drawn, f"write {drawn.words} (the drawn part at uniform density)", ""
+    is_known = has_drawn_shape(part.link) and len(part.readings) == 1
+    drawn = describe_drawn_inertial(model, part.link) if is_known else ""
+    return None, f"write {drawn}" if drawn else "compute them from the mesh", ""
 
 
 def _compute_excess(

@@ -20,9 +20,9 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_proposals import (
+    describe_drawn_inertial,
     describe_mistake,
     name_mistake,
-    propose_from_geometry,
     propose_undo,
 )
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
@@ -74,7 +74,7 @@ SHORT_CAUSES = {
     "com_unit": "{detail}, not m",
     "units": "{detail}",
     "about_origin": "about the origin, not the COM",
-    "positive_notation": "about the origin, products flipped",
+    "positive_notation": "at the origin, CAD signs",
     "steiner_twice": "parallel-axis term twice",
     "steiner_missing": "no parallel-axis term",
     "one_piece": "of one piece only",
@@ -163,7 +163,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
     """Report a mistake of the program that exported the file, once."""
     diagnoses = inertial_diagnoses(model)
     judged = [diagnoses[link.name] for link in links]
-    repairs = [propose_undo(model, link) for link in links]
+    repairs = [propose_undo(model, link, is_habit=True) for link in links]
     complete = [repair for repair in repairs if repair is not None and repair.edits]
     cause, detail = judged[0].diagnosis.cause or "", judged[0].diagnosis.detail
     edits = {edit.span: edit for repair in complete for edit in repair.edits} if len(complete) == len(links) else {}
@@ -269,12 +269,11 @@ def _build_cause_finding(
 
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
-    mended = propose_from_geometry(model, tensor.link)
+    drawn = describe_drawn_inertial(model, tensor.link)
     return rule.finding(
         "disagrees",
         at=tensor.element,
-        edits=() if mended is None else mended.edits,
-        edit="" if mended is None else f"; at this mass and uniform density the drawn part has {mended.words}",
+        edit=f", or write {drawn}" if drawn else "",
         **_collect_data(model, tensor.link, judged),
     )
 

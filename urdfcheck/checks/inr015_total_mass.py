@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -19,8 +20,9 @@ def check(model: Model, rule: Rule, *, least: float, most: float, unseen: float)
     total = sum(masses)
     if not masses:
         return
-    edge = _measure_extent(model, unseen)
-    if edge is not None and total > DENSEST * edge**3:
+    edge, is_seen = _measure_extent(model, unseen)
+    # A mesh that was not read may be larger than what is seen of the robot, but not in a robot of a hundred tonnes.
+    if total > DENSEST * edge**3 and (is_seen or total > most):
         yield rule.finding(
             "dense",
             at=model.name_location,
@@ -44,20 +46,21 @@ def check(model: Model, rule: Rule, *, least: float, most: float, unseen: float)
         )
 
 
-def _measure_extent(model: Model, unseen: float) -> float | None:
-    """Return the longest edge (m) of the box around the frames and shapes of the robot, joints at zero.
+def _measure_extent(model: Model, unseen: float) -> tuple[float, bool]:
+    """Return the longest edge (m) of the box around the robot's frames and shapes, joints at zero, and whether it is certain.
 
-    If a mesh was not read, it is ``unseen`` times that of the others; None if nothing shows a size.
+    If a mesh was not read, the edge is ``unseen`` times that of the others; inf if nothing shows a size.
     """
     try:
         frames = model.frames
     except FactUnavailableError:
-        return None
+        return math.inf, False
     placed = [(s, frames[link.name]) for link in model.links for s in (*link.visuals, *link.collisions)]
     boxes = [compute_bounding_box(model, [item]) for item in placed]
     known = [box for box in boxes if box is not None]
     corners = np.concatenate([*known, [frame[:3, 3] for frame in frames.values()]])
     extent = float(np.ptp(corners, axis=0).max())
-    if not placed or extent == 0.0 or not np.isfinite(extent):
-        return None
-    return extent if len(known) == len(boxes) else unseen * extent
+    if not placed or not 0.0 < extent < math.inf:
+        return math.inf, False
+    is_seen = len(known) == len(boxes)
+    return extent if is_seen else unseen * extent, is_seen

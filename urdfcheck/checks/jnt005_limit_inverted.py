@@ -8,7 +8,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.repairs.edits import swap_literals
+from urdfcheck.model.repairs.edits import swap_values
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -26,7 +26,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(
                 "inverted",
                 at=limit,
-                edits=swap_literals(limit.attributes.get("lower"), limit.attributes.get("upper")),
+                edits=swap_values(limit.attributes.get("lower"), limit.attributes.get("upper")),
                 joint=joint.name,
                 lower=lower,
                 upper=upper,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -9,6 +10,10 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.source.text.grammar import is_attribute_missing
+
+_EFFORT_INTERFACE = "EffortJointInterface"
+# Hardware of ros2_control that a simulator provides.
+_SIMULATOR = re.compile(r"gazebo|gz_|ign_|mujoco|isaac", re.IGNORECASE)
 
 
 def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float) -> Iterator[Finding]:
@@ -34,19 +39,24 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
 def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[Finding]:
     still = {joint.name for joint in driven if joint.get_limit_value("velocity") == 0}
     powerless = [joint for joint in driven if joint.get_limit_value("effort") == 0]
-    # The fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all four, and this finding
-    # gives way to it.
-    empty = [joint for joint in powerless if joint.name in still]
-    for is_locked in (True, False):
-        if alike := [joint for joint in empty if _is_locked(joint) == is_locked]:
-            yield _build_finding(rule, "both-zero", "effort", alike)
-    powerless = [joint for joint in powerless if joint.name not in still]
-    commanded = _collect_commanded_names(model)
-    if with_motor := [joint for joint in powerless if joint.name in commanded]:
+    # Where lower and upper are 0 too, JNT005 reports all four, and this finding gives way to it.
+    if locked := [joint for joint in powerless if joint.name in still and _is_locked(joint)]:
+        yield _build_finding(rule, "both-zero", "effort", locked)
+    apart = {joint.name for joint in locked}
+    driven = [joint for joint in driven if joint.name not in apart]
+    powerless = [joint for joint in powerless if joint.name not in apart]
+    simulated = _collect_simulated_motors(model)
+    with_motor = [joint for joint in powerless if joint.name in simulated]
+    without = [joint for joint in powerless if joint.name not in simulated]
+    if with_motor:
         yield _build_finding(rule, "effort-zero", "effort", with_motor)
-    if unused := [joint for joint in powerless if joint.name not in commanded]:
-        yield _build_finding(rule, "effort-unused", "effort", unused, severity=Severity.INFO)
-    if slow := [joint for joint in driven if joint.name in still and joint not in empty]:
+    # If no joint has either, the fields of the exporter's dialog were empty.
+    is_empty = len(without) == len(driven) and all(joint.name in still for joint in without)
+    if without and is_empty:
+        yield _build_finding(rule, "both-zero", "effort", without)
+    elif without:
+        yield _build_finding(rule, "effort-unused", "effort", without, severity=Severity.INFO)
+    if slow := [joint for joint in driven if joint.name in still and joint not in without]:
         yield _build_finding(rule, "velocity-zero", "velocity", slow)
 
 
@@ -58,12 +68,19 @@ def _is_locked(joint: Joint) -> bool:
     return joint.get_limit_value("lower") == joint.get_limit_value("upper") == 0
 
 
-def _collect_commanded_names(model: Model) -> frozenset[str]:
-    """Collect the joints that a transmission or a command interface of ros2_control gives a motor."""
-    transmitted = (j for t in model.robot.find_children("transmission") for j in t.find_children("joint"))
+def _collect_simulated_motors(model: Model) -> frozenset[str]:
+    """Collect the joints whose motors a simulator makes from the file, with the effort limit as the most that they can do: those
+    with an effort interface of a transmission, or with a command interface of a simulator's ros2_control hardware."""
+    transmitted = (
+        joint
+        for transmission in model.robot.find_children("transmission")
+        for joint in transmission.find_children("joint")
+        if any(_EFFORT_INTERFACE in e.text for e in transmission.walk() if e.tag == "hardwareInterface")
+    )
     controlled = (
         joint
         for control in model.robot.find_children("ros2_control")
+        if any(_SIMULATOR.search(e.text) for e in control.walk() if e.tag == "plugin")
         for joint in control.find_children("joint")
         if joint.find_child("command_interface") is not None
     )

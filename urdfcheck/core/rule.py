@@ -115,13 +115,14 @@ class Rule:
         """Return a finding of this rule: ``message`` is an id of the page's ``[messages]``, ``data`` fills its templates.
 
         The headline and the repair are the page's ``[headlines]`` and ``[fixes]`` templates of the same id; ``edits`` make the
-        repair applicable. ``consequences``: what single programs do, where that depends on the case; for the others the page
-        says it.
+        repair applicable, unless the finding is heuristic: then it is advice. ``consequences``: what single programs do, where
+        that depends on the case; for the others the page says it.
 
         :raises KeyError: if the page lacks the message or the cause, or ``data`` lacks a value of a template.
         """
         location = at if isinstance(at, Location) else at.location
-        edits = tuple(edits)
+        confidence = self.confidence if confidence is None else confidence
+        edits = () if confidence is Confidence.HEURISTIC else tuple(edits)
         # The properties, arguments and yaml keys that a computed value was made from.
         definitions: Iterable[Located] = at.collect_definitions() if isinstance(at, Computed) else ()
         places = [r if isinstance(r, Location) else r.location for r in (*related, *definitions)]
@@ -131,7 +132,7 @@ class Rule:
             code=self.code,
             name=self.name,
             severity=self.severity if severity is None else severity,
-            confidence=self.confidence if confidence is None else confidence,
+            confidence=confidence,
             message_id=message,
             headline=_fill_template(
                 self.headlines, message, data, where=f"[headlines] of {self.code}", fill=fill_headline

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Run, SkippedCheck, Span
@@ -210,13 +211,19 @@ def _list_complete_rules(request: Request, units: Iterable[Unit]) -> dict[str, f
     folders = [Path(os.path.realpath(path)) for path in request.paths if os.path.isdir(path)]
     is_partial = not any(folder == root or folder in root.parents for folder in folders)
     has_other_targets = request.config_resolver is not None and request.config_resolver.overrides.target is not None
-    missed = {
+    missed = _list_missed_codes(is_partial=is_partial, has_other_targets=has_other_targets)
+    return {unit.id: (unit.policy or request.policy).codes - missed for unit in units}
+
+
+@cache
+def _list_missed_codes(*, is_partial: bool, has_other_targets: bool) -> frozenset[str]:
+    """Return the rules of which a run over a part of the folder, or for other targets, may miss findings."""
+    return frozenset(
         code
         for code, rule in load_rules().items()
         if (is_partial and {"launch", "package", "run"}.intersection(rule.scopes))
         or (has_other_targets and rule.depends_on_targets)
-    }
-    return {unit.id: (unit.policy or request.policy).codes - missed for unit in units}
+    )
 
 
 def report_misconfiguration(text: str) -> Finding:

@@ -16,20 +16,22 @@ from scoring import effect
 from real.changes import Part, ReadRobot, read_numbers
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.model.parts import Shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 # A sound part may be so far from one of uniform density (`scoring.effect`, without the mass), and a defect must take it so much
 # further away.
 _SOUND, _FURTHER = 1.0, 0.5
-# kg/m³: foam and tungsten, with room.
-_DENSITIES = 10.0, 25_000.0
+# kg/m³: air and tungsten, with room.
+_DENSITIES = 1.2, 25_000.0
 # What no robot's part may exceed: its COM or radius of gyration, in lengths of the whole robot.
 _REACH = 1.0
 # The triangle inequality is broken beyond rounding.
 _SLACK = 1e-3
-_SIDES = re.compile(
-    r"(?i)(?<![a-z])(left|right|l|r|fl|fr|rl|rr|front|rear|back|lf|rf|lh|rh|hl|hr|[1-9][0-9]?)(?![a-z])|[0-9]+"
-)
+_SIDES = re.compile(r"(?i)(?<![a-z])(left|right|l|r|fl|fr|rl|rr|bl|br|front|rear|back|lf|rf|lh|rh|hl|hr)(?![a-z])")
+_NUMBERS = re.compile(r"[0-9]+")
+# A number that differs by less from a twin's is not seen.
+_UNLIKE = 0.05
 
 
 def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool) -> set[str]:
@@ -47,32 +49,44 @@ def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool) -> se
         found.add("reach")
     if with_meshes:
         found |= _find_drawn_evidence(part, old, new)
-    if any(_is_twin(part, old, other) for other in part.owner.parts):
+    if _differs_from_twins(part, old, new):
         found.add("twin")
     return found
 
 
 def find_joint_evidence(part: Part, old: Array, new: Array) -> set[str]:
-    """Find what shows that a joint's origin or axis is wrong: another joint like it, or lengths that no other joint has."""
+    """Find what shows that a joint's origin or axis is wrong: a joint on the other side, or two others of a row on the same
+    parent; or lengths that no other joint has."""
     joint = part.joint
     assert joint is not None
     found = set()
-    others = [other for other in part.owner.model.joints if other.name != joint.name and other.type == joint.type]
     mine = np.linalg.norm(joint.origin.xyz or (0, 0, 0))
-    for other in others:
-        length = np.linalg.norm(other.origin.xyz or (0, 0, 0))
-        if _strip_sides(other.name) == _strip_sides(joint.name) and np.isclose(length, mine, rtol=1e-3, atol=1e-5):
-            found.add("twin")
-    lengths = [
-        float(np.linalg.norm(other.origin.xyz or (0, 0, 0))) for other in part.owner.model.joints if other != joint
-    ]
-    if (
-        len(new) == 3
-        and np.linalg.norm(new) > 10 * max([*lengths, 1e-9])
-        and np.linalg.norm(new) > 2 * np.linalg.norm(old)
-    ):
+    sides = row = 0
+    lengths = [1e-9]
+    for other in part.owner.model.joints:
+        if other.name == joint.name:
+            continue
+        length = float(np.linalg.norm(other.origin.xyz or (0, 0, 0)))
+        lengths.append(length)
+        if other.type == joint.type and np.isclose(length, mine, rtol=1e-3, atol=1e-5):
+            sides += _is_other_side(other.name, joint.name) and _is_other_side(other.parent, joint.parent, or_same=True)
+            row += other.parent == joint.parent and _strip(other.name) == _strip(joint.name)
+    if sides or row >= 2:
+        found.add("twin")
+    if len(new) == 3 and np.linalg.norm(new) > 10 * max(lengths) and np.linalg.norm(new) > 2 * np.linalg.norm(old):
         found.add("reach")
     return found
+
+
+def find_shape_evidence(part: Part, shape: Shape, moved: float) -> set[str]:
+    """Find what shows that a collision shape was moved by so many metres: the same mesh is drawn at the old place, or the shape
+    is smaller than that."""
+    name = shape.mesh_filename
+    if name is not None:
+        drawn = [visual.mesh_filename for visual in part.link.visuals if visual.origin.xyz == shape.origin.xyz]
+        return {"drawn"} if any(other is not None and other.value == name.value for other in drawn) else set()
+    size = 2 * max(shape.size) if shape.size else np.inf
+    return {"drawn"} if moved > size else set()
 
 
 def measure_reach(read: ReadRobot) -> float:
@@ -110,7 +124,7 @@ def _find_drawn_evidence(part: Part, old: Numbers, new: Numbers) -> set[str]:
     if drawn is None or not drawn.closed or drawn.solid.volume <= 0:
         return set()
     solid, found = drawn.solid, set()
-    covariance = np.asarray(solid.covariance) / solid.volume
+    covariance = np.asarray(solid.covariance)
     tensor = np.trace(covariance) * np.eye(3) - covariance
 
     def differ(n: Numbers) -> float:
@@ -127,17 +141,32 @@ def _find_drawn_evidence(part: Part, old: Numbers, new: Numbers) -> set[str]:
     return found
 
 
-def _is_twin(part: Part, old: Numbers, other: Part) -> bool:
-    """Whether another link is the same part: by mass, moments and name (sides and numbers apart)."""
-    n = other.numbers
-    if other is part or n is None or not np.isclose(n.mass, old.mass, rtol=1e-3):
+def _differs_from_twins(part: Part, old: Numbers, new: Numbers) -> bool:
+    """Whether mass, moments or the COM's distance now differ from those of the other side, or of two others of a row."""
+    if np.allclose(_list_invariants(new), _list_invariants(old), rtol=_UNLIKE):
         return False
-    if _strip_sides(other.link.name) != _strip_sides(part.link.name):
-        return False
-    mine, its = (np.linalg.eigvalsh(tensor_of(x.six)) for x in (old, n))
-    return bool(np.allclose(mine, its, rtol=1e-2) and np.isclose(_size(n)[0], _size(old)[0], rtol=1e-2, atol=1e-5))
+    sides = row = 0
+    for other in part.owner.parts:
+        n = other.numbers
+        if other is part or n is None or not np.allclose(_list_invariants(n), _list_invariants(old), rtol=1e-2):
+            continue
+        sides += _is_other_side(other.link.name, part.link.name)
+        row += _strip(other.link.name) == _strip(part.link.name)
+    return bool(sides or row >= 2)
 
 
-def _strip_sides(name: str) -> str:
-    words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name)
-    return re.sub(r"[\W_]+", "_", _SIDES.sub("#", words.replace("_", " "))).lower()
+def _list_invariants(n: Numbers) -> list[float]:
+    """What another frame or a mirror does not change."""
+    return [n.mass, *np.linalg.eigvalsh(tensor_of(n.six)).tolist(), _size(n)[0] + 1e-4]
+
+
+def _is_other_side(one: str, other: str, *, or_same: bool = False) -> bool:
+    """Whether two names differ in the words for sides only."""
+    names = [re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).replace("_", " ") for name in (one, other)]
+    return (one != other or or_same) and _SIDES.sub("#", names[0]).lower() == _SIDES.sub("#", names[1]).lower()
+
+
+def _strip(name: str) -> str:
+    """The name without sides and numbers."""
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).replace("_", " ")
+    return _NUMBERS.sub("#", _SIDES.sub("#", words)).lower()

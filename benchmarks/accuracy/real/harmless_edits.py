@@ -43,7 +43,6 @@ def _build_tree(element: Element) -> ET.Element:
 
 def write_robot(robot: Robot) -> str:
     """Return the text of a robot."""
-    ET.register_namespace("xacro", "http://www.ros.org/wiki/xacro")
     return ET.tostring(robot, encoding="unicode")
 
 

@@ -14,7 +14,7 @@ from injections import Body, Numbers, Rng, rotation_of, tensor_of
 from scoring import LEAST_EFFECT, effect
 
 from real.changes import Change, Part, ReadRobot, Texts, read_numbers, read_robot
-from real.evidence import find_inertial_evidence, find_joint_evidence
+from real.evidence import find_inertial_evidence, find_joint_evidence, find_shape_evidence
 from real.kinds import Broken, Kind
 from real.robots import RealRobot, check_robot
 from real.verdicts import Key, Verdict, find_new, judge, list_keys
@@ -278,6 +278,20 @@ def _find_evidence(stage: _Stage, kind: Kind, part: Part, broken: Broken) -> set
     if kind.make.__name__ == "limits_degrees":
         values = [abs(float(word)) for change in broken.changes for word in change.text.split()]
         return {"size"} if max(values) > 4 * np.pi else set()
+    if kind.make.__name__ == "collision_shifted":
+        start = broken.changes[0].span.start
+        shapes = [
+            s for s in part.link.collisions if (a := s.origin.get_attribute("xyz")) and a.span and a.span.start == start
+        ]
+        new = np.array([float(word) for word in broken.changes[0].text.split()])
+        return find_shape_evidence(part, shapes[0], float(np.linalg.norm(new - (shapes[0].origin.xyz or (0, 0, 0)))))
+    if kind.make.__name__ in ("mesh_typo", "mesh_case", "mesh_scale"):
+        # The file must be there to be missed.
+        return (
+            {"text"}
+            if any(part.owner.model.meshes.get_facts(shape) is not None for shape in part.link.visuals)
+            else set()
+        )
     return {"text"}
 
 

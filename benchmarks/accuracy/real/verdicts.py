@@ -27,6 +27,7 @@ _NUMERIC = (
     "velocity",
     "multiplier",
 )
+_DEFAULTS: dict[str, list[float] | str] = {"scale": [1.0, 1.0, 1.0], "xyz": [0.0, 0.0, 0.0], "rpy": [0.0, 0.0, 0.0]}
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 # Rule, message, cause and subject.
@@ -156,7 +157,9 @@ def _is_repaired(sound: ReadRobot, texts: Texts, finding: Finding) -> bool | Non
         return False
     labels = set().union(*(broken.list_subjects(edit.span) for edit in finding.fix.edits))
     old, new = (list_values(read) for read in (sound, repaired))
-    keys = {key for key in old | new if key[0].partition("/")[0] in labels}
+    keys = {key for key in old | new if any(f"{key[0]}/".startswith(f"{label}/") for label in labels)}
+    defaults = {key: _DEFAULTS[key[1]] for key in keys if key[1] in _DEFAULTS}
+    old, new = defaults | old, defaults | new
     return bool(keys) and all(key in old and key in new and _agree(old[key], new[key]) for key in keys)
 
 

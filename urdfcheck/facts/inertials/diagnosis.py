@@ -415,7 +415,7 @@ def _can_be_named(
 
 def _is_convincing(ranking: _Ranking, reference: Reference, *, is_habit: bool = False) -> bool:
     """Whether the best explanation leaves numbers that a part of this shape has: being better than the others is not enough.
-    What most links of the file have (``is_habit``) an open mesh can show too."""
+    What most links of the file have (``is_habit``) an open mesh can show too, and what it leaves has to be unremarkable only."""
     best, fit, none, twin = ranking.best, ranking.fit, ranking.no_mistake, reference.twin
     tensor_mismatch = float(fit.tensor_mismatch[0])
     com_mismatch = float(fit.com_mismatch[0])
@@ -428,6 +428,8 @@ def _is_convincing(ranking: _Ranking, reference: Reference, *, is_habit: bool = 
         return equal and bool(moments[-1] - moments[0] > _NOT_A_SPHERE * moments[-1])
     if twin is not None:  # the reference is not a uniform solid, but the numbers as they should be
         return worst < EXACT
+    if best.id == "decimal_point" and best.detail.startswith(("mass ", "tensor ")):
+        return worst < EFFECT  # a ratio of mass and tensor near ten may be a changed mass or a motor
     if best.borrowed == (0, 0):
         # A part with the COM (or the tensor) of its uniform solid has uniform density: the other has to agree as well.
         if float(fit.com_mismatch[none]) < UNIFORM and tensor_mismatch > 2 * EFFECT:
@@ -437,7 +439,7 @@ def _is_convincing(ranking: _Ranking, reference: Reference, *, is_habit: bool = 
     if reference.mixture is OPEN_MIXTURE and best.id not in _COARSE and not is_habit:
         return False
     one_number = best.id == "decimal_point" and math.isinf(_get_com_tolerance(best))
-    return worst < (NEAR / 2 if one_number else NEAR)
+    return worst < (FAR if is_habit else NEAR / 2 if one_number else NEAR)
 
 
 def _measure_effect(declared: DeclaredInertial, mended: DeclaredInertial, factor: float) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -51,7 +52,7 @@ def _undo_steiner_twice(suspect: Suspect) -> Corrected:
 
 def _undo_quarter_turn(suspect: Suspect) -> Corrected:
     declared = suspect.declared
-    for name, turn in _iter_quarter_turns():
+    for name, turn in _list_quarter_turns():
         turned = replace(declared, com=turn @ declared.com)
         if suspect.has_turned_frame:
             turned = replace(turned, rotation=turn @ declared.rotation)
@@ -60,14 +61,17 @@ def _undo_quarter_turn(suspect: Suspect) -> Corrected:
         yield make_mistake("quarter_turn", name), turned
 
 
-def _iter_quarter_turns() -> Iterator[tuple[str, Mat3]]:
+@cache
+def _list_quarter_turns() -> tuple[tuple[str, Mat3], ...]:
+    turns = []
     for i, axis in enumerate("xyz"):
         j, k = (i + 1) % 3, (i + 2) % 3
         for sign in (1.0, -1.0):
             turn = np.zeros((3, 3))
             turn[i, i] = 1.0
             turn[k, j], turn[j, k] = sign, -sign
-            yield f"{'+' if sign > 0 else '-'}90° about {axis}", turn
+            turns.append((f"{'+' if sign > 0 else '-'}90° about {axis}", turn))
+    return tuple(turns)
 
 
 def _undo_unmirrored(suspect: Suspect) -> Corrected:
@@ -134,12 +138,13 @@ def _undo_row_major(suspect: Suspect) -> Corrected:
 
 def _undo_repeated_slot(suspect: Suspect) -> Corrected:
     """A product is lost where a moment was typed twice: it is about that of the reference."""
-    declared, reference = suspect.declared, suspect.reference
-    tensor, scale = declared.tensor, float(np.trace(declared.tensor) / (2.0 * np.trace(reference.covariance)))
+    declared, reference, tensor = suspect.declared, suspect.reference, suspect.declared.tensor
+    numbers, moments = tensor.tolist(), np.diag(tensor).tolist()
     for i, j in ((0, 1), (0, 2), (1, 2)):
         for k in range(3):
-            if tensor[i, j] != tensor[k, k] or not _has_telling_digits(tensor[i, j]):
+            if numbers[i][j] != moments[k] or not _has_telling_digits(numbers[i][j]):
                 continue
+            scale = sum(moments) / (2.0 * float(np.trace(reference.covariance)))
             expected = -scale * (declared.rotation.T @ reference.covariance @ declared.rotation)[i, j]
             without = tensor.copy()
             without[i, j] = without[j, i] = expected
@@ -156,12 +161,16 @@ def _has_telling_digits(value: float) -> bool:
 def _undo_rounded(suspect: Suspect) -> Corrected:
     """So few decimals that the part's numbers, which are taken from the reference, round to those typed."""
     declared, reference = suspect.declared, suspect.reference
-    unit = measure_decimal(declared.tensor)
+    least = float(declared.tensor.diagonal().min())
+    if float(f"{least:.0e}") != least:  # a moment of which rounding took a third has no more than one digit
+        return
     uniform = declared.mass * (np.trace(reference.covariance) * np.eye(3) - reference.covariance)
     typed_axes = declared.rotation.T @ uniform @ declared.rotation
     off = np.abs(typed_axes - declared.tensor)
-    has_lost_moment = bool((np.diag(off) > _LOST * np.diag(typed_axes)).any())
-    if unit is not None and has_lost_moment and off.max() <= _HALF * unit:
+    if not (np.diag(off) > _LOST * np.diag(typed_axes)).any():
+        return
+    unit = measure_decimal(declared.tensor)
+    if unit is not None and off.max() <= _HALF * unit:
         detail = f"{max(0, -round(math.log10(unit)))} decimals"
         yield replace(make_mistake("rounded", detail), borrowed=(6, 0)), replace(declared, tensor=typed_axes)
 
@@ -174,8 +183,9 @@ def _undo_wrong_formula(suspect: Suspect) -> Corrected:
     own = suspect.reference.twin or replace(
         declared, tensor=declared.rotation.T @ compute_solid_inertia(geometry.solid, declared.mass) @ declared.rotation
     )
+    white = _compute_solid_whitening(suspect, geometry.solid)
     for name, has_other_axes, body in list_wrong_formulas(geometry.primitive):
-        if not _is_different_shape(body, geometry.solid) or not is_tensor_of(declared, body):
+        if not is_tensor_of(declared, body) or not _is_different_shape(body, white):
             continue
         mistake = make_mistake("wrong_formula (other axes)" if has_other_axes else "wrong_formula", name)
         yield replace(mistake, source_body=replace(body, com=geometry.solid.com)), own
@@ -225,8 +235,9 @@ def _undo_other_body(suspect: Suspect) -> Corrected:
         return
     solid = geometry.solid
     own = suspect.reference.twin or DeclaredInertial(mass, solid.com, compute_solid_inertia(solid, mass))
+    white = _compute_solid_whitening(suspect, solid)
     for name, body in _iter_other_bodies(geometry):
-        if _is_different_shape(body, solid):
+        if _is_different_shape(body, white):
             yield replace(make_mistake(name), source_body=body), own
 
 
@@ -243,9 +254,13 @@ def _iter_other_bodies(geometry: VisualGeometry) -> Iterator[tuple[str, Solid]]:
             yield "one_piece", piece
 
 
-def _is_different_shape(body: Solid, solid: Solid) -> bool:
-    """Whether mistaking one body for the other has an effect."""
-    white = compute_whitening(solid.covariance)
+def _compute_solid_whitening(suspect: Suspect, solid: Solid) -> Mat3:
+    """Return the whitening of what is drawn, which the reference knows where it is not a twin."""
+    return suspect.reference.whitening if suspect.reference.twin is None else compute_whitening(solid.covariance)
+
+
+def _is_different_shape(body: Solid, white: Mat3) -> bool:
+    """Whether mistaking a body for that of the ``white`` has an effect."""
     ratios = np.linalg.eigvalsh(white @ body.covariance @ white)
     return bool(ratios[0] <= 0.0 or np.linalg.norm(np.log(ratios)) > EFFECT)
 

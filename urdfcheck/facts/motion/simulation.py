@@ -329,7 +329,9 @@ class Simulation:
         own = self._body_ids
         turn, move = data.cvel[own, :3], data.cvel[own, 3:]
         lever = data.xipos[own] - data.subtree_com[model.body_rootid[own]]
-        move = move + np.cross(turn, lever)
+        (wx, wy, wz), (x, y, z) = turn.T, lever.T
+        # The cross product written out: for a few bodies, np.cross takes half of the time of a step.
+        move = move + np.stack((wy * z - wz * y, wz * x - wx * z, wx * y - wy * x), axis=1)
         along = np.einsum("bij,bi->bj", data.ximat[own].reshape(-1, 3, 3), turn)
         square = (move**2).sum(axis=1) + (model.body_inertia[own] * along**2).sum(axis=1) / model.body_mass[own]
         speeds: Array = np.sqrt(square)
