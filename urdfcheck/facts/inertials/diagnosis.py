@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
-from urdfcheck.facts.inertials.explanations import list_explanations
 from urdfcheck.facts.inertials.habits import HABITS, Evidence, Habit
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.inertial_fit import (
@@ -38,6 +37,7 @@ from urdfcheck.facts.inertials.inertial_fit import (
     measure_inertial_mismatch,
 )
 from urdfcheck.facts.inertials.mistakes import EFFECT, Mistake, Suspect
+from urdfcheck.facts.inertials.mixing_mistakes import list_explanations
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools
