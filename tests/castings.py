@@ -175,7 +175,7 @@ def _mirrored(true: DeclaredInertial, _: VisualGeometry) -> DeclaredInertial:
     return DeclaredInertial(true.mass, mirror @ true.com, mirror @ true.tensor @ mirror)
 
 
-# (id, what its detail says, the mistake)
+# (id, what its detail says, the mistake): those that this part can show
 MISTAKES: tuple[tuple[str, str, Mistake], ...] = (
     ("inertia_unit", "kg·cm²", lambda t, _: replace(t, tensor=t.tensor * 1e4)),
     ("mass_unit", "lb", lambda t, _: replace(t, mass=t.mass / 0.45359237)),
@@ -183,12 +183,20 @@ MISTAKES: tuple[tuple[str, str, Mistake], ...] = (
     ("units", "g and g·mm², mm", lambda t, _: DeclaredInertial(t.mass * 1e3, t.com * 1e3, t.tensor * 1e9)),
     ("mesh_scale", "0.001", lambda t, _: DeclaredInertial(t.mass / 1e9, t.com / 1e3, t.tensor / 1e15)),
     ("about_origin", "", lambda t, _: replace(t, tensor=t.tensor + steiner(t.mass, t.com))),
+    (
+        "positive_notation",
+        "",
+        lambda t, _: with_slots(
+            t, np.array(slots(replace(t, tensor=t.tensor + steiner(t.mass, t.com)))) * (1, -1, -1, 1, -1, 1)
+        ),
+    ),
     ("steiner_twice", "", lambda t, _: replace(t, tensor=t.tensor - steiner(t.mass, t.com))),
     ("steiner_missing", "", _added),
     ("one_piece", "", lambda t, drawn: uniform(drawn.pieces[0])),
     ("products_sign", "", lambda t, _: with_slots(t, np.array(slots(t)) * (1, -1, -1, 1, -1, 1))),
     ("axes_permuted", "y z x", lambda t, _: replace(t, tensor=t.tensor[np.ix_((2, 0, 1), (2, 0, 1))])),
     ("slots_swapped", "ixx and izz", _order(5, 1, 2, 3, 4, 0)),
+    ("slots_shifted", "all six are one slot too late", _order(5, 0, 1, 2, 3, 4)),
     ("quarter_turn", "-90° about x", lambda t, _: turned(t, quarter(0))),
     ("com_missing", "", lambda t, _: replace(t, com=np.zeros(3))),
     ("unmirrored", "y", _mirrored),

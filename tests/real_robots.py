@@ -20,6 +20,7 @@ from filelock import FileLock, Timeout
 
 import urdfcheck
 from urdfcheck.core import FactUnavailableError, Finding, Run
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.model import Model
 from urdfcheck.model.motion.pinocchio_model import pinocchio_model
 from urdfcheck.policy.config import TARGETS
@@ -235,9 +236,16 @@ def list_defects(findings: Iterable[Finding]) -> set[Defect]:
 def find_lost_defects(reported: Iterable[Defect], run: Run) -> set[Defect]:
     """Find the defects that the findings of a run do not have.
 
-    Left out are those that a stronger rule hides on the element, and those of files that turned out to be parts of a model.
+    Left out are those that a stronger rule hides on the element or explains, and those of files that turned out to be parts of
+    a model.
     """
     told = list_defects(run.findings)
+    explained = {
+        (claim, model)
+        for finding in iter_occurrences(run.findings)
+        for model in finding.subjects_by_model
+        for claim in finding.data.get("explains", ())
+    }
     elements = {(code, model, subject.partition("]")[0]) for code, model, subject, _ in told}
     rules = load_rules()
     return {
@@ -245,6 +253,7 @@ def find_lost_defects(reported: Iterable[Defect], run: Run) -> set[Defect]:
         for defect in set(reported) - told
         if defect[1] in run.unit_ids
         and not any((code, defect[1], defect[2].partition("]")[0]) in elements for code in rules[defect[0]].hidden_by)
+        and (f"{defect[0]} {defect[2].partition(']')[0]}]", defect[1]) not in explained
     }
 
 

@@ -10,6 +10,7 @@ import pytest
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks" / "accuracy"))
 
+from formulas import judge_formula
 from injections import KINDS
 from parts import PLAIN
 from scoring import CLEAN, Outcome, outcomes
@@ -38,7 +39,17 @@ def lumped() -> Sequence[Outcome]:
 
 
 def test_every_mistake_has_a_name() -> None:
-    assert {name for kind in KINDS if kind.common for name in kind.names} == set(HYPOTHESES)
+    named = {name for kind in KINDS if kind.common for name in kind.names}
+    assert named | {"wrong_formula"} == set(HYPOTHESES)
+
+
+def test_the_formula_of_another_solid_is_named() -> None:
+    judged = [case for index in range(180) if (case := judge_formula("tuning", 1, index)) is not None]
+    causes = {name: [found and found.cause for other, found in judged if other == name] for name, _ in judged}
+    untouched = causes.pop("right") + causes.pop("stretched")
+    assert set(untouched) == {None}
+    assert all(set(some) <= {"wrong_formula", None} for some in causes.values())
+    assert sum(some.count("wrong_formula") for some in causes.values()) >= 0.95 * sum(map(len, causes.values()))
 
 
 @pytest.mark.parametrize("kind", [kind.name for kind in KINDS if kind.common])

@@ -75,7 +75,7 @@ def test_a_changed_model_is_checked(hooks: Path, user: Path) -> None:
 
 def test_a_changed_macro_file_is_checked_through_the_model_that_includes_it(hooks: Path, user: Path) -> None:
     done = try_repo(hooks, user, "urdfcheck", "car-3/robot_description/urdf/gazebo.urdf.xacro")
-    assert "GZB002" in done.stdout, done.stdout + done.stderr
+    assert "SYM001" in done.stdout, done.stdout + done.stderr
 
 
 def test_an_error_fails_the_hook(hooks: Path, user: Path) -> None:

@@ -1,4 +1,4 @@
-"""Changes of a plain URDF that leave the robot what it is: other frames, another root, other units, other names.
+"""Changes of a plain URDF that leave the robot what it is: other frames, another root, other units, other names, another order.
 
 Each takes the ``<robot>`` element and gives a new one. Every link, visual, collision, inertial and joint of it must have an
 ``<origin>`` with xyz and rpy where URDF allows one, every moving joint an ``<axis>``.
@@ -7,6 +7,7 @@ Each takes the ``<robot>`` element and gives a new one. Every link, visual, coll
 from __future__ import annotations
 
 import copy
+import random
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator, Sequence
 
@@ -19,6 +20,13 @@ Array = NDArray[np.float64]
 Robot = ET.Element
 Transformation = Callable[[Robot], Robot]
 
+# Attributes with numbers that a change of notation may write in another way.
+NUMERIC = frozenset({"xyz", "rpy", "size", "radius", "length", "value", "lower", "upper", "effort", "velocity"}) | {
+    "ixx", "ixy", "ixz", "iyy", "iyz", "izz",
+}  # fmt: skip
+XACRO = "http://www.ros.org/wiki/xacro"
+ET.register_namespace("xacro", XACRO)
+_PLACED = frozenset({"inertial", "visual", "collision"})
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
@@ -95,6 +103,76 @@ def renamed(robot: Robot) -> Robot:
         joint.set("name", f"connection{i}")
         for end in ("parent", "child"):
             _find(joint, end).set("link", links[_name(joint, end)])
+    return changed
+
+
+def reordered(robot: Robot, seed: int = 1) -> Robot:
+    """Links, joints and all else of the robot in another order, and what is in each link."""
+    order = random.Random(seed)
+    changed = copy.deepcopy(robot)
+    for element in (changed, *changed.findall("link")):
+        # Shapes of one kind keep their order: the first of them is the one that has no number in a subject.
+        tags = [child.tag for child in element] if element is not changed else []
+        children = list(element)
+        order.shuffle(children)
+        if tags:
+            children.sort(key=lambda child: [*dict.fromkeys(tags)][::-1].index(child.tag))
+        element[:] = children
+    return changed
+
+
+def written_longer(robot: Robot) -> Robot:
+    """Numbers of four digits or more with three zeros behind them; how precise shorter ones are depends on their digits."""
+    changed = copy.deepcopy(robot)
+    for element in changed.iter():
+        for name in NUMERIC & set(element.attrib):
+            element.set(name, " ".join(map(_lengthen, element.attrib[name].split())))
+    return changed
+
+
+def _lengthen(word: str) -> str:
+    digits, mark, exponent = word.lower().partition("e")
+    is_precise = "." in digits and sum(map(str.isdigit, digits.lstrip("-+0."))) >= 4
+    return f"{digits}000{mark}{exponent}" if is_precise else word
+
+
+def with_properties(robot: Robot) -> Robot:
+    """A xacro whose numbers are properties, each of which has one value."""
+    changed = copy.deepcopy(robot)
+    names: dict[str, str] = {}
+    for element in changed.iter():
+        for name in NUMERIC & set(element.attrib):
+            words = element.attrib[name].split()
+            if all(map(_is_number, words)):
+                places = [names.setdefault(word, f"value_{len(names)}") for word in words]
+                element.set(name, " ".join(f"${{{place}}}" for place in places))
+    for value, name in reversed(names.items()):
+        changed.insert(0, ET.Element(f"{{{XACRO}}}property", {"name": name, "value": value}))
+    return changed
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def with_defaults(robot: Robot) -> Robot:
+    """Origins and axes that are left out, and angles and coordinates, as what they are then."""
+    changed = copy.deepcopy(robot)
+    places = [*changed.findall("joint"), *(p for link in changed.findall("link") for p in link if p.tag in _PLACED)]
+    for place in places:
+        origin = place.find("origin")
+        if origin is None:
+            origin = ET.Element("origin")
+            place.insert(0, origin)
+        for name in ("xyz", "rpy"):
+            if name not in origin.attrib and "quat_xyzw" not in origin.attrib:
+                origin.set(name, "0 0 0")
+        if place.tag == "joint" and place.get("type") not in ("fixed", "floating") and place.find("axis") is None:
+            ET.SubElement(place, "axis", {"xyz": "1 0 0"})
     return changed
 
 

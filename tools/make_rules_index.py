@@ -6,7 +6,7 @@ from pathlib import Path
 
 from urdfcheck.core import Applicability, Rule, Verdict
 from urdfcheck.policy.consumers import CONSUMERS
-from urdfcheck.rules import describe_on_request, load_families, load_rules
+from urdfcheck.rules import describe_on_request, describe_pedantic, load_families, load_rules
 
 FIX = {Applicability.SAFE: "safe", Applicability.UNSAFE: "unsafe", Applicability.DISPLAY: "–"}
 
@@ -36,7 +36,7 @@ def render_index() -> str:
             page = f"{rule.code}-{rule.name}.md"
             parts.append(
                 f"| [{rule.code}]({page}) | {rule.name} | {rule.severity} | {rule.confidence} | {FIX[rule.fix]} "
-                f"| {_escape_cell(rule.summary)}{_format_on_request(rule)} | {_list_programs(rule)} |\n"
+                f"| {_escape_cell(rule.summary)}{_format_exceptions(rule)} | {_list_programs(rule)} |\n"
             )
     return "".join(parts)
 
@@ -55,9 +55,9 @@ def _list_programs(rule: Rule) -> str:
     return "; ".join(told) or "–"
 
 
-def _format_on_request(rule: Rule) -> str:
-    told = describe_on_request(rule)
-    return f" *({told.partition(' (')[0]})*" if told else ""
+def _format_exceptions(rule: Rule) -> str:
+    told = [text.partition(" (")[0] for text in (describe_on_request(rule), describe_pedantic(rule)) if text]
+    return f" *({'; '.join(told)})*" if told else ""
 
 
 def _escape_cell(text: str) -> str:

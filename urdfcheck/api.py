@@ -26,6 +26,7 @@ def check(
     select: Words | None = None,
     ignore: Words = (),
     target: Words | None = None,
+    pedantic: bool = False,
     tier: str | None = None,
     unchecked: str | None = None,
     arguments: Mapping[str, str] | None = None,
@@ -64,6 +65,7 @@ def check(
     :param ignore: those of the rules not to run.
     :param target: programs that will read the models (gazebo, mujoco, drake, moveit, …): what one of them rejects or drops
         is an error. None: the configuration decides.
+    :param pedantic: whether to report every note, and as warnings those that most maintainers would switch off.
     :param tier: how much is computed: ``source`` (the text), ``mesh`` (and the mesh files) or ``full`` (and the motion). None:
         the configuration decides; by default ``full``.
     :param unchecked: how bad it is that a model cannot be checked: ``error`` or ``warning``, which accepts it. None: the
@@ -93,6 +95,7 @@ def check(
         select=None if select is None else _list_words(select),
         ignore=_list_words(ignore),
         target=None if target is None else _list_words(target),
+        pedantic=pedantic,
         tier=tier,
         unchecked=unchecked,
         arguments={name: str(value) for name, value in (arguments or {}).items()},

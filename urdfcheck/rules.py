@@ -39,6 +39,7 @@ _KEYS = {
     "fix",
     "excess",
     "on_request",
+    "pedantic",
     "options",
     "messages",
     "headlines",
@@ -138,30 +139,56 @@ def load_page(path: Path) -> Rule:
             stem=path.stem.lower().replace("-", "_"),
             page=text,
             excess=str(meta.get("excess", "")),
-            on_request=_parse_on_request(meta.get("on_request", ()), meta["messages"]),
+            on_request=_parse_messages("on_request", meta.get("on_request", ()), meta["messages"]),
+            pedantic=_parse_pedantic(meta.get("pedantic", {}), meta["messages"]),
             layers=tuple(meta.get("layers", family.layers)),
         )
     except (KeyError, ValueError, TypeError) as error:
         raise UrdfcheckError(f"{path}: {type(error).__name__}: {error}") from error
 
 
-def _parse_on_request(value: Any, messages: Iterable[str]) -> frozenset[str]:
-    """Read ``on_request``: true for all messages, or a list of ids.
+def _parse_messages(key: str, value: Any, messages: Iterable[str]) -> frozenset[str]:
+    """Read a key that means messages: true for all of them, or a list of ids.
 
     :raises ValueError: for an id of no message.
     """
     ids = frozenset(messages if value is True else value)
     if unknown := sorted(ids - set(messages)):
-        raise ValueError(f"on_request: there is no message {unknown[0]!r}")
+        raise ValueError(f"{key}: there is no message {unknown[0]!r}")
     return ids
+
+
+def _parse_pedantic(value: Mapping[str, Any], messages: Iterable[str]) -> Mapping[str, tuple[str, ...]]:
+    """Read ``[pedantic]``: for each message that the check may lower to an info, the targets for which it is a warning.
+
+    :raises ValueError: for an id of no message.
+    """
+    _parse_messages("pedantic", value, messages)
+    return {message: tuple(targets) for message, targets in value.items()}
 
 
 def describe_on_request(rule: Rule) -> str:
     """Say which notes of a rule are reported on request only; empty if all are always reported."""
     if not rule.on_request:
         return ""
-    which = "notes" if rule.on_request == set(rule.messages) else f"notes {', '.join(sorted(rule.on_request))}"
-    return f"{which} only on request (-v, --select, a severity or a target that they concern)"
+    ways = "-v, --pedantic, --select, a severity or a target that they concern"
+    return f"{_name_notes(rule, rule.on_request)} only on request ({ways})"
+
+
+def describe_pedantic(rule: Rule) -> str:
+    """Say which notes of a rule are warnings with ``--pedantic``, and for which targets they are; empty if none is."""
+    messages_by_targets: dict[tuple[str, ...], set[str]] = {}
+    for message, targets in rule.pedantic.items():
+        messages_by_targets.setdefault(targets, set()).add(message)
+    return "; ".join(
+        f"{_name_notes(rule, frozenset(ids))} are warnings with "
+        + " or ".join(("--pedantic", *(f"target {target}" for target in targets)))
+        for targets, ids in sorted(messages_by_targets.items())
+    )
+
+
+def _name_notes(rule: Rule, ids: frozenset[str]) -> str:
+    return "notes" if ids == set(rule.messages) else f"notes {', '.join(sorted(ids))}"
 
 
 def _split_page(page: str) -> tuple[str, str]:
@@ -182,8 +209,7 @@ def explain_rule(rule: Rule) -> str:
         facts.append(f"gives way to {', '.join(rule.hidden_by)} on the same element")
     if rule.concerns:
         facts.append(f"concerns {', '.join(rule.concerns)} only")
-    if rule.on_request:
-        facts.append(describe_on_request(rule))
+    facts += filter(None, (describe_on_request(rule), describe_pedantic(rule)))
     parts = [f"# {rule.code} {rule.name}", " · ".join(facts)]
     body = _split_page(_TITLE.sub("", rule.page))[1].strip()
     parts.append(body)

@@ -20,13 +20,15 @@ from multiprocessing import get_context
 
 import cost
 import defects
+import formulas
+import habits
 import tables
 from parts import FAMILIES, SPLITS
 from scoring import Excluded, Outcome, outcomes
 
 import urdfcheck
 
-PARTS = ("parts", "cost", "fixtures")
+PARTS = ("parts", "formulas", "cost", "fixtures", "habits")
 
 
 def main() -> None:
@@ -50,10 +52,14 @@ def main() -> None:
     )
     if "parts" in only:
         print(tables.parts(_cases(options.split, options.seed, number, options.jobs)), flush=True)
+    if "formulas" in only:
+        print(formulas.build_table(options.split, options.seed, 2 * number), flush=True)
     if "cost" in only:
         print(cost.table(options.split, options.seed, min(number, 72)), flush=True)
     if "fixtures" in only:
         print(defects.table(options.split, options.seed, quick=options.quick), flush=True)
+    if "habits" in only:
+        print(habits.table(options.split, options.seed, quick=options.quick), flush=True)
 
 
 def _cases(split: str, seed: int, number: int, jobs: int) -> Sequence[Outcome | Excluded]:

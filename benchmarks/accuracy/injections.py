@@ -291,6 +291,11 @@ def about_origin(case: Case, rng: Rng) -> Numbers:
     return replace(case.full, six=six_of(whole.inertia + whole.mass * steiner(whole.com)))
 
 
+def positive_notation(case: Case, rng: Rng) -> Numbers:
+    """About the link's origin, the products with the CAD system's sign."""
+    return replace(about_origin(case, rng), six=about_origin(case, rng).six * (1, -1, -1, 1, -1, 1))
+
+
 def steiner_twice(case: Case, rng: Rng) -> Numbers:
     """A tensor that was about the COM already, moved there from the link's origin once more."""
     whole = case.truth.whole
@@ -383,6 +388,36 @@ def one_sign(case: Case, rng: Rng) -> Numbers | None:
 def decimal_point(case: Case, rng: Rng) -> Numbers | None:
     """One of the ten numbers ten times too large or too small."""
     return _one(case.clean, rng, float(rng.choice((0.1, 10.0))), range(10))
+
+
+def decimal_point_of_all(case: Case, rng: Rng) -> Numbers:
+    """The whole COM or the whole tensor ten or a hundred times too large or too small, or the mass ten times."""
+    which, factor = int(rng.integers(3)), float(rng.choice((0.01, 0.1, 10.0, 100.0)))
+    clean = case.clean
+    if which == 0:
+        return replace(clean, com=clean.com * factor)
+    if which == 1:
+        return replace(clean, six=clean.six * factor)
+    return replace(clean, mass=clean.mass * (10.0 if factor > 1 else 0.1))
+
+
+def six_equal(case: Case, rng: Rng) -> Numbers:
+    """One number six times: a placeholder that was typed for the products as well."""
+    value = float(rng.choice((1, 2, 5))) * 10.0 ** rng.integers(-6, 1)
+    return Numbers(case.truth.whole.mass, case.truth.whole.com, np.full(6, value), np.zeros(3))
+
+
+def slots_shifted(case: Case, rng: Rng) -> Numbers:
+    """The six numbers one slot too late or too early."""
+    return replace(case.clean, six=np.roll(case.clean.six, rng.choice((-1, 1))))
+
+
+def rounded(case: Case, rng: Rng) -> Numbers | None:
+    """The tensor with so few decimals that its largest number has one digit; where a moment is off by a third then."""
+    decimals = -int(np.floor(np.log10(np.abs(case.full.six).max())))
+    six = case.full.six.round(decimals)
+    moments = case.full.six[[0, 3, 5]]
+    return replace(case.full, six=six) if (np.abs(six[[0, 3, 5]] - moments) > 0.34 * moments).any() else None
 
 
 def shell(case: Case, rng: Rng) -> Numbers:
@@ -557,4 +592,10 @@ KINDS = (
     Kind(com_moved, frozenset()),
     Kind(tensor_stretched, frozenset()),
     Kind(mass_changed, frozenset()),
+    # Where the products hardly matter, that the tensor is about the origin is all that is certain.
+    _kind(positive_notation, "positive_notation", "about_origin", hidden=True),
+    _kind(slots_shifted, hidden=True),
+    _kind(decimal_point_of_all, "decimal_point", "com_unit", hidden=True),  # a hundredth of a metre is a centimetre
+    _kind(rounded, hidden=True, lossy=True),
+    _kind(six_equal, "products_filled", elsewhere=True),
 )

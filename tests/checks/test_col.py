@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import box, collision, cylinder, find, joint, link, robot, sphere
+from builders import box, collision, cylinder, find, joint, link, robot, sphere, visual
 from conftest import FIXTURES, check_text
 
 from urdfcheck.core import Severity
@@ -124,6 +125,46 @@ def test_closed_fingers_may_press_against_each_other(tmp_path: Path, press: floa
     assert bool(find(tmp_path, text, "COL001")) == bad
 
 
+def jaws() -> str:
+    """Two fingers that slide towards each other and overlap at rest."""
+    finger = "<collision><geometry><box size='0.1 0.02 0.02'/></geometry></collision>"
+    slide = "<axis xyz='0 {} 0'/><limit lower='0' upper='0.1' effort='1' velocity='1'/>"
+    return robot(
+        *(link("palm"), link("left", finger), link("right", finger)),
+        joint("l", "palm", "left", slide.format(1), kind="prismatic", xyz="0 0.005 0"),
+        joint("r", "palm", "right", slide.format(-1), kind="prismatic", xyz="0 -0.005 0"),
+    )
+
+
+def telescope(axis: str = "0 0 1", kind: str = "prismatic") -> str:
+    """Three tubes in each other, drawn as solid cylinders, and a plate that the last one carries."""
+    tube = "<collision><geometry><cylinder radius='{}' length='1'/></geometry></collision>"
+    slide = "<axis xyz='{}'/><limit lower='0' upper='1.5' effort='1' velocity='1'/>"
+    return robot(
+        *(link(name, tube.format(radius)) for name, radius in (("outer", 0.06), ("middle", 0.05), ("inner", 0.04))),
+        joint("m", "outer", "middle", slide.format("0 0 1"), kind="prismatic"),
+        joint("i", "middle", "inner", slide.format(axis), kind=kind),
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "severity"),
+    [
+        (telescope(), "nested", Severity.INFO),
+        (telescope("0 0 -1"), "nested", Severity.INFO),
+        (telescope("1 0 0"), "overlap", Severity.WARNING),
+        (telescope(kind="revolute"), "overlap", Severity.WARNING),
+        (jaws(), "overlap", Severity.WARNING),
+        (folded(gap=-0.00015), "slight", Severity.INFO),
+        (folded(gap=-0.0003), "overlap", Severity.WARNING),
+        (folded(scale=0.01, gap=-0.01), "overlap", Severity.WARNING),  # 0.1 mm, and much of the shape
+    ],
+)
+def test_what_hardly_matters_is_an_info(tmp_path: Path, text: str, message: str, severity: Severity) -> None:
+    found = find(tmp_path, text, "COL001")
+    assert [(f.message_id, f.severity) for f in found if f.message_id != "always"] == [(message, severity)]
+
+
 def test_rest_is_the_limit_nearest_to_zero(tmp_path: Path) -> None:
     """At zero the fingers would be one in the other; their range begins where they are apart."""
     ball = sphere("0.01")
@@ -146,6 +187,44 @@ def test_links_that_always_overlap_are_one_info(tmp_path: Path) -> None:
     )
     (finding,) = find(tmp_path, text, "COL001")
     assert (finding.severity, finding.message_id) == (Severity.INFO, "always")
+    assert re.fullmatch(r"\S+ and \S+ overlap by [\d.]+ mm in nearly all poses( \(\+\d+ pairs?\))?", finding.headline)
+
+
+def displaced(drawn: str, collides: str, more: str = "") -> str:
+    """Return the plates of `folded`, where the last one is drawn at one place and collides at another."""
+    plate = box("0.2 0.1 0.02")
+    before = folded().partition('<link name="c">')[0]
+    return f"{before}{link('c', visual(plate, xyz=drawn), collision(plate, xyz=collides))}{more}</robot>"
+
+
+def test_an_origin_that_causes_an_overlap_is_one_finding_with_it(tmp_path: Path) -> None:
+    text = displaced("-0.15 0 0.1", "-0.15 0 -0.032")
+    for codes in ({"COL001", "GEO003", "GEO005"}, {"COL001"}):
+        (finding,) = find(tmp_path, text, codes)
+        assert (finding.code, finding.message_id, finding.severity) == ("COL001", "displaced", Severity.WARNING)
+        assert finding.location.subject == "link[c]/collision/origin"
+        assert finding.headline == "c overlaps a: collision 0.132 m off (2 mm deep)"
+        assert "with the visual's <origin> it is free of them" in finding.message
+        assert finding.fix is not None
+        assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("-0.15 0 -0.032", "-0.15 0 0.1")]
+        assert finding.data.get("hides", []) == (["GEO003", "GEO005"] if len(codes) > 1 else [])
+    mended = text.replace("-0.15 0 -0.032", "-0.15 0 0.1")
+    assert not find(tmp_path, mended, {"COL001", "GEO003", "GEO005"})
+
+
+@pytest.mark.parametrize(
+    ("drawn", "more"),
+    [
+        ("-0.14 0 -0.031", ""),  # the overlap is still there
+        (  # another overlap comes instead
+            "-0.15 0 0.1",
+            make_joint("a", "d", "-0.1 0 0.15", "fixed") + make_link("d", box("0.05 0.05 0.05")),
+        ),
+    ],
+)
+def test_an_origin_is_the_cause_only_where_the_visuals_frees_the_links(tmp_path: Path, drawn: str, more: str) -> None:
+    found = find(tmp_path, displaced(drawn, "-0.15 0 -0.032", more=more), {"COL001", "GEO005"})
+    assert sorted((f.code, f.message_id) for f in found) == [("COL001", "overlap"), ("GEO005", "differs")]
 
 
 def test_a_shape_that_overlaps_several_links_is_one_finding(tmp_path: Path) -> None:
@@ -161,6 +240,7 @@ def test_a_shape_that_overlaps_several_links_is_one_finding(tmp_path: Path) -> N
     (finding,) = find(tmp_path, robot(*parts), "COL001")
     assert finding.message_id == "several"
     assert finding.location.subject == "link[base]/collision/geometry/box"
+    assert re.fullmatch(r"base overlaps [lr]2 by \d+(\.\d+)? mm at rest, and 1 more link", finding.headline)
     assert "l2 (" in finding.message
     assert "r2 (" in finding.message
 
@@ -381,7 +461,7 @@ def test_the_message_names_three_collisions_and_the_data_all(tmp_path: Path) -> 
         parts.append(make_joint("base", f"arm{i}", f"0 {10 * i} 0", limit="lower='-1' upper='2'"))
         parts.append(make_link(f"arm{i}", "1 0 0|" + sphere("0.1")))
     (finding,) = find(tmp_path, robot(*parts), "COL005")
-    assert finding.headline.startswith("5 joints self-collide inside their range: ")
+    assert finding.headline == "base_arm0 self-collides at 1.67 rad, inside its range (+4 joints)"
     assert "and 2 more" in finding.message
     assert "arm3" not in finding.message
     assert [reach["links"] for reach in finding.data["collisions"]] == [["base", f"arm{i}"] for i in range(5)]

@@ -184,6 +184,9 @@ def test_a_load_that_the_tree_does_not_tell(tmp_path: Path, part: str) -> None:
         ("thruster_2", "afloat"),
         ("leftThruster", "afloat"),
         ("UUV", "afloat"),
+        ("bravo7_no_ee", "afloat"),
+        ("Bravo_5", "afloat"),
+        ("bravo", "weak"),
         ("rover", "weak"),
         ("drive_proven", "weak"),
         ("thrust", "weak"),
@@ -218,6 +221,42 @@ def test_one_power_of_ten_at_all_joints_is_a_placeholder(
     assert finding.message_id == message
     assert finding.fix is not None
     assert ("masses" in finding.fix.title) == (message == "far")
+
+
+def test_an_exporters_effort_is_one_finding_at_any_load(tmp_path: Path) -> None:
+    lift = '<limit lower="0" upper="1" effort="1" velocity="1"/>'
+    slide = (
+        '<joint name="slide" type="prismatic"><parent link="base"/><child link="tray"/><axis xyz="0 0 1"/>'
+        + lift
+        + "</joint>"
+    )
+    idle = make_driven_joint("idle", "base", "light", limit='lower="-1" upper="1" effort="1"')
+    others = make_body("tray", 1.0) + slide + make_body("light", 1e-6) + idle
+    (finding,) = find(tmp_path / "a", make_pendulum(1, "", others), "DYN002")
+    assert (finding.message_id, len(finding.subjects)) == ("placeholder", 2)
+    assert {"slide", "shoulder"} == set(finding.data["joints"])
+    assert " N)" in finding.message or " N·m)" in finding.message
+    # A limit of 10 may be that of three equal drives.
+    ten = find(tmp_path / "b", make_pendulum(1, "", others).replace('effort="1"', 'effort="9"'), "DYN002")
+    assert {f.message_id for f in ten} == {"weak"}
+
+
+@pytest.mark.parametrize(
+    ("box", "message"),
+    [("0.1 0.1 1", "write the largest"), ("0.01 0.01 0.01", "check the masses"), ("", "check the masses")],
+)
+def test_masses_are_to_blame_only_where_the_drawing_does_not_explain_them(
+    tmp_path: Path, box: str, message: str
+) -> None:
+    drawn = (
+        f'<visual><origin xyz="0 0 0.5"/><geometry><box size="{box}"/></geometry></visual></link>' if box else "</link>"
+    )
+    text = make_pendulum(0.01)
+    head, arm, rest = text.partition('<link name="arm">')
+    (finding,) = find(tmp_path, head + arm + rest.replace("</link>", drawn, 1), "DYN002")
+    assert finding.message_id == "far"
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(message)
 
 
 def test_gravity_that_is_not_turned_off_counts(tmp_path: Path) -> None:

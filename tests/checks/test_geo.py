@@ -149,6 +149,22 @@ def test_a_moving_link_that_is_drawn_and_not_touched(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("size", "hand", "message"),
+    [(0.1, BOTH, "between"), (0.5, BOTH, "missing"), (0.1, "", "missing"), (0.1, box("visual"), "missing")],
+    ids=["small", "large", "nothing behind", "bare behind"],
+)
+def test_a_small_piece_between_two_that_collide_is_an_info(
+    tmp_path: Path, size: float, hand: str, message: str
+) -> None:
+    piece = geometry("visual", f'<box size="{size} {size} {size}"/>')
+    parts = make_arm_with_hands(BOTH, BOTH, piece)
+    if hand:
+        parts += link("tip", hand) + make_joint("hand2", "tip", xyz="0 0 1")
+    messages = {f.message_id: f.severity for f in find(tmp_path, robot(parts), "GEO002")}
+    assert messages == {message: Severity.INFO if message == "between" else Severity.WARNING}
+
+
+@pytest.mark.parametrize(
     "inside",
     ["", BOTH, box("collision"), geometry("visual", '<box size="0.005 0.001 0.001"/>')],
     ids=["frame", "both", "not drawn", "token"],
@@ -336,6 +352,53 @@ def placed(role: str, origin: str = "", name: str = "part.stl", scale: str = "1 
 def test_how_far_origins_may_differ(tmp_path: Path, visual: str, collision: str, found: bool) -> None:
     inside = placed("visual", visual) + placed("collision", collision)
     assert bool(find(tmp_path, robot(link("a", inside)), "GEO005")) == found
+
+
+@pytest.mark.parametrize(("moved", "severity"), [("0.0099", Severity.INFO), ("0.0101", Severity.WARNING)])
+def test_more_than_a_centimetre_is_a_warning(tmp_path: Path, moved: str, severity: Severity) -> None:
+    inside = placed("visual") + placed("collision", f'<origin xyz="{moved} 0 0"/>')
+    (finding,) = find(tmp_path, robot(link("a", inside)), "GEO005")
+    assert finding.severity == severity
+
+
+@pytest.mark.parametrize(
+    ("inside", "rpy", "found"),
+    [
+        ('<sphere radius="0.1"/>', "1 2 3", False),
+        ('<cylinder radius="0.1" length="0.3"/>', "0 0 1", False),
+        ('<cylinder radius="0.1" length="0.3"/>', "3.141592653589793 0 1", False),
+        ('<cylinder radius="0.1" length="0.3"/>', "0.1 0 1", True),
+        ('<box size="0.1 0.1 0.3"/>', "0 0 1.5707963267948966", False),
+        ('<box size="0.1 0.2 0.3"/>', "0 0 1.5707963267948966", True),
+        ('<box size="0.1 0.2 0.3"/>', "0 0 3.141592653589793", False),
+        ('<box size="0.1 0.1 0.1"/>', "1.5707963267948966 0 1.5707963267948966", False),
+        ('<box size="0.1 0.1 0.1"/>', "0 0 0.7", True),
+        ('<box size="0.004 0.004 0.004"/>', "0 0 0.7", False),
+    ],
+)
+def test_a_rotation_that_leaves_a_primitive_as_it_is_does_not_count(
+    tmp_path: Path, inside: str, rpy: str, found: bool
+) -> None:
+    one = link("a", geometry("visual", inside), geometry("collision", inside, f'<origin rpy="{rpy}"/>'))
+    assert bool(find(tmp_path, robot(one), "GEO005")) == found
+
+
+@pytest.mark.parametrize(
+    ("xyz", "rpy", "cause"),
+    [
+        ("0 1.57 0", "0 0 0", "rpy_in_xyz"),
+        ("0 1.57 0", "0 1.57 0", None),  # copied, not mistaken
+        ("0 1.5 0", "0 0 0", None),
+    ],
+)
+def test_angles_in_the_place_of_the_position_are_named(tmp_path: Path, xyz: str, rpy: str, cause: str | None) -> None:
+    part = '<box size="0.1 0.2 0.3"/>'
+    drawn = geometry("visual", part, '<origin xyz="0 0 0" rpy="0 1.57 0"/>')
+    text = robot(link("a", drawn, geometry("collision", part, f'<origin xyz="{xyz}" rpy="{rpy}"/>')))
+    (finding,) = find(tmp_path, text, {"GEO003", "GEO005"})
+    assert finding.code == "GEO005"
+    assert finding.data["hides"] == ["GEO003"]
+    assert (finding.cause.id if finding.cause else None) == cause
 
 
 def test_another_file_or_scale_has_a_place_of_its_own(tmp_path: Path) -> None:

@@ -63,10 +63,36 @@ def test_the_way_to_the_successor_is_shown_and_never_written(tmp_path: Path) -> 
         '</ros2_control><gazebo><plugin name="c" filename="libgazebo_ros2_control.so"><parameters>c.yaml</parameters>'
         "<robot_sim_type>gazebo_ros2_control/GazeboSystem</robot_sim_type></plugin></gazebo>"
     )
-    fixes = [f.fix for f in find(tmp_path, robot(ARM, body), "GZB002") if f.fix is not None]
-    assert len(fixes) == 2
-    assert not any(fix.edits for fix in fixes)
-    assert all("gz_ros2_control/GazeboSimSystem" in fix.title for fix in fixes)
+    (finding,) = find(tmp_path, robot(ARM, body), "GZB002")
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert "gz_ros2_control/GazeboSimSystem" in finding.fix.title
+    assert [place.subject.split("/")[0] for place in finding.related] == ["ros2_control[c]"]
+
+
+CLASSIC = '<gazebo><plugin name="p" filename="libgazebo_ros_diff_drive.so"/></gazebo>'
+MANIFEST = '<package format="3"><name>p</name><version>1.0.0</version><description>d</description>{}</package>'
+
+
+@pytest.mark.parametrize(
+    ("manifest", "body", "targets", "severity"),
+    [
+        ("<export><build_type>ament_cmake</build_type></export>", "", (), Severity.WARNING),
+        ("<buildtool_depend>ament_cmake</buildtool_depend>", "", (), Severity.WARNING),
+        ("<buildtool_depend>catkin</buildtool_depend>", "", (), Severity.INFO),
+        ("<buildtool_depend>catkin</buildtool_depend>", "", ("gazebo",), Severity.WARNING),
+        ("<buildtool_depend>catkin</buildtool_depend>", "", ("moveit",), Severity.INFO),
+        (None, "", (), Severity.INFO),
+        (None, '<ros2_control name="c" type="system"/>', (), Severity.WARNING),
+    ],
+)
+def test_a_plugin_of_classic_matters_to_robots_of_ros_2(
+    tmp_path: Path, manifest: str | None, body: str, targets: tuple[str, ...], severity: Severity
+) -> None:
+    if manifest is not None:
+        (tmp_path / "package.xml").write_text(MANIFEST.format(manifest))
+    (finding,) = find(tmp_path, robot(ARM, CLASSIC, body), "GZB002", targets=targets)
+    assert finding.severity == severity
 
 
 def test_a_plugin_with_other_parameters_is_not_renamed(tmp_path: Path) -> None:

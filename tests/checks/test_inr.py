@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from builders import arm_on_base, box, collision, find, inertial, joint, link, visual
+from builders import arm_on_base, box, collision, find, inertial, joint, link, robot, visual
 from conftest import check, check_text
 
 from urdfcheck.core import Finding, Severity, Verdict
@@ -196,6 +196,16 @@ def test_an_impossible_link_is_judged_with_what_it_is_fixed_to(
 ) -> None:
     (finding,) = find(tmp_path, make_arm(SOUND, more=fixed("cover", child)), "INR003")
     assert (finding.message_id, finding.severity) == (message, severity)
+
+
+def test_a_light_link_with_six_equal_numbers_is_explained(tmp_path: Path) -> None:
+    six = " ".join(f'{name}="1e-6"' for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    frame = f'<inertial><mass value="1e-6"/><inertia {six}/></inertial>'
+    (finding,) = find(tmp_path, make_arm(SOUND, more=fixed("cover", frame)), "INR003")
+    assert finding.message_id == "helper"
+    assert finding.cause is not None
+    assert finding.cause.id == "products_filled"
+    assert "all six numbers are 1e-6" in finding.cause.text
 
 
 def test_a_light_impossible_link_that_a_joint_moves_is_no_helper(tmp_path: Path) -> None:
@@ -499,6 +509,29 @@ def test_all_residues_of_a_robot_are_one_finding_with_one_edit_each(tmp_path: Pa
 def test_a_robot_weighs_a_gram_to_a_hundred_tonnes(tmp_path: Path, masses: tuple[str, str], cause: str | None) -> None:
     findings = find(tmp_path, make_arm(inertial(masses[0]), base=inertial(masses[1])), "INR015")
     assert [f.cause.id if f.cause else None for f in findings] == ([] if cause is None else [cause])
+
+
+@pytest.mark.parametrize(
+    ("mass", "shape", "found"),
+    [
+        ("22591", '<box size="1 0.1 0.1"/>', ["dense"]),
+        ("22589", '<box size="1 0.1 0.1"/>', []),
+        ("150000", '<box size="9 9 9"/>', ["heavy"]),
+        ("2e9", '<box size="9 9 9"/>', ["dense"]),
+    ],
+)
+def test_a_robot_weighs_no_more_than_osmium(tmp_path: Path, mass: str, shape: str, found: list[str]) -> None:
+    body = f"{inertial(mass)}<visual><geometry>{shape}</geometry></visual>"
+    findings = find(tmp_path, robot(link("base", body)), "INR015")
+    assert [f.message_id for f in findings] == found
+    assert all(f.severity == (Severity.ERROR if f.message_id == "dense" else Severity.WARNING) for f in findings)
+
+
+def test_a_mesh_that_is_not_there_may_be_larger_than_what_is_seen(tmp_path: Path) -> None:
+    mesh = '<visual><geometry><mesh filename="missing.stl"/></geometry></visual>'
+    for mass, found in (("90000", []), ("600000", ["heavy"]), ("620000", ["dense"])):
+        text = robot(link("base", inertial(mass)), link("arm", mesh), joint("j", "base", "arm", xyz="0 0 1"))
+        assert [f.message_id for f in find(tmp_path, text, "INR015")] == found
 
 
 def test_a_drawing_has_no_mass_to_be_wrong(tmp_path: Path) -> None:

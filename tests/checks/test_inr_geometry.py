@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import box, collision, find, inertial, joint, link, robot, visual
+from castings import CASTING, DeclaredInertial, edited, format_inertial, geometry, uniform, write_stl
 from numpy.typing import NDArray
 
 from urdfcheck.facts.inertials.hull_bounds import measure_hull_distance
@@ -108,6 +110,23 @@ def test_the_message_tells_the_ratio_and_both_spreads(tmp_path: Path) -> None:
     assert finding.data["spread"] == pytest.approx(98.7654321**0.5 * 0.1 / 12**0.5, rel=0.01)
     assert finding.data["most"] == pytest.approx(half, rel=0.01)
     assert "inside the drawn geometry" in finding.message
+
+
+def test_the_headline_compares_spreads_and_not_moments(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_arm(replace(Part(), tensor=98.7654321 * Part().inertia)), CODES)
+    assert finding.data["wider"] == pytest.approx(finding.data["spread"] / finding.data["most"], rel=0.01)
+    assert f"needs mass spread {finding.data['wider']:g}× wider" in finding.headline
+
+
+def test_one_mistake_that_explains_the_excess_is_named_and_undone(tmp_path: Path) -> None:
+    part = Part(size=(0.3, 0.2, 0.1))
+    content = make_arm(replace(part, tensor=1e4 * part.inertia))
+    (finding,) = find(tmp_path, content, {"INR005"})
+    assert finding.message.endswith("One mistake explains it: unit of the tensor: kg·cm²")
+    assert finding.fix is not None
+    assert find(tmp_path, edited(content, finding.fix.edits), CODES) == []
+    # The rule about causes speaks first.
+    assert [f.code for f in find(tmp_path, content, {*CODES, "INR009"})] == ["INR009"]
 
 
 @pytest.mark.parametrize(("digits", "exceeds"), [("1e-6", False), ("1.00e-6", True)])
@@ -540,3 +559,58 @@ def test_an_open_mesh_gives_way_to_a_closed_collision_shape(tmp_path: Path) -> N
     assert (first.closed, second.closed) == (False, True)
     np.testing.assert_allclose(first.solid.volume, 0.4 * 0.3 * 0.2 / 6)
     np.testing.assert_allclose(second.solid.volume, 0.4 * 0.3 * 0.2)
+
+
+# -- ten times the density ----------------------------------------------------------------------------------------------
+
+
+def make_hand(folder: Path, densities: Sequence[float], sizes: Sequence[float] = (1.0, 0.5, 0.4, 0.3, 0.2)) -> str:
+    """Cast parts of several sizes and densities, drawn by one mesh."""
+    write_stl(folder / "part.stl", CASTING)
+    links = []
+    for i, (density, k) in enumerate(zip(densities, sizes, strict=False)):
+        whole = uniform(geometry(CASTING).solid)
+        mass = density * geometry(CASTING).solid.volume * k**3
+        numbers = DeclaredInertial(mass, whole.com * k, whole.tensor * (mass * k * k / whole.mass))
+        drawn = f'<visual><geometry><mesh filename="part.stl" scale="{k} {k} {k}"/></geometry></visual>'
+        links.append(link(f"l{i}", format_inertial(numbers), drawn))
+    joints = (joint(f"j{i}", "l0", f"l{i}", kind="continuous", xyz=f"0 {i} 0") for i in range(1, len(links)))
+    return robot(*links, *joints)
+
+
+@pytest.mark.parametrize(
+    ("densities", "tenfold"),
+    [
+        ((1004, 1004, 1004, 10020), True),
+        ((1004, 10020, 10020, 10020), True),
+        ((270, 270, 2700, 2700), True),
+        ((1000, 1000, 10000), False),  # too few parts
+        ((1000, 1000, 1000, 9000), False),
+        ((1000, 1100, 1200, 10500), False),
+        ((1000, 2700, 7850, 1000), False),
+        ((1000, 1000, 1000, 1000), False),
+    ],
+)
+def test_links_ten_times_as_dense_as_others_are_found(
+    tmp_path: Path, densities: tuple[float, ...], tenfold: bool
+) -> None:
+    found = find(tmp_path, make_hand(tmp_path, densities), "INR010")
+    assert [finding.message_id for finding in found] == (["tenfold"] if tenfold else [])
+    if tenfold:
+        assert len(found[0].subjects) == sum(density > 5 * min(densities) for density in densities)
+
+
+def test_equal_copies_are_one_piece_of_evidence(tmp_path: Path) -> None:
+    text = make_hand(tmp_path, (1000, 1000, 10000, 10000, 10000), sizes=(1.0, 0.5, 0.4, 0.4, 0.4))
+    assert find(tmp_path, text, "INR010") == []
+
+
+def test_a_placeholder_tensor_does_not_hide_an_impossible_mass(tmp_path: Path) -> None:
+    drawn = '<visual><geometry><box size="0.2 0.2 0.15"/></geometry></visual>'
+
+    def make_base(mass: str) -> str:
+        inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        return robot(link("base", f'<inertial><mass value="{mass}"/>{inertia}</inertial>', drawn))
+
+    assert "INR010" in {finding.code for finding in find(tmp_path, make_base("400"), CODES)}
+    assert "INR010" not in {finding.code for finding in find(tmp_path, make_base("500"), CODES)}

@@ -122,8 +122,71 @@ def test_missing_effort_is_an_error_on_any_joint_with_a_limit(tmp_path: Path) ->
 def test_zero_effort_of_all_joints_is_one_finding(tmp_path: Path) -> None:
     idle = '<limit lower="0" upper="1" effort="0" velocity="1"/>'
     (finding,) = find(tmp_path, make_three_links(make_joint(idle), make_joint(idle, name="k", child="c")), "JNT007")
-    assert finding.severity == Severity.WARNING
+    assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
     assert finding.subjects == ("joint[j]/limit@effort", "joint[k]/limit@effort")
+
+
+def transmit(interface: str) -> str:
+    inside = f'<joint name="j"><hardwareInterface>hardware_interface/{interface}</hardwareInterface></joint>'
+    return f'<transmission name="t">{inside}</transmission>'
+
+
+def control(plugin: str) -> str:
+    inside = '<joint name="j"><command_interface name="position"/></joint>'
+    return f'<ros2_control name="c"><hardware><plugin>{plugin}</plugin></hardware>{inside}</ros2_control>'
+
+
+@pytest.mark.parametrize("text", [transmit("PositionJointInterface"), control("mock_components/GenericSystem")])
+def test_zero_effort_of_a_motor_that_no_simulator_makes_is_an_info(tmp_path: Path, text: str) -> None:
+    idle = make_joint('<limit lower="0" upper="1" effort="0" velocity="1"/>')
+    (finding,) = find(tmp_path, make_three_links(idle, text), "JNT007")
+    assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
+
+
+def test_a_rocker_without_effort_and_velocity_has_no_motor(tmp_path: Path) -> None:
+    rocker = make_joint('<limit lower="-1" upper="1" effort="0" velocity="0"/>')
+    driven = make_joint(LIMIT, name="k", child="c")
+    (finding,) = find(tmp_path, make_three_links(rocker, driven), "JNT007")
+    assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
+
+
+@pytest.mark.parametrize("control", [transmit("EffortJointInterface"), control("gz_ros2_control/GazeboSimSystem")])
+def test_zero_effort_of_a_motor_is_a_warning(tmp_path: Path, control: str) -> None:
+    idle = make_joint('<limit lower="0" upper="1" effort="0" velocity="1"/>')
+    passive = idle.replace('name="j"', 'name="k"').replace('"b"', '"c"')
+    findings = find(tmp_path, make_three_links(idle, passive, control), "JNT007")
+    assert [(f.message_id, f.severity, f.subjects) for f in findings] == [
+        ("effort-zero", Severity.WARNING, ("joint[j]/limit@effort",)),
+        ("effort-unused", Severity.INFO, ("joint[k]/limit@effort",)),
+    ]
+
+
+@pytest.mark.parametrize(("targets", "severity"), [(("gazebo",), Severity.WARNING), (("moveit",), Severity.INFO)])
+def test_zero_effort_matters_to_gazebo(tmp_path: Path, targets: tuple[str, ...], severity: Severity) -> None:
+    idle = make_joint('<limit lower="0" upper="1" effort="0" velocity="1"/>')
+    (finding,) = check_text(tmp_path, make_three_links(idle), codes={"JNT007"}, targets=targets).findings
+    assert finding.severity == severity
+
+
+@pytest.mark.parametrize(
+    ("limit", "kind", "found"),
+    [
+        ('lower="0" upper="0" effort="0" velocity="0"', "revolute", ["JNT005 equal"]),
+        ('lower="-1" upper="1" effort="0" velocity="0"', "revolute", ["JNT007 both-zero"]),
+        ('effort="0" velocity="0"', "continuous", ["JNT007 both-zero"]),
+        ('lower="0" upper="0" effort="0" velocity="0"', "continuous", ["JNT007 both-zero"]),
+        ('lower="0" upper="0" effort="1" velocity="0"', "revolute", ["JNT005 equal", "JNT007 velocity-zero"]),
+        ('lower="-1" upper="1" effort="1e7" velocity="1"', "revolute", ["JNT007 effort-absurd"]),
+        ('lower="-1" upper="1" effort="99999" velocity="9999"', "revolute", []),
+        ('effort="1" velocity="1e16"', "continuous", ["JNT007 velocity-absurd"]),
+    ],
+)
+def test_an_empty_limit_is_one_defect(tmp_path: Path, limit: str, kind: str, found: list[str]) -> None:
+    run = check_text(tmp_path, make_three_links(make_joint(f"<limit {limit}/>", kind)), codes={"JNT005", "JNT007"})
+    assert sorted(f"{f.code} {f.message_id}" for f in run.findings) == found
+    assert all(f.severity == Severity.WARNING for f in run.findings)
+    if found == ["JNT005 equal"]:
+        assert run.findings[0].message.endswith(". Effort and velocity are 0 too")
 
 
 def test_a_followers_effort_may_be_zero(tmp_path: Path) -> None:
@@ -292,10 +355,11 @@ CARRIED = joint("k", "b", "c", LIMIT, kind="revolute")
 @pytest.mark.parametrize(
     ("text", "severity"),
     [
-        (make_three_links(make_joint(origin("1.57 0 0")), CARRIED), Severity.WARNING),
-        (make_three_links(make_joint("<origin rpy='1.57 0 0'/>", "fixed"), CARRIED), Severity.WARNING),
-        (make_three_links(make_joint(origin("1.5707 0 0")), CARRIED), Severity.INFO),
-        (make_three_links(make_joint(origin("1.57 0 0")), CARRIED.replace("revolute", "fixed")), Severity.INFO),
+        (make_three_links(make_joint(origin("1.57 1.57 -1.57")), CARRIED), Severity.WARNING),
+        (make_three_links(make_joint("<origin rpy='1.57 1.57 -1.57'/>", "fixed"), CARRIED), Severity.WARNING),
+        (make_three_links(make_joint(origin("1.57 0 -1.57")), CARRIED), Severity.INFO),
+        (make_three_links(make_joint(origin("1.5707 1.5707 -1.5707")), CARRIED), Severity.INFO),
+        (make_three_links(make_joint(origin("1.57 1.57 -1.57")), CARRIED.replace("revolute", "fixed")), Severity.INFO),
         (make_three_links(make_joint(origin("1.57 0 0"))), Severity.INFO),
         (make_three_links(links=drawn("1.57 0 0")), Severity.INFO),
         (make_three_links(make_joint(origin("1.5708 0 0")), links=drawn("1.57 0 0")), Severity.INFO),
@@ -507,6 +571,27 @@ def test_limits_that_are_never_reached(tmp_path: Path, kind: str, lower: str, up
 
 
 @pytest.mark.parametrize(
+    ("lower", "upper", "kinds", "severity"),
+    [
+        ("-1", "1.5", "ccc", Severity.WARNING),
+        ("-1", "1.5", "cccrr", Severity.WARNING),
+        ("-1", "1.5", "cccrrr", Severity.INFO),  # not most
+        ("-1", "1.5", "cc", Severity.INFO),  # the steering of a car
+        ("-3.14", "3.14", "cccc", Severity.INFO),  # wheels of an exporter
+    ],
+)
+def test_most_joints_of_a_limb_turn_through_their_stops(
+    tmp_path: Path, lower: str, upper: str, kinds: str, severity: Severity
+) -> None:
+    limit = f'<limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/>'
+    types = {"c": "continuous", "r": "revolute"}
+    links = "".join(f'<link name="l{i}"/>' for i in range(len(kinds)))
+    joints = [make_joint(limit, types[kind], f"j{i}", f"l{i}") for i, kind in enumerate(kinds)]
+    (finding,) = find(tmp_path, make_three_links(*joints, links=links), "JNT008")
+    assert finding.severity == severity
+
+
+@pytest.mark.parametrize(
     ("angle", "degrees"),
     [
         ("90", True),
@@ -554,6 +639,8 @@ def test_an_origin_that_a_macro_makes_twice_is_mended_once(tmp_path: Path) -> No
         ('soft_lower_limit="-0.9" soft_upper_limit="0.9" k_velocity="1"', "revolute", []),
         ('soft_lower_limit="-1.0000001" soft_upper_limit="1" k_velocity="1"', "revolute", []),
         ('soft_lower_limit="-1.1" soft_upper_limit="0.9" k_velocity="1"', "revolute", ["outside"]),
+        ('soft_lower_limit="-1.1" soft_upper_limit="1.1" k_velocity="1"', "revolute", ["off"]),
+        ('soft_lower="-0.9" soft_upper="0.9" k_velocity="1"', "revolute", []),  # XML004
         ('soft_lower_limit="0.5" k_velocity="1"', "revolute", ["locked"]),
         ('soft_lower_limit="2" soft_upper_limit="3" k_velocity="1"', "revolute", ["locked"]),
         ('k_velocity="1"', "prismatic", ["absent"]),
@@ -567,6 +654,13 @@ def test_an_origin_that_a_macro_makes_twice_is_mended_once(tmp_path: Path) -> No
 def test_soft_limits(tmp_path: Path, soft: str, kind: str, messages: list[str]) -> None:
     text = make_three_links(make_joint(f"{LIMIT}<safety_controller {soft}/>", kind))
     assert [f.message_id for f in find(tmp_path, text, "JNT010")] == messages
+
+
+def test_soft_limits_that_are_switched_off_are_one_note(tmp_path: Path) -> None:
+    safety = '<safety_controller soft_lower_limit="-9" soft_upper_limit="9" k_velocity="1"/>'
+    joints = make_joint(LIMIT + safety), make_joint(LIMIT + safety, name="k", child="c")
+    (finding,) = find(tmp_path, make_three_links(*joints), "JNT010")
+    assert (finding.severity, len(finding.subjects)) == (Severity.INFO, 2)
 
 
 def test_a_soft_limit_outside_is_pulled_in_on_its_side(tmp_path: Path) -> None:
@@ -630,3 +724,16 @@ def test_a_misspelt_limit_is_not_told_again_as_a_missing_one(tmp_path: Path, att
         codes={"JNT004", "JNT007", "XML004", "XML005"},
     )
     assert [f.code for f in run.findings] == ["XML004"]
+
+
+def test_one_slip_in_the_names_of_soft_limits_is_one_finding(tmp_path: Path) -> None:
+    safety = '<safety_controller soft_lower="-0.9" soft_upper="0.9" k_velocity="1"/>'
+    joints = make_joint(LIMIT + safety), make_joint(LIMIT + safety, name="k", child="c")
+    (finding,) = check_text(tmp_path, make_three_links(*joints), codes={"JNT010", "XML004"}).findings
+    assert finding.code == "XML004"
+    assert "`soft_lower`, `soft_upper`" in finding.message
+    assert finding.fix is not None
+    assert {(e.expected, e.replacement) for e in finding.fix.edits} == {
+        ("soft_lower", "soft_lower_limit"),
+        ("soft_upper", "soft_upper_limit"),
+    }

@@ -315,11 +315,32 @@ def test_a_closed_mesh_has_no_open_edges(tmp_path: Path) -> None:
 
 
 def test_an_open_mesh_matters_where_it_collides(tmp_path: Path) -> None:
-    (collides,) = find_in_mesh(tmp_path / "a", "MSH002", OPEN, shape("visual") + shape("collision"))
+    (collides,) = find_in_mesh(tmp_path / "a", "MSH002", OPEN, shape("collision"))
     (drawn,) = find_in_mesh(tmp_path / "b", "MSH002", OPEN, shape("visual"), shape("visual"))
     assert collides.severity == Severity.WARNING
     assert collides.location.subject == "link[l0]/collision/geometry/mesh@filename"
     assert drawn.severity == Severity.INFO
+
+
+@pytest.mark.parametrize(("code", "content"), [("MSH002", "OPEN"), ("MSH003", "MIXED"), ("MSH005", "WALLED")])
+def test_a_flaw_of_a_mesh_that_is_also_drawn_is_an_info(tmp_path: Path, code: str, content: str) -> None:
+    """Its author reused the picture; a mesh made for collision is expected to be sound."""
+    (reused,) = find_in_mesh(tmp_path / "a", code, globals()[content], shape("visual"), shape("collision"))
+    (made,) = find_in_mesh(tmp_path / "b", code, globals()[content], shape("collision"))
+    assert (reused.severity, made.severity) == (Severity.INFO, Severity.WARNING)
+
+
+@pytest.mark.parametrize(
+    ("code", "raising", "body"),
+    [
+        ("MSH002", {"gazebo"}, shape("visual") + shape("collision")),
+        ("MSH010", {"gazebo", "isaac"}, shape("collision", scale="1 -1 1")),
+    ],
+)
+def test_a_target_that_uses_every_triangle_raises_it(tmp_path: Path, code: str, raising: set[str], body: str) -> None:
+    for target in ("gazebo", "isaac", "moveit"):
+        (finding,) = find_in_mesh(tmp_path / target, code, OPEN, body, targets=(target,))
+        assert finding.severity == (Severity.WARNING if target in raising else Severity.INFO)
 
 
 def test_all_open_collision_meshes_of_a_robot_are_one_finding(tmp_path: Path) -> None:
@@ -659,6 +680,7 @@ def test_an_stl_file_should_look_like_what_it_is(tmp_path: Path, content: bytes,
     findings = find_in_mesh(tmp_path, "MSH012", content, shape("visual", "part.stl"), name="part.stl")
     assert [f.message_id for f in findings] == ([] if message is None else [message])
     assert all(f.headline.endswith(": part.stl") for f in findings)
+    assert all(f.severity == (Severity.INFO if message == "solid" else Severity.WARNING) for f in findings)
 
 
 # -- MSH013, MSH014 -------------------------------------------------------------------------------------------------

@@ -193,6 +193,15 @@ def test_a_pair_is_named_as_a_pair(tmp_path: Path) -> None:
     assert 'if mid_part is right, write mass value="0.5" in top_part' in finding.fix.title
 
 
+@pytest.mark.parametrize(
+    ("factor", "severity"), [(0.11, Severity.INFO), (0.1, Severity.WARNING), (10, Severity.WARNING)]
+)
+def test_of_a_pair_one_ten_times_as_heavy_is_a_slip(tmp_path: Path, factor: float, severity: Severity) -> None:
+    text = make_parts_on_base("fl", "rl", fl=drawn() + make_lump_inertial(mass=factor * MASS, tensor=factor * TENSOR))
+    (finding,) = find_odd_inertia(tmp_path, text)
+    assert (finding.message_id, finding.severity) == ("pair", severity)
+
+
 def test_of_a_pair_the_one_that_does_not_fit_the_drawn_part_is_wrong(tmp_path: Path) -> None:
     corners = np.array(LUMP)
     com = corners.mean(axis=0)

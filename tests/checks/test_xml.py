@@ -528,7 +528,7 @@ class TestXML004:
             ('<origin XYZ="0 0 1"/>', "misspelt", "xyz"),
             ('<origin rotation="0 0 1"/>', "ignored", None),
             ('<limit lowr="-1" upper="1" effort="1" velocity="1"/>', "misspelt", "lower"),
-            ('<limit min="-1" max="1" effort="1" velocity="1"/>', "misspelt", "lower"),
+            ('<limit min="-1" max="1" effort="1" velocity="1"/>', "misspelt", "lower and upper"),
             ('<limit upper="1" Upper="2" effort="1" velocity="1"/>', "ignored", None),
             ('<limit upper="1" efort="1" velocity="1"/>', "required", "effort"),
             ('<dynamics damping="1" radius="2"/>', "misplaced", None),

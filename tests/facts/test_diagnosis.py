@@ -19,6 +19,7 @@ from castings import (
     pieces,
     principal,
     quarter,
+    slots,
     turned,
     uniform,
     with_slots,
@@ -27,11 +28,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, Primitive, VisualGeometry
 from urdfcheck.facts.inertials.diagnosis import EXACT, Diagnosis, diagnose_inertial
-from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_sphere_solid
+from urdfcheck.facts.inertials.inertia_tensor import (
+    Solid,
+    combine_solids,
+    compute_solid_inertia,
+    make_box_solid,
+    make_cylinder_solid,
+    make_sphere_solid,
+    transform_solid,
+)
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.mistakes import HYPOTHESES
+from urdfcheck.facts.inertials.wrong_formulas import list_wrong_formulas
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 pytestmark = pytest.mark.slow
@@ -39,6 +49,8 @@ pytestmark = pytest.mark.slow
 DRAWN = geometry(CASTING)
 TRUE = uniform(DRAWN.solid)
 BY_ID = {id: mistake for id, _, mistake in MISTAKES}
+# These need a part of a primitive shape, or one that is small for the typed decimals.
+OF_OTHER_PARTS = {"wrong_formula", "rounded"}
 ASKEW = rpy_to_matrix((0.4, -0.7, 1.1))
 # Another description of the body shows what is wrong with it as well; that it stands along x y z it does not.
 IN_ANY_FRAME = ("inertia_unit", "mass_unit", "com_unit", "units", "mesh_scale", "about_origin", "steiner_missing")
@@ -76,7 +88,7 @@ def lump_inside(blocks: tuple[Block, ...], rng: np.random.Generator) -> Array:
 
 
 def test_every_hypothesis_is_tested_below() -> None:
-    assert {id for id, _, _ in MISTAKES} == set(HYPOTHESES)
+    assert {*BY_ID, *OF_OTHER_PARTS} == set(HYPOTHESES)
 
 
 @each_mistake
@@ -155,7 +167,7 @@ def test_any_tensor_of_a_ball_fits_a_ball_of_some_mass(factor: float) -> None:
         assert found.cause != "other_mass"
 
 
-@pytest.mark.parametrize("cause", HYPOTHESES)
+@pytest.mark.parametrize("cause", BY_ID)
 def test_an_open_mesh_shows_only_coarse_mistakes(cause: str) -> None:
     drawn = opened(DRAWN)
     coarse = {"inertia_unit", "com_unit", "units", "mesh_scale", "com_missing", "diagonal_first", "row_major"}
@@ -170,6 +182,81 @@ def test_a_mistake_without_effect_is_none() -> None:
     true = uniform(plate.solid)
     for id in ("products_sign", "unmirrored", "one_sign", "com_missing", "about_origin", "convex_hull"):
         assert judged(BY_ID[id](true, plate), plate).sound
+
+
+# -- small parts, and parts with a formula ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("decimals", "named"), [(8, False), (6, True), (5, False), (4, False)])
+def test_a_small_part_loses_its_tensor_by_rounding(decimals: int, named: bool) -> None:
+    """With two decimals more next to nothing is lost; with one less it is a point."""
+    drawn = geometry(CASTING, 0.17)
+    true = uniform(drawn.solid)
+    typed = with_slots(true, [round(v, decimals) for v in slots(true)])
+    found = judged(typed, drawn)
+    assert (found.cause == "rounded") == named
+    if named:
+        assert found.detail == f"{decimals} decimals"
+        assert found.mended is not None
+        assert_allclose(found.mended.inertia, true.inertia, rtol=1e-6, atol=1e-15)
+
+
+def test_a_tensor_of_few_digits_that_is_another_is_not_rounded() -> None:
+    drawn = geometry(CASTING, 0.2)
+    true = uniform(drawn.solid)
+    typed = with_slots(true, (9e-06, 0.0, 0.0, 9e-06, 0.0, 9e-06))
+    assert judged(typed, drawn).cause != "rounded"
+
+
+CYLINDER = Primitive("cylinder", (0.033, 0.026), quarter(0))
+
+
+def primitive_geometry(primitive: Primitive) -> VisualGeometry:
+    """What a link with this one shape draws."""
+    makers = {"cylinder": make_cylinder_solid, "sphere": make_sphere_solid}
+    local = makers[primitive.kind](*primitive.size) if primitive.kind in makers else make_box_solid(primitive.size)
+    solid = transform_solid(local, primitive.rotation, np.zeros(3))
+    half = 3.0 * np.sqrt(np.diag(solid.covariance))
+    points = half * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    return VisualGeometry(solid=solid, closed=True, points=points, hull=solid, pieces=(solid,), primitive=primitive)
+
+
+@pytest.mark.parametrize("digits", [2, 3, 9])
+@pytest.mark.parametrize(
+    ("primitive", "formula"),
+    [
+        (CYLINDER, "a sphere of this radius"),
+        (CYLINDER, "a thin-walled tube"),
+        (CYLINDER, "a cylinder with the diameter for the radius"),
+        (CYLINDER, "a cylinder of twice the length, along another axis"),
+        (Primitive("sphere", (0.04,), np.eye(3)), "a hollow sphere"),
+        (Primitive("box", (0.3, 0.2, 0.1), ASKEW), "a box of twice the edges"),
+    ],
+)
+def test_the_formula_of_another_solid_is_named(primitive: Primitive, formula: str, digits: int) -> None:
+    drawn = primitive_geometry(primitive)
+    (body,) = [body for name, _, body in list_wrong_formulas(primitive) if name == formula][:1]
+    unrounded = DeclaredInertial(0.6, np.zeros(3), compute_solid_inertia(body, 0.6))
+    typed = with_slots(unrounded, [float(f"{v:.{digits}g}") if abs(v) > 1e-12 else 0.0 for v in slots(unrounded)])
+    found = judged(typed, drawn)
+    assert (found.cause, found.detail) == ("wrong_formula", formula)
+    assert found.mended is not None
+    assert_allclose(found.mended.inertia, compute_solid_inertia(drawn.solid, 0.6), rtol=1e-9, atol=1e-15)
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.3, 0.7, 2.2])
+@pytest.mark.parametrize("kind", ["cylinder", "box"])
+def test_a_formula_that_fits_nearly_is_not_named(kind: str, factor: float) -> None:
+    drawn = primitive_geometry(CYLINDER if kind == "cylinder" else Primitive("box", (0.3, 0.2, 0.1), np.eye(3)))
+    found = judged(DeclaredInertial(0.6, np.zeros(3), compute_solid_inertia(drawn.solid, 0.6) * factor), drawn)
+    assert found.cause != "wrong_formula"
+
+
+def test_mass_and_tensor_share_a_lost_decimal_point() -> None:
+    """Only their ratio shows: one ten times too light has the tensor of one ten times too large."""
+    found = judged(replace(TRUE, tensor=TRUE.tensor * 0.1))
+    assert (found.cause, found.detail) == ("decimal_point", "tensor 10 or mass 0.1")
+    assert found.mended is None
 
 
 # -- the same in other frames and units -------------------------------------------------------------------------------
@@ -191,17 +278,17 @@ def test_the_cause_stays_in_a_moved_frame(cause: str) -> None:
     assert judged(BY_ID[cause](turned(TRUE, np.eye(3), shift), drawn), drawn).cause == cause
 
 
-@pytest.mark.parametrize("cause", sorted(set(HYPOTHESES) - {"rpy_missing", "rpy_twice"}))
+@pytest.mark.parametrize("cause", sorted(set(BY_ID) - {"rpy_missing", "rpy_twice"}))
 def test_the_cause_stays_when_the_inertial_frame_is_turned(cause: str) -> None:
     """As long as it is the body, and not the slots of the file, that is wrong; else another edit would be the repair."""
     wrong = BY_ID[cause](TRUE, DRAWN)
     found = judged(replace(wrong, tensor=ASKEW.T @ wrong.tensor @ ASKEW, rotation=ASKEW))
     of_the_slots = {"products_sign", "axes_permuted", "slots_swapped", "diagonal_first", "row_major", "one_sign"}
-    of_the_slots |= {"decimal_point"}
+    of_the_slots |= {"decimal_point", "slots_shifted", "positive_notation"}
     assert found.cause == cause or (cause in of_the_slots and not found.sound)
 
 
-@pytest.mark.parametrize("cause", HYPOTHESES)
+@pytest.mark.parametrize("cause", BY_ID)
 @pytest.mark.parametrize(("length", "mass"), [(0.3, 0.03), (1.0, 0.4), (1.0, 2.5), (3.0, 27.0), (2.0, 3.0)])
 def test_the_cause_stays_for_larger_and_heavier_parts(cause: str, length: float, mass: float) -> None:
     drawn = geometry(CASTING, length)
@@ -228,6 +315,13 @@ def test_an_equal_twin_changes_nothing() -> None:
     found = judged(true, DRAWN, replace(true, mass=true.mass * 1.001, tensor=true.tensor * 1.001))
     assert found.sound
     assert found.cause is None
+
+
+@pytest.mark.parametrize("cause", ["products_sign", "positive_notation", "about_origin", "inertia_unit"])
+def test_a_mistake_that_both_twins_have_is_named_although_they_differ(cause: str) -> None:
+    with_screw = with_lumps(CASTING, TRUE.mass, [(0.02, np.array((0.10, 0.01, 0.15)))])
+    found = judged(BY_ID[cause](TRUE, DRAWN), DRAWN, BY_ID[cause](with_screw, DRAWN))
+    assert (found.cause, found.judged_by, found.at_fault) == (cause, "mesh", True)
 
 
 @each_mistake

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.model import Model
-from urdfcheck.model.repairs.edits import edit_content, edit_literal, edit_literals, locate_content, swap_literals
+from urdfcheck.model.repairs.edits import edit_content, edit_literal, edit_literals, locate_content, swap_values
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
@@ -80,8 +80,9 @@ def test_only_literal_values_are_edited(model: Model) -> None:
     assert edit_literal(computed, "0") == edit_literal(None, "0") == []
     assert [edit.replacement for edit in edit_literals([(lower, "0"), (upper, "9")])] == ["0", "9"]
     assert edit_literals([(lower, "0"), (computed, "9")]) == []
-    assert [edit.replacement for edit in swap_literals(lower, upper)] == ["1", "-1"]
-    assert swap_literals(lower, computed) == swap_literals(None, lower) == []
+    assert [edit.replacement for edit in swap_values(lower, upper)] == ["1", "-1"]
+    assert [edit.expected for edit in swap_values(lower, computed)] == ["-1", "2"]  # the property's
+    assert swap_values(None, lower) == []
 
 
 def test_the_content_of_an_element_is_edited_where_it_is_typed(model: Model) -> None:

@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import joint, link, robot
-from castings import CASTING, MISTAKES, DeclaredInertial, drawn_boxes, format_inertial, geometry, uniform, write_stl
+from builders import find, joint, link, robot
+from castings import (
+    CASTING,
+    MISTAKES,
+    Block,
+    DeclaredInertial,
+    drawn_boxes,
+    format_inertial,
+    geometry,
+    uniform,
+    write_stl,
+)
 
 from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.model import Model
@@ -170,8 +181,8 @@ def test_digits_stay_where_only_the_sign_or_a_power_of_ten_changes(
     text = f'<link name="a"><inertial><mass value="1"/><inertia {SIX.format(typed)}/></inertial></link>'
     given = model(tmp_path, make_star(text)).link_by_name["a"].inertial
     assert given is not None
-    # The other numbers are as small, or the change would be none.
-    tensor = np.diag((2.0, 2.0, 2.0)) if abs(wanted) > 1e-6 or not wanted else np.diag((1e-14, 1e-14, 1e-14))
+    # The moments are larger, so that a body can have the tensor, but as small, or the change would be none.
+    tensor = 10.0 * (abs(wanted) or 1.0) * np.eye(3)
     tensor[0, 1] = tensor[1, 0] = wanted
     edits = [
         edit
@@ -215,7 +226,7 @@ def test_noise_of_the_mesh_is_no_number_to_write(tmp_path: Path) -> None:
     folder = tmp_path / "noise"
     folder.mkdir()
     write_stl(folder / "part.stl", box)
-    odd = uniform(geometry([((0.1, 0.1, 0.1), (0.0, 0.3, 0.0))]).solid)
+    odd = replace(uniform(geometry([((0.1, 0.1, 0.1), (0.0, 0.3, 0.0))]).solid), com=np.zeros(3))
     one = model(folder, make_star(make_link("arm", odd)))
     change = propose_from_geometry(one, one.link_by_name["arm"])
     assert change is not None
@@ -228,3 +239,43 @@ def test_without_a_mass_the_drawn_part_has_no_inertia(tmp_path: Path, inertial: 
     one = model(tmp_path, make_star(f'<link name="arm">{inertial}{MESH}</link>'))
     assert propose_from_geometry(one, one.link_by_name["arm"]) is None
     assert inertial_diagnoses(one) == {}
+
+
+# -- a mistake of the whole file ----------------------------------------------------------------------------------------
+
+# Five parts that differ, each with two fifths of its mass in a motor.
+STRETCHED = ((1.0, 1.0), (1.3, 0.8), (0.7, 1.2), (1.1, 0.6), (0.9, 1.5))
+PARTS = [[((a * f, b * g, c), (x * f, y * g, z)) for (a, b, c), (x, y, z) in CASTING] for f, g in STRETCHED]
+
+
+def add_motor(blocks: Sequence[Block], place: Sequence[float]) -> DeclaredInertial:
+    """The numbers of a part with two fifths of its mass in a point."""
+    whole, at = uniform(geometry(blocks).solid), np.array(place)
+    com = 0.6 * whole.com + 0.4 * at
+    tensor = 0.6 * whole.tensor
+    for share, offset in ((0.6, whole.com - com), (0.4, at - com)):
+        tensor = tensor + share * whole.mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+    return DeclaredInertial(whole.mass, com, tensor)
+
+
+def make_arm(mistake: str, wrong: int) -> str:
+    """A robot of five parts, of which the first ``wrong`` have a mistake."""
+    undo = {id: make for id, _, make in MISTAKES}[mistake]
+    numbers = [add_motor(blocks, blocks[i % 3][1]) for i, blocks in enumerate(PARTS)]
+    given = [undo(one, geometry(PARTS[i])) if i < wrong else one for i, one in enumerate(numbers)]
+    return make_star(*(make_link(f"part_{i}", given[i], drawn_boxes(PARTS[i])) for i in range(5)))
+
+
+def test_what_no_link_shows_alone_is_named_where_all_links_have_it(judged: Judge, tmp_path: Path) -> None:
+    alone = [judged(make_arm("about_origin", wrong=1))[0]["part_0"]]
+    assert alone == [None]
+    assert set(judged(make_arm("about_origin", wrong=5))[0].values()) == {"about_origin"}
+    assert judged(make_arm("about_origin", wrong=5))[1] == 0
+    found = find(tmp_path, make_arm("about_origin", wrong=5), "INR009")
+    assert [(f.message_id, len(f.subjects), len(f.fix.edits)) for f in found if f.fix] == [("habit", 5, 30)]
+
+
+def test_a_sound_file_stays_sound_beside_one_wrong_link(judged: Judge) -> None:
+    for mistake in ("about_origin", "products_sign", "inertia_unit"):
+        causes = judged(make_arm(mistake, wrong=1))[0]
+        assert {causes[f"part_{i}"] for i in range(1, 5)} == {None}

@@ -392,9 +392,10 @@ def test_no_name_acts(name: str, output_format: str) -> None:
     if output_format == "github":
         assert len(as_github(document)) == 3, "one for each finding and failure, and no other"
     if output_format == "markdown":
-        as_markdown(render_job_summary(run, (name,)))
-        kinds = [token.type for token in as_markdown(document)]
+        kinds = [token.type for token in as_markdown(render_job_summary(run, (name,)))]
         assert kinds.count("fence") == 3, "two repairs and a tree"
+        kinds = [token.type for token in as_markdown(document)]
+        assert kinds.count("fence") == 1, "one repair; there is no room for more"
         assert kinds.count("heading_open") == 1, "the verdict"
     if output_format in {"gitlab", "rdjson", "junit"}:
         assert not re.search(r"^\s*::|##\w*\[", document, re.MULTILINE)
@@ -694,7 +695,7 @@ def test_the_other_places_of_a_finding_are_in_its_details() -> None:
     document = render(a_run(replace(twins[0], headline="left and right are heavy", occurrences=twins)), "markdown")
     as_markdown(document)
     assert "right is heavy" in document.partition("<details>")[2]
-    assert "- also " in document
+    assert "<br>also " in document
 
 
 def test_many_errors_and_warnings_are_folded() -> None:
@@ -724,7 +725,23 @@ def test_a_comment_tells_the_worst_first_and_folds_the_rest() -> None:
     assert document.index("<details>") < document.index("MuJoCo: refuses to compile")
     fences = {token.info: token.content for token in as_markdown(document) if token.type == "fence"}
     assert '-               iyy="0.01" iyz="0" izz="0.09"/>' in fences["diff"]
-    assert fences["mermaid"].startswith("flowchart ")
+
+
+def test_a_comment_has_diffs_and_trees_while_it_is_short() -> None:
+    """Each error and warning has its row and its explanation, however many there are; 60 lines are one page of a thread."""
+
+    def count_fences(kinds: int) -> tuple[int, Counter[str]]:
+        found = [finding(headline=f"it is {i} mm too long") for i in range(kinds)]
+        document = render(a_run(*found), "markdown")
+        assert document.count("mm too long (INR003)") == kinds, "a row each"
+        assert document.count("- **❌ INR003") == kinds, "an explanation each"
+        fences = Counter(token.info for token in as_markdown(document) if token.type == "fence")
+        assert fences == Counter() or len(document.splitlines()) <= 60 + 1
+        return len(document.splitlines()), fences
+
+    assert count_fences(1) == (52, Counter(diff=1, mermaid=1))
+    assert count_fences(3)[1] == Counter(diff=2)
+    assert count_fences(16)[1] == Counter()
 
 
 def test_a_comment_keeps_its_size_and_says_what_is_left_out() -> None:

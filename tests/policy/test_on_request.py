@@ -141,13 +141,13 @@ def test_errors_and_warnings_are_never_left_out(folder: Path) -> None:
 
 def test_a_page_says_that_its_notes_are_on_request() -> None:
     assert "notes only on request" in describe_on_request(load_rules()["COL002"])
-    assert "notes drawn only on request" in describe_on_request(load_rules()["MSH002"])
+    assert "notes floating, planar only on request" in describe_on_request(load_rules()["KIN009"])
     assert describe_on_request(load_rules()["INR003"]) == ""
     assert "notes only on request" in command("rule", "COL002").stdout
 
 
 def test_a_page_names_messages_that_exist(tmp_path: Path) -> None:
-    page = load_rules()["MSH002"].page.replace('on_request = ["drawn"]', 'on_request = ["drawm"]')
+    page = load_rules()["MSH002"].page.replace('on_request = ["drawn"', 'on_request = ["drawm"')
     (tmp_path / "MSH002-not-watertight.md").write_text(page)
     with pytest.raises(UrdfcheckError, match="no message 'drawm'"):
         load_page(tmp_path / "MSH002-not-watertight.md")

@@ -107,6 +107,36 @@ def test_hidden_findings_are_named_by_what_hides_them() -> None:
     assert kept[0].data["hides"] == ["INR003"]
 
 
+def test_a_finding_drops_what_it_explains() -> None:
+    from dataclasses import replace
+
+    from urdfcheck.core import Location
+
+    rule = load_rules()["JNT007"]
+
+    def finding(*joints: str) -> Finding:
+        subjects = tuple(f"joint[{joint}]/limit@effort" for joint in joints)
+        return Finding(
+            code=rule.code,
+            name=rule.name,
+            severity=rule.severity,
+            confidence=rule.confidence,
+            message_id="m",
+            headline="h",
+            message="m",
+            location=Location(subjects[0], None),
+            subjects=subjects,
+        )
+
+    cause = replace(finding("a"), code="JNT005", data={"explains": ["JNT007 joint[a]"]})
+    kept = drop_superseded([finding("a"), finding("a", "b"), finding("b"), cause], load_rules())
+    assert [(f.code, f.subjects) for f in kept[:2]] == [
+        (rule.code, finding("a", "b").subjects),
+        (rule.code, finding("b").subjects),
+    ]
+    assert [(f.code, f.data["hides"]) for f in kept[2:]] == [("JNT005", ["JNT007"])]
+
+
 def test_a_finding_about_several_is_hidden_where_all_of_them_are() -> None:
     from urdfcheck.core import Location
 

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
-from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import format_count, join_names, join_numbers
-from urdfcheck.model import Model
+from urdfcheck.core import Confidence, Finding, Rule, Severity
+from urdfcheck.core.text import format_count, format_length, join_names, join_numbers
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.motion.collisions.at_rest import Contact
 from urdfcheck.model.motion.collisions.lying_meshes import LyingMeshes, find_lying_meshes
+from urdfcheck.model.motion.collisions.restored_origins import RestoredOrigin, find_restored_origins
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
 
+# A telescope slides in two stages; one joint makes its links adjacent.
+_LEAST_STAGES = 2
+# A shallow overlap is less than this part of the smaller shape.
+_SHALLOW_SHARE = 0.02
+# Cosine of the angle between the stages: 0.1°.
+_PARALLEL = 1 - 1.5e-6
 
-def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[Finding]:
+
+def check(model: Model, rule: Rule, *, graze: float, always: float, slight: float) -> Iterator[Finding]:
     collisions = self_collisions(model)
     far = [(pair, pair.contact) for pair in collisions.pairs if pair.relation == "far" and pair.contact is not None]
     deep = [(pair, contact) for pair, contact in far if _is_deep_overlap(pair, contact, graze=graze, always=always)]
@@ -26,9 +35,28 @@ def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[
         if any(pair.links in fallen.freed_pairs for pair, _ in on_side):
             yield _build_up_axis_finding(rule, on_side, fallen)
             deep = [item for item in deep if item not in on_side]
+    restored = find_restored_origins(collisions, [pair for pair, _ in deep]) if deep else []
+    for origin in restored:
+        yield _build_displaced_finding(rule, origin)
+    freed = {pair.links for origin in restored for pair in origin.freed}
+    deep = [item for item in deep if item[0].links not in freed]
     by_design = [(pair, contact) for pair, contact in deep if samples > 1 and pair.hit_share >= always]
-    for group in _group_by_shape([item for item in deep if item not in by_design]):
+    rest = [item for item in deep if item not in by_design]
+    nested = [item for item in rest if _is_telescope(model, item[0])]
+    shallow = [item for item in rest if item not in nested and _is_shallow(item[1], slight)]
+    harmless = [*nested, *shallow]
+    for group in _group_by_shape([item for item in rest if item not in harmless]):
         yield _build_overlap_finding(model, rule, group, samples=samples)
+    for message, overlaps in (("nested", nested), ("slight", shallow)):
+        if overlaps:
+            yield rule.finding(
+                message,
+                at=locate_geometry(overlaps[0][1].shapes[1]),
+                related=[locate_geometry(contact.shapes[1]) for _, contact in overlaps[1:]],
+                severity=Severity.INFO,
+                pairs=_join_pairs(overlaps),
+                slight=format_length(slight),
+            )
     if by_design:
         yield rule.finding(
             "always",
@@ -36,10 +64,38 @@ def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[
             related=[locate_geometry(contact.shapes[1]) for _, contact in by_design[1:]],
             severity=Severity.INFO,
             pairs=_join_pairs(by_design),
+            one=by_design[0][0].links[0],
+            other=by_design[0][0].links[1],
+            millimetres=by_design[0][1].depth * 1e3,
+            more=f" (+{format_count(len(by_design) - 1, 'pair')})" if len(by_design) > 1 else "",
             percent=round(100 * always),
             samples=samples,
         )
     ensure_all_shapes_read(collisions)
+
+
+def _is_shallow(contact: Contact, slight: float) -> bool:
+    """Whether an overlap is as deep as shapes are inaccurate; in a tiny robot it is not if it is much of a shape."""
+    return contact.depth < min(slight, _SHALLOW_SHARE * contact.size)
+
+
+def _is_telescope(model: Model, pair: CollisionPair) -> bool:
+    """Whether two links are parts of one telescope: all joints that move one against the other slide along one direction."""
+    inner, outer = (model.tree.find_path_to(name) for name in reversed(pair.links))
+    moving = [joint for joint in inner if joint.type != "fixed" and joint not in outer]
+    if not _is_fixed_beyond(inner, outer):
+        return False  # two fingers of a gripper
+    axes = [model.axes.get(joint.name) for joint in moving if joint.type == "prismatic"]
+    known = [axis for axis in axes if axis is not None]
+    if len(known) < len(moving) or len(known) < _LEAST_STAGES:
+        return False
+    return all(abs(float(axis @ known[0])) > _PARALLEL for axis in known)
+
+
+def _is_fixed_beyond(inner: Sequence[Joint], outer: Sequence[Joint]) -> bool:
+    """Whether the path to the inner link goes on from the body of the outer one, or from one that is fixed to it."""
+    shared = sum(1 for one, other in zip(inner, outer, strict=False) if one is other)
+    return all(joint.type == "fixed" for joint in outer[shared:])
 
 
 def _join_pairs(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> str:
@@ -70,6 +126,42 @@ def _build_up_axis_finding(
         meshes=len(fallen.shapes),
         drawn=fallen.mirrored_as_drawn,
         upright=fallen.mirrored_upright,
+    )
+
+
+def _build_displaced_finding(rule: Rule, restored: RestoredOrigin) -> Finding:
+    """Report the overlaps of a link and the displaced collision shape that causes them as one."""
+    contacts = [(pair, pair.contact) for pair in restored.freed if pair.contact is not None]
+    contacts.sort(key=lambda item: -item[1].depth)
+    shapes = {id(shape) for _, contact in contacts for shape in contact.shapes}
+    first = next((one for one in restored.shapes if id(one.collision.shape) in shapes), restored.shapes[0])
+    link = first.link.name
+    others = [(next(name for name in pair.links if name != link), contact) for pair, contact in contacts]
+    xyz = first.collision.shape.origin.get_attribute("xyz")
+    return rule.finding(
+        "displaced",
+        at=first.collision.place,
+        related=[
+            *(one.collision.place for one in restored.shapes if one is not first),
+            *(one.visual.place for one in restored.shapes),
+            *(locate_geometry(shape) for _, contact in contacts for shape in contact.shapes),
+        ],
+        cause="rpy_in_xyz" if first.has_angles_as_position else None,
+        edits=[edit for one in restored.shapes for edit in one.propose_edits()],
+        confidence=Confidence.STRONG,
+        link=link,
+        other=others[0][0],
+        others=join_names([f"{name} ({contact.depth * 1e3:.3g} mm)" for name, contact in others]),
+        more=f" and {format_count(len(others) - 1, 'more link')}" if len(others) > 1 else "",
+        count=len(others),
+        depth=round_significant(contacts[0][1].depth),
+        millimetres=contacts[0][1].depth * 1e3,
+        moved=float(f"{first.moved:.4g}"),
+        degrees=math.degrees(first.turned),
+        gap=first.describe_gap(),
+        mesh=first.collision.what,
+        xyz="" if xyz is None else xyz.value,
+        explains=[f"{code} {first.link.element.label}" for code in ("GEO003", "GEO005")],
     )
 
 
@@ -110,6 +202,7 @@ def _build_overlap_finding(
         other=pair.links[1 - place],
         others=join_names([f"{name} ({c.depth * 1e3:.3g} mm)" for name, c in others]),
         count=len(group),
+        more=format_count(len(group) - 1, "more link"),
         depth=round_significant(contact.depth),
         millimetres=contact.depth * 1e3,
         normal=[round(v, 3) + 0.0 for v in contact.normal],

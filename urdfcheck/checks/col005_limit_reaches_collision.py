@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.motion.collisions.self_collisions import ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.collisions.single_joint import JointCollision, find_joint_collisions
@@ -30,20 +30,21 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             at=first,
             related=others,
             reaches=join_names(map(_format_reached_collision, reached), _MOST_NAMED),
-            first=_describe_joints(reached, list(joints_by_name)),
+            first=reached[0].joint.name,
+            where=_format_places(reached),
+            more=f" (+{format_count(len(joints_by_name) - 1, 'joint')})" if len(joints_by_name) > 1 else "",
             collisions=list(map(_list_reached_collision, reached)),
         )
     ensure_all_shapes_read(self_collisions(model))
 
 
-def _describe_joints(reached: Sequence[JointCollision], names: Sequence[str]) -> str:
-    """Say for a headline which joints collide, and where if it is one: ``knee self-collides at ±1.9 rad, inside its limits``."""
-    if len(names) > 1:
-        return f"{len(names)} joints self-collide inside their range: {join_names(names)}"
-    values = [reach.value for reach in reached]
+def _format_places(reached: Sequence[JointCollision]) -> str:
+    """Say where the first of the joints collides, on one side of rest or on both: ``±1.9 rad``."""
+    joint = reached[0].joint
+    values = [reach.value for reach in reached if reach.joint is joint]
     is_symmetric = len(values) == 2 and math.isclose(values[0], -values[1], rel_tol=_SYMMETRIC)
     places = f"±{min(map(abs, values)):.3g}" if is_symmetric else " and ".join(f"{value:.3g}" for value in values)
-    return f"{names[0]} self-collides at {places} {reached[0].joint.position_unit}, inside its range"
+    return f"{places} {joint.position_unit}"
 
 
 def _list_reached_collision(reach: JointCollision) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.xml import Attribute
 
 
@@ -29,7 +29,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     tag,
                     at=name,
                     related=name.collect_definitions(),
-                    edits=edit_literal(name, meant) if meant is not None else (),
+                    edits=edit_value(name, meant) if meant is not None else (),
                     joint=name.value,
                     block=block.get("name"),
                     near=hint,

@@ -5,28 +5,40 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
-from urdfcheck.model import Model
-from urdfcheck.model.motion.joint_loads import Overload, find_overloads, find_submersible_name
+from urdfcheck.model import Joint, Model
+from urdfcheck.model.motion.buoyancy import find_submersible_name
+from urdfcheck.model.motion.joint_loads import Overload, find_overloads
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 
 # An effort that this many joints or more have, and all that have one, does not come from their drives.
 _PLACEHOLDER_JOINTS = 3
+# What exporters write where the field of their dialog was empty.
+_EXPORTED_EFFORT = 1.0
+# kg/m³: no link is denser than a block of steel as large as its bounding box.
+_MAX_BOX_DENSITY = 7900.0
+# The share of the mass behind a joint whose links are drawn that says enough about all of it.
+_KNOWN_SHARE = 0.9
 
 
 def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) -> Iterator[Finding]:
     groups: dict[tuple[float, bool], list[Overload]] = {}
     for load in find_overloads(model):
-        key = (load.joint.get_limit_value("effort") or 0.0, load.joint.type == "prismatic")
-        groups.setdefault(key, []).append(load)
+        effort = load.joint.get_limit_value("effort") or 0.0
+        is_exported = _is_placeholder(model, effort) and effort == _EXPORTED_EFFORT
+        groups.setdefault((effort, load.joint.type == "prismatic" and not is_exported), []).append(load)
     # Joints with the same effort limit are one finding: it was written for all of them.
     for (effort, _), loads in groups.items():
         # Equal arms stay in the file's order, whatever their last digits.
         worst_first = sorted(loads, key=lambda load: -float(f"{load.torque:.3g}"))
         times = worst_first[0].torque / effort
         afloat = find_submersible_name(model) if times < buoyant else None
-        message = "weak" if times <= far else "placeholder" if _is_placeholder(model, effort) else "far"
+        is_placeholder = _is_placeholder(model, effort) and (times > far or effort == _EXPORTED_EFFORT)
+        message = "placeholder" if is_placeholder else "weak" if times <= far else "far"
         is_minor = afloat is not None or max(load.count for load in loads) < rare * model.samples
         yield _build_overload_finding(
             model,
@@ -37,6 +49,34 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
             loads=worst_first,
             afloat=afloat,
         )
+
+
+def _are_masses_plausible(model: Model, joint: Joint) -> bool:
+    """Whether what a joint carries is drawn, and no heavier than steel: then its masses and COMs do not explain the load."""
+    known = total = 0.0
+    for name in _list_carried_links(model, joint):
+        link = model.link_by_name[name]
+        inertial = link.inertial
+        if inertial is None or not inertial.mass:
+            continue
+        total += inertial.mass
+        box = compute_bounding_box(model, [(shape, np.eye(4)) for shape in link.visuals or link.collisions])
+        if box is None or inertial.origin.xyz is None:
+            continue
+        if inertial.mass > _MAX_BOX_DENSITY * float((box[1] - box[0]).prod()):
+            return False
+        outside = np.maximum(0.0, np.maximum(box[0] - inertial.origin.xyz, inertial.origin.xyz - box[1]))
+        if np.linalg.norm(outside) > np.linalg.norm(box[1] - box[0]):
+            return False
+        known += inertial.mass
+    return known >= _KNOWN_SHARE * total > 0.0
+
+
+def _list_carried_links(model: Model, joint: Joint) -> list[str]:
+    carried = [joint.child]
+    for name in carried:
+        carried.extend(behind.child for behind in model.tree.child_joints[name])
+    return carried
 
 
 def _list_efforts(model: Model) -> list[float]:
@@ -62,8 +102,13 @@ def _build_overload_finding(
     afloat: str | None,
 ) -> Finding:
     worst = loads[0]
-    unit = "N" if worst.joint.type == "prismatic" else "N·m"
-    others = [f"{load.joint.name} ({load.torque:.3g} {unit})" for load in loads[1:]]
+    unit = _get_unit(worst)
+    others = [f"{load.joint.name} ({load.torque:.3g} {_get_unit(load)})" for load in loads[1:]]
+    suspects = (
+        ""
+        if message != "far" or _are_masses_plausible(model, worst.joint)
+        else (f"check the masses and COMs that {worst.joint.name} carries (kg, m); if they are right, ")
+    )
     return build_group_finding(
         rule,
         message,
@@ -77,12 +122,17 @@ def _build_overload_finding(
         count=max(load.count for load in loads),
         samples=model.samples,
         afloat=afloat or "",
+        suspects=suspects,
         limited=len(_list_efforts(model)),
         others=f"; the same limit is too small for {join_names(others)}" if others else "",
         passes=_round_up(worst.torque),
         pose=worst.joint_values,
         joints={load.joint.name: {"torque": load.torque, "passes": _round_up(load.torque)} for load in loads},
     )
+
+
+def _get_unit(load: Overload) -> str:
+    return "N" if load.joint.type == "prismatic" else "N·m"
 
 
 def _round_up(torque: float) -> float:

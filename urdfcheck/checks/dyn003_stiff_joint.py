@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
@@ -46,6 +46,7 @@ def _build_stiff_finding(
         rule,
         "explicit",
         [element.attributes["damping"] for j in joints if (element := j.element.find_child("dynamics")) is not None],
+        severity=Severity.INFO,
         joint=worst.name,
         damping=value,
         unit="N·s/m" if slides else "N·m·s/rad",

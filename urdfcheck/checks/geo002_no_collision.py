@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,8 +13,11 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
 
-def check(model: Model, rule: Rule, *, sheltered: float, majority: float) -> Iterator[Finding]:
+
+def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small: float) -> Iterator[Finding]:
     moving = [body for body in list_rigid_bodies(model) if body.is_movable and _list_drawn_links(model, body)]
     if not moving:
         return
@@ -36,7 +40,21 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float) -> Ite
             links=join_names(link.name for link in heads),
         )
         return
+    whole = [(shape, model.frames[link.name]) for link in model.links for shape in link.visuals]
+    robot = compute_bounding_box(model, whole)
+    between = [body for body in missing if _is_between(model, body) and _is_small(model, body, robot, small)]
+    if between:
+        heads = [_list_drawn_links(model, body)[0] for body in between]
+        yield rule.finding(
+            "between",
+            at=heads[0],
+            related=heads[1:],
+            severity=Severity.INFO,
+            links=join_names(link.name for link in heads),
+        )
     for body in missing:
+        if body in between:
+            continue
         link = _list_drawn_links(model, body)[0]
         joint = model.tree.parent_joint[body.links[0]]
         yield rule.finding("missing", at=link, link=link.name, joint=joint.name, bodies=len(moving) - len(bare))
@@ -54,6 +72,25 @@ def _is_exempt(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
     if not weighs and any(link.inertial is not None for link in model.links):
         return True
     return _is_wheel_carrier(model, body) or _is_sheltered(model, body, sheltered)
+
+
+def _is_between(model: Model, body: RigidLinkGroup) -> bool:
+    """Whether the bodies before and behind it, one of them at least, all have collision geometry."""
+    tree = model.tree
+    behind = [j.child for name in body.links for j in tree.child_joints[name] if j.type != "fixed"]
+    around = [tree.parent_joint[body.links[0]].parent, *behind]
+    return bool(behind) and all(
+        any(model.link_by_name[name].collisions for name in tree.list_body_links(link)) for link in around
+    )
+
+
+def _is_small(model: Model, body: RigidLinkGroup, robot: Array | None, small: float) -> bool:
+    """Whether a body is small compared with the ``robot``'s bounding box; whether it may be, if a mesh is missing."""
+    placed = [(shape, model.frames[name]) for name in body.links for shape in model.link_by_name[name].visuals]
+    own = compute_bounding_box(model, placed)
+    if own is None or robot is None:
+        return True
+    return float(np.linalg.norm(own[1] - own[0])) <= small * float(np.linalg.norm(robot[1] - robot[0]))
 
 
 def _is_wheel_carrier(model: Model, body: RigidLinkGroup) -> bool:

@@ -6,9 +6,10 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
+from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Attribute, Element
 
 # Libraries of gazebo_ros_pkgs, gazebo_ros2_control, gazebo_ros_control and hector_gazebo: all are built for Classic.
@@ -58,11 +59,27 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         match = _CLASSIC.match(filename.value.strip()) if element.tag == "plugin" and filename is not None else None
         if match and filename is not None:
             plugins.setdefault(match.group(1), []).append(filename)
-    if _SUCCEEDED in plugins:
-        yield _build_plugin_finding(rule, {_SUCCEEDED: plugins.pop(_SUCCEEDED)})
+    hardware = _list_hardware_plugins(model)
     if plugins:
-        yield _build_plugin_finding(rule, plugins)
-    yield from _check_hardware_plugins(model, rule)
+        is_migrated = _SUCCEEDED in plugins or _is_for_ros2(model)
+        # The hardware of gazebo_ros2_control is part of the same migration.
+        related = [plugin for _, plugin in hardware] if _SUCCEEDED in plugins else []
+        yield _build_plugin_finding(rule, plugins, related=related, severity=None if is_migrated else Severity.INFO)
+    if _SUCCEEDED not in plugins:
+        for control, plugin in hardware:
+            yield rule.finding("hardware", at=plugin, plugin=plugin.text.strip(), control=control.get("name"))
+
+
+def _is_for_ros2(model: Model) -> bool:
+    """Whether the package or the model itself is for ROS 2, where Gazebo Classic has no successor in use but gz sim."""
+    if model.robot.find_child("ros2_control") is not None:
+        return True
+    package = model.package
+    if package is None or package.root is None:
+        return False
+    return read_build_type(package.root).startswith("ament_") or any(
+        name.startswith("ament_") for name in package.dependencies
+    )
 
 
 def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
@@ -71,6 +88,7 @@ def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
         "material",
         at=places[0],
         related=places[1:],
+        severity=Severity.INFO,
         which=format_count(len(elements), "material uses a Gazebo Classic name", "materials use Gazebo Classic names"),
         names=join_names(dict.fromkeys(element.text.strip() for element in elements)),
         short_names=join_names(dict.fromkeys(element.text.strip().removeprefix("Gazebo/") for element in elements)),
@@ -78,13 +96,16 @@ def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
     return replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in elements)))
 
 
-def _build_plugin_finding(rule: Rule, plugins: Mapping[str, list[Attribute]]) -> Finding:
+def _build_plugin_finding(
+    rule: Rule, plugins: Mapping[str, list[Attribute]], *, related: Iterable[Element], severity: Severity | None
+) -> Finding:
     """Report all libraries together: the robot was written for Classic."""
     places = list({use.span: use for uses in plugins.values() for use in uses}.values())
     finding = rule.finding(
         "plugin",
         at=places[0],
-        related=places[1:],
+        related=[*places[1:], *related],
+        severity=severity,
         which=format_count(len(places), "plugin is", "plugins are"),
         names=join_names(plugins, 3),
         libraries=join_names((uses[0].value.strip() for uses in plugins.values()), 3),
@@ -103,9 +124,11 @@ def _describe_replacements(libraries: Iterable[str]) -> str:
     return "replace " + "; ".join(f"{', '.join(names)} by {how}" for how, names in libraries_by_replacement.items())
 
 
-def _check_hardware_plugins(model: Model, rule: Rule) -> Iterator[Finding]:
-    for control in model.robot.find_children("ros2_control"):
-        for plugin in (e for e in control.walk() if e.tag == "plugin"):
-            typed = plugin.text.strip()
-            if typed.startswith("gazebo_ros2_control/"):
-                yield rule.finding("hardware", at=plugin, plugin=typed, control=control.get("name"))
+def _list_hardware_plugins(model: Model) -> list[tuple[Element, Element]]:
+    """List the hardware plugins of Gazebo Classic, each after its ``<ros2_control>``."""
+    return [
+        (control, plugin)
+        for control in model.robot.find_children("ros2_control")
+        for plugin in control.walk()
+        if plugin.tag == "plugin" and plugin.text.strip().startswith("gazebo_ros2_control/")
+    ]

@@ -18,7 +18,7 @@ from urdfcheck.model.fixed_joint_lumping import (
     is_true_flag,
     reduce_fixed_joints,
 )
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.xml import Element
 
 # The settings that sdformat writes into each collision, and into each visual, of the link that a block names.
@@ -162,7 +162,7 @@ def _check_preserve_flag(model: Model, rule: Rule, block: Element) -> Iterator[F
         yield rule.finding(
             "link",
             at=reference,
-            edits=edit_literal(reference, above.name) if above is not None and alone else (),
+            edits=edit_value(reference, above.name) if above is not None and alone else (),
             flag=flag.tag,
             link=link.name,
             joint=f"joint {above.name}" if above is not None and fixed else "the intended fixed joint",

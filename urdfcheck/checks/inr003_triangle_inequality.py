@@ -14,6 +14,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_triangle_excess,
     measure_tensor_rounding,
 )
+from urdfcheck.facts.inertials.tensor_slips import find_filled_products
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.inertial_proposals import InertialProposal, propose_repair
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
@@ -64,11 +65,15 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             **data,
         )
     if helpers:
+        slips = {find_filled_products(declared.components, declared.texts) for declared in helpers}
+        slip = slips.pop() if len(slips) == 1 else None
         yield rule.finding(
             "helper",
             at=helpers[0].element,
             related=[declared.element for declared in helpers[1:]],
             severity=Severity.INFO,
+            cause=None if slip is None else slip.id,
+            detail="" if slip is None else slip.detail,
             links=join_names(declared.link.name for declared in helpers),
         )
 

@@ -18,7 +18,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.inertial_proposals import propose_repair
 from urdfcheck.model.parts import TENSOR_NAMES
-from urdfcheck.model.repairs.edits import edit_literals
+from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass
 
 DIAGONAL = (0, 3, 5)
@@ -147,7 +147,7 @@ def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, 
 
 def _drop_signs(declared: DeclaredTensor, entries: Sequence[int]) -> list[Edit]:
     attributes = [declared.get_attribute(i) for i in entries]
-    return edit_literals((attribute, attribute.typed.replace("-", "", 1)) for attribute in attributes)
+    return edit_all_numbers((attribute, attribute.value.replace("-", "", 1)) for attribute in attributes)
 
 
 def _build_product_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -> Finding:

@@ -13,8 +13,10 @@ from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure
 from urdfcheck.facts.inertials.inertia_tensor import list_half_units
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
-from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
+from urdfcheck.model.inertials.inertial_proposals import describe_drawn_inertial, describe_mistake, propose_undo
+from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 
 if TYPE_CHECKING:
@@ -38,23 +40,32 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not ratio < excess < np.inf:
             continue
-        drawn = (
-            propose_from_geometry(model, part.link) if has_drawn_shape(part.link) and len(part.readings) == 1 else None
-        )
+        repair, computed, explained = _propose(model, part)
         yield rule.finding(
             "exceeds",
             at=declared.element,
-            edits=() if drawn is None else drawn.edits,
-            computed="compute them from the mesh"
-            if drawn is None or not drawn.text
-            else f"write {drawn.words} (the drawn part at uniform density)",
+            edits=() if repair is None else repair.edits,
+            computed=computed,
+            explained=explained,
             link=part.link.name,
             ratio=float(f"{excess:.3g}"),
+            wider=float(f"{excess**0.5:.3g}"),
             mass=part.mass,
             spread=float(f"{spread:.3g}"),
             most=float(f"{spread / excess**0.5:.3g}"),
             around=part.geometry_phrase,
         )
+
+
+def _propose(model: Model, part: EnclosedInertial) -> tuple[InertialRepair | None, str, str]:
+    """Return a repair, what the advice says about it, and the end of the message about its cause."""
+    diagnosed = inertial_diagnoses(model).get(part.link.name)
+    if diagnosed is not None and diagnosed.diagnosis.at_fault and (undo := propose_undo(model, part.link)) is not None:
+        mistake = describe_mistake(diagnosed.diagnosis.cause or "", diagnosed.diagnosis.detail)
+        return undo, f"write {undo.words} if that is the mistake", f". One mistake explains it: {mistake}"
+    is_known = has_drawn_shape(part.link) and len(part.readings) == 1
+    drawn = describe_drawn_inertial(model, part.link) if is_known else ""
+    return None, f"write {drawn}" if drawn else "compute them from the mesh", ""
 
 
 def _compute_excess(

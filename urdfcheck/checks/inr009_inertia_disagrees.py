@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Confidence, FactUnavailableError, Finding, Located, Rule, Severity
-from urdfcheck.core.merging import merge_identical
+from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import format_length, join_names, join_numbers
 from urdfcheck.facts.inertials.diagnosis import EXACT, FAR
 from urdfcheck.facts.inertials.inertia_tensor import (
@@ -19,7 +19,12 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
-from urdfcheck.model.inertials.inertial_proposals import name_mistake, propose_from_geometry, propose_undo
+from urdfcheck.model.inertials.inertial_proposals import (
+    describe_drawn_inertial,
+    describe_mistake,
+    name_mistake,
+    propose_undo,
+)
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
@@ -34,8 +39,8 @@ if TYPE_CHECKING:
 # A part of a rigid body that is lighter than this share of it hardly changes how the body moves.
 LIGHT = 0.05
 # The body may be a thin shell, its hull or box may have been easier to compute, and a decorative piece may have been left out:
-# such causes are worth knowing and rarely harmful.
-MILD_CAUSES = frozenset({"shell", "convex_hull", "bounding_box", "one_piece"})
+# such causes are worth knowing and rarely harmful. So is rounding, which leaves a possible tensor here.
+MILD_CAUSES = frozenset({"shell", "convex_hull", "bounding_box", "one_piece", "rounded"})
 # What a program gets wrong in all links of a model alike.
 UNIT_CAUSES = frozenset({"com_unit", "mass_unit", "inertia_unit"})
 # Either the mass or the tensor may be the wrong number: two different edits make such an inertial agree.
@@ -48,7 +53,10 @@ NOTABLE, SIMILAR = 0.1, 1.33
 _ROTATED = 1.5
 # Causes that make a tensor too large or too small as a whole.
 SIZE_CAUSES = frozenset(
-    {"inertia_unit", "about_origin", "steiner_twice", "steiner_missing", "other_mass", *MILD_CAUSES},
+    {
+        *("inertia_unit", "about_origin", "positive_notation", "steiner_twice", "steiner_missing", "other_mass"),
+        *("wrong_formula", *MILD_CAUSES),
+    },
 )
 # What a headline calls the numbers that are wrong; for any other cause, the inertia.
 FAULTY_NUMBERS = {
@@ -66,12 +74,14 @@ SHORT_CAUSES = {
     "com_unit": "{detail}, not m",
     "units": "{detail}",
     "about_origin": "about the origin, not the COM",
+    "positive_notation": "at the origin, CAD signs",
     "steiner_twice": "parallel-axis term twice",
     "steiner_missing": "no parallel-axis term",
     "one_piece": "of one piece only",
     "products_sign": "products have flipped signs",
     "axes_permuted": "its x y z are {detail}",
     "slots_swapped": "{detail} swapped",
+    "slots_shifted": "{detail}",
     "quarter_turn": "rotated by {detail}",
     "unmirrored": "not mirrored",
     "rpy_missing": "rpy left out",
@@ -80,6 +90,8 @@ SHORT_CAUSES = {
     "row_major": "matrix typed row by row",
     "one_sign": "sign of {detail} flipped",
     "decimal_point": "decimal point off: {detail}×",
+    "rounded": "rounded to {detail}",
+    "wrong_formula": "of {detail}",
     "shell": "of a hollow shell",
     "bounding_box": "of the bounding box",
     "convex_hull": "of the convex hull",
@@ -99,11 +111,14 @@ def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Itera
 
 def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
     doubtful: list[DeclaredTensor] = []
+    habitual = _list_habitual_links(model)
+    if habitual:
+        yield _build_habit_finding(model, rule, habitual)
     contradicted_links = find_contradicted_links(model)
     disputed = _find_disputed_units(model)
     for name, judged in inertial_diagnoses(model).items():
         tensor, diagnosis = model.tensor_by_name[name], judged.diagnosis
-        if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged):
+        if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged) or tensor.link in habitual:
             continue
         if diagnosis.cause is not None:
             by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
@@ -132,6 +147,53 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             first=first,
             ruled_out=_format_ruled_out(inertial_diagnoses(model)[first]),
         )
+
+
+def _list_habitual_links(model: Model) -> list[Link]:
+    """List the links that have the mistake that most links of the file have; none where fewer than two are left to report."""
+    links = [
+        model.link_by_name[name]
+        for name, judged in inertial_diagnoses(model).items()
+        if judged.is_habit and _is_possible(judged)
+    ]
+    return links if len(links) > 1 else []
+
+
+def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Finding:
+    """Report a mistake of the program that exported the file, once."""
+    diagnoses = inertial_diagnoses(model)
+    judged = [diagnoses[link.name] for link in links]
+    repairs = [propose_undo(model, link, is_habit=True) for link in links]
+    complete = [repair for repair in repairs if repair is not None and repair.edits]
+    cause, detail = judged[0].diagnosis.cause or "", judged[0].diagnosis.detail
+    edits = {edit.span: edit for repair in complete for edit in repair.edits} if len(complete) == len(links) else {}
+    return build_group_finding(
+        rule,
+        "habit",
+        [model.tensor_by_name[link.name].element for link in links],
+        cause=cause,
+        edits=tuple(edits.values()),
+        severity=Severity.INFO if all(_is_light(model, link) for link in links) else None,
+        links=join_names(link.name for link in links),
+        first=links[0].name,
+        count=len(links),
+        known=len(diagnoses),
+        faulty=FAULTY_NUMBERS.get(cause, "inertia"),
+        why=SHORT_CAUSES.get(cause, "").format(detail=detail),
+        detail=detail,
+        mistake=describe_mistake(cause, detail),
+        before=float(f"{_compute_median_mismatch(judged, is_mended=False):.2g}"),
+        after=float(f"{_compute_median_mismatch(judged, is_mended=True):.2g}"),
+        edit="" if repairs[0] is None else repairs[0].words,
+    )
+
+
+def _compute_median_mismatch(judged: Sequence[DiagnosedInertial], *, is_mended: bool) -> float:
+    """Return the median of how far the inertials are from the drawn parts; a tensor that no body has is infinitely far."""
+    found = [one.diagnosis for one in judged]
+    if is_mended:
+        return float(np.median([max(one.mended_tensor_mismatch, one.mended_com_mismatch) for one in found]))
+    return float(np.median([max(one.tensor_mismatch, one.com_mismatch) for one in found]))
 
 
 def _find_disputed_units(model: Model) -> dict[str, str]:
@@ -207,12 +269,11 @@ def _build_cause_finding(
 
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
-    mended = propose_from_geometry(model, tensor.link)
+    drawn = describe_drawn_inertial(model, tensor.link)
     return rule.finding(
         "disagrees",
         at=tensor.element,
-        edits=() if mended is None else mended.edits,
-        edit="" if mended is None else f"; at this mass and uniform density the drawn part has {mended.words}",
+        edit=f", or write {drawn}" if drawn else "",
         **_collect_data(model, tensor.link, judged),
     )
 
@@ -232,7 +293,7 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_cer
     return {
         "link": link.name,
         "detail": diagnosis.detail,
-        "mistake": _describe_mistake(diagnosis.cause or "", diagnosis.detail),
+        "mistake": describe_mistake(diagnosis.cause or "", diagnosis.detail),
         "why": SHORT_CAUSES.get(diagnosis.cause or "", "").format(detail=diagnosis.detail),
         "fault": _describe_fault(diagnosis.cause or "", size=size, apart=apart, is_certain=is_certain),
         "off": f", {apart} from the drawn part's" if apart else "",
@@ -262,20 +323,12 @@ def _describe_fault(cause: str, *, size: str, apart: str, is_certain: bool) -> s
     return f"{'wrong' if is_certain else 'suspect'} {FAULTY_NUMBERS.get(cause, 'inertia')}"
 
 
-def _describe_mistake(cause: str, detail: str) -> str:
-    """Name a cause in a few words, with its detail."""
-    name = name_mistake(cause)
-    return f"{name}: {detail}{' times' if cause == 'decimal_point' else ''}" if detail else name
-
-
 def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None) -> str:
     """Describe how near the numbers are to those of the drawn part when the mistake is undone."""
     diagnosis = judged.diagnosis
     residual, mended = max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch), diagnosis.mended
-    if residual < DIGITS:
-        return "the two agree exactly"
     if residual < EXACT:
-        return f"the two agree to within {100 * residual:.0f} %"
+        return f"the two agree to within {max(1.0, 100 * residual):.0f} %"
     if mended is None or drawn is None:
         return "the two agree better"
     left = []

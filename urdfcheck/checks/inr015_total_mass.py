@@ -1,24 +1,66 @@
-"""INR015 reports robots whose total mass is implausible."""
+"""INR015 reports robots whose total mass is implausible, or impossible for their size."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+import numpy as np
+
+from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.model import Model
+from urdfcheck.model.shapes.bounds import compute_bounding_box
+
+# Osmium, the densest material at room pressure (kg/m³).
+DENSEST = 22_590.0
 
 
-def check(model: Model, rule: Rule, *, least: float, most: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, least: float, most: float, unseen: float) -> Iterator[Finding]:
     masses = [declared.mass for declared in model.masses if declared.mass > 0]
     total = sum(masses)
-    if not masses or least <= total <= most:
+    if not masses:
         return
-    message, cause = ("light", "tonnes") if total < least else ("heavy", "grams")
-    yield rule.finding(
-        message,
-        at=model.name_location,
-        cause=cause,
-        robot=model.name,
-        total=total,
-        links=len(masses),
-    )
+    edge, is_seen = _measure_extent(model, unseen)
+    # A mesh that was not read may be larger than what is seen of the robot, but not in a robot of a hundred tonnes.
+    if total > DENSEST * edge**3 and (is_seen or total > most):
+        yield rule.finding(
+            "dense",
+            at=model.name_location,
+            cause="grams",
+            severity=Severity.ERROR,
+            robot=model.name,
+            total=total,
+            links=len(masses),
+            edge=edge,
+            most=DENSEST * edge**3,
+        )
+    elif not least <= total <= most:
+        message, cause = ("light", "tonnes") if total < least else ("heavy", "grams")
+        yield rule.finding(
+            message,
+            at=model.name_location,
+            cause=cause,
+            robot=model.name,
+            total=total,
+            links=len(masses),
+        )
+
+
+def _measure_extent(model: Model, unseen: float) -> tuple[float, bool]:
+    """Return the longest edge (m) of the box around the robot's frames and shapes, joints at zero, and whether it is certain.
+
+    If a mesh was not read, the edge is ``unseen`` times that of the others; inf if nothing shows a size.
+    """
+    try:
+        frames = model.frames
+    except FactUnavailableError:
+        return math.inf, False
+    placed = [(s, frames[link.name]) for link in model.links for s in (*link.visuals, *link.collisions)]
+    boxes = [compute_bounding_box(model, [item]) for item in placed]
+    known = [box for box in boxes if box is not None]
+    corners = np.concatenate([*known, [frame[:3, 3] for frame in frames.values()]])
+    extent = float(np.ptp(corners, axis=0).max())
+    if not placed or not 0.0 < extent < math.inf:
+        return math.inf, False
+    is_seen = len(known) == len(boxes)
+    return extent if is_seen else unseen * extent, is_seen

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule
 from urdfcheck.facts.inertials.inertia_tensor import compute_equivalent_density
 from urdfcheck.model import DeclaredMass, Model
+from urdfcheck.model.inertials.mesh_density import compute_mesh_density
 from urdfcheck.model.shapes.solids import measure_link_solid
 
 # kg/m³ of a part without a material -> the cause that names the programs.
@@ -18,7 +19,7 @@ def check(model: Model, rule: Rule, *, mesh_tol: float, solid_tol: float, fracti
     measured = {
         declared.link.name: density
         for declared in heavy
-        if (density := _compute_mesh_density(model, declared)) is not None
+        if (density := compute_mesh_density(model, declared)) is not None
     }
     for default, cause in DEFAULTS.items():
         densities: dict[str, float] = {}
@@ -51,17 +52,6 @@ def check(model: Model, rule: Rule, *, mesh_tol: float, solid_tol: float, fracti
 
 def _is_near(density: float | None, default: float, tolerance: float) -> bool:
     return density is not None and abs(density / default - 1.0) <= tolerance
-
-
-def _compute_mesh_density(model: Model, declared: DeclaredMass) -> float | None:
-    """Return the mass over the volume of the drawn mesh, or else of the collision mesh, in kg/m³; None if it is not known."""
-    link = declared.link
-    for role, shapes in (("visual", link.visuals), ("collision", link.collisions)):
-        if any(shape.kind == "mesh" for shape in shapes):
-            solid = measure_link_solid(model, link, role)
-            if solid is not None and solid.volume > 0:
-                return declared.mass / solid.volume
-    return None
 
 
 def _match_solid_density(model: Model, declared: DeclaredMass, *, default: float, tolerance: float) -> float | None:

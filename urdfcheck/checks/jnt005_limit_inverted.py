@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.repairs.edits import swap_literals
+from urdfcheck.model.repairs.edits import swap_values
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -26,7 +26,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(
                 "inverted",
                 at=limit,
-                edits=swap_literals(limit.attributes.get("lower"), limit.attributes.get("upper")),
+                edits=swap_values(limit.attributes.get("lower"), limit.attributes.get("upper")),
                 joint=joint.name,
                 lower=lower,
                 upper=upper,
@@ -42,4 +42,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joints=join_names(joint.name for joint in joints),
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
+            also=_describe_empty(joints),
         )
+
+
+def _describe_empty(joints: Sequence[Joint]) -> str:
+    """Say that effort and velocity are 0 too; JNT007 leaves that to this finding if the limits are 0."""
+    values = {joint.get_limit_value(name) for joint in joints for name in ("lower", "effort", "velocity")}
+    return ". Effort and velocity are 0 too" if values == {0} else ""

@@ -1,8 +1,9 @@
-"""JNT007 reports effort and velocity limits that are missing, zero or negative."""
+"""JNT007 reports effort and velocity limits that are missing, zero, negative or beyond any drive."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
@@ -10,8 +11,12 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.source.text.grammar import is_attribute_missing
 
+_EFFORT_INTERFACE = "EffortJointInterface"
+# Hardware of ros2_control that a simulator provides.
+_SIMULATOR = re.compile(r"gazebo|gz_|ign_|mujoco|isaac", re.IGNORECASE)
 
-def check(model: Model, rule: Rule) -> Iterator[Finding]:
+
+def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float) -> Iterator[Finding]:
     for joint in model.joints:
         limit = joint.limit
         missing = [] if limit is None else [n for n in ("effort", "velocity") if is_attribute_missing(limit, n)]
@@ -19,23 +24,80 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(
                 "missing", at=limit, severity=Severity.ERROR, joint=joint.name, names=" and ".join(missing)
             )
-    for name in ("effort", "velocity"):
-        values = [(joint, joint.get_limit_value(name)) for joint in model.joints if joint.is_driven]
-        zero = [joint for joint, value in values if value == 0]
-        negative = [joint for joint, value in values if value is not None and value < 0]
+    driven = [joint for joint in model.joints if joint.is_driven]
+    yield from _check_zeros(model, rule, driven)
+    for name, most in (("effort", most_effort), ("velocity", most_velocity)):
+        values = [(joint, value) for joint in driven if (value := joint.get_limit_value(name)) is not None]
         # Joints with the same defect come from one template or one exporter's default.
-        for kind, joints in (("zero", zero), ("negative", negative)):
-            if joints:
-                yield _build_wrong_limit_finding(rule, name, kind, joints=joints)
+        if negative := [joint for joint, value in values if value < 0]:
+            yield _build_finding(rule, f"{name}-negative", name, negative)
+        if absurd := [joint for joint, value in values if value >= most]:
+            largest = max(value for _, value in values)
+            yield _build_finding(rule, f"{name}-absurd", name, absurd, largest=largest, most=most)
 
 
-def _build_wrong_limit_finding(rule: Rule, name: str, kind: str, *, joints: list[Joint]) -> Finding:
+def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[Finding]:
+    still = {joint.name for joint in driven if joint.get_limit_value("velocity") == 0}
+    powerless = [joint for joint in driven if joint.get_limit_value("effort") == 0]
+    simulated = _collect_simulated_motors(model)
+    with_motor = [joint for joint in powerless if joint.name in simulated]
+    without = [joint for joint in powerless if joint.name not in simulated]
+    if with_motor:
+        yield _build_finding(rule, "effort-zero", "effort", with_motor)
+    # If no joint has either, the fields of the exporter's dialog were empty. JNT005 reports all four where lower and upper are 0.
+    is_empty = len(without) == len(driven) and all(joint.name in still for joint in without)
+    if is_empty and (stated := [joint for joint in without if not _is_locked(joint)]):
+        yield _build_finding(rule, "both-zero", "effort", stated)
+    if not is_empty and (unused := [joint for joint in without if not (joint.name in still and _is_locked(joint))]):
+        yield _build_finding(rule, "effort-unused", "effort", unused, severity=Severity.INFO)
+    if slow := [joint for joint in driven if joint.name in still and joint not in without]:
+        yield _build_finding(rule, "velocity-zero", "velocity", slow)
+
+
+def _is_locked(joint: Joint) -> bool:
+    """Whether lower and upper of a joint with a range are both typed as 0."""
+    limit = joint.limit
+    if limit is None or joint.type == "continuous" or not {"lower", "upper"} <= limit.attributes.keys():
+        return False
+    return joint.get_limit_value("lower") == joint.get_limit_value("upper") == 0
+
+
+def _collect_simulated_motors(model: Model) -> frozenset[str]:
+    """Collect the joints whose motors a simulator makes from the file, with the effort limit as the most that they can do: those
+    with an effort interface of a transmission, or with a command interface of a simulator's ros2_control hardware."""
+    transmitted = (
+        joint
+        for transmission in model.robot.find_children("transmission")
+        for joint in transmission.find_children("joint")
+        if any(_EFFORT_INTERFACE in e.text for e in transmission.walk() if e.tag == "hardwareInterface")
+    )
+    controlled = (
+        joint
+        for control in model.robot.find_children("ros2_control")
+        if any(_SIMULATOR.search(e.text) for e in control.walk() if e.tag == "plugin")
+        for joint in control.find_children("joint")
+        if joint.find_child("command_interface") is not None
+    )
+    return frozenset(joint.get("name") for joint in (*transmitted, *controlled))
+
+
+def _build_finding(
+    rule: Rule,
+    message: str,
+    name: str,
+    joints: Sequence[Joint],
+    *,
+    severity: Severity | None = None,
+    **data: float,
+) -> Finding:
     return build_group_finding(
         rule,
-        f"{name}-{kind}",
+        message,
         [joint.limit.attributes[name] for joint in joints if joint.limit is not None],
+        severity=severity,
         joints=join_names(joint.name for joint in joints),
         count=len(joints),
         noun="joint" if len(joints) == 1 else "joints",
         verb="has" if len(joints) == 1 else "have",
+        **data,
     )

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
 
 # A limit of this size means "no limit".
 _ENDLESS = 1e6
+# A range of less than a turn has an end that is not reached from the other side; 3.14 is a rounded half turn.
+_TURN = 0.99 * math.tau
+# A limb; a lone steering joint with limits is not one.
+_LEAST_STOPS = 3
 
 
 def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
@@ -26,16 +30,27 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
             joints_by_message["wide"].append(joint)
     for message, joints in joints_by_message.items():
         if joints:
-            yield _build_limits_finding(rule, message, joints)
+            is_limb = message == "continuous" and _are_stops(model, joints)
+            yield _build_limits_finding(rule, message, joints, severity=Severity.WARNING if is_limb else None)
 
 
-def _build_limits_finding(rule: Rule, message: str, joints: list[Joint]) -> Finding:
+def _are_stops(model: Model, joints: Sequence[Joint]) -> bool:
+    """Whether these continuous joints are an arm's or a leg's: most rotating joints of the robot have such limits, and most of
+    the limits span less than a turn, as stops do; a wheel's are the exporter's ±π."""
+    rotating = [joint for joint in model.joints if joint.type in {"revolute", "continuous"} and joint.mimic is None]
+    spans = [(j.get_limit_value("upper") or 0) - (j.get_limit_value("lower") or 0) for j in joints]
+    stops = sum(0 < span < _TURN for span in spans)
+    return stops >= _LEAST_STOPS and 2 * stops > len(rotating)
+
+
+def _build_limits_finding(rule: Rule, message: str, joints: list[Joint], *, severity: Severity | None) -> Finding:
     """Report similar joints together: they come from one template or one exporter's default."""
     lower, upper = joints[0].get_limit_value("lower"), joints[0].get_limit_value("upper")
     return build_group_finding(
         rule,
         message,
         [joint.limit for joint in joints if joint.limit is not None],
+        severity=severity,
         joints=join_names(joint.name for joint in joints),
         count=format_count(len(joints), "joint"),
         verb="has" if len(joints) == 1 else "have",

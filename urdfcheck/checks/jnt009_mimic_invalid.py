@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -26,7 +26,7 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
         if leader is None:
             known = model.joint_by_name.keys() - {joint.name}
             near = find_only_near_name(at.value, known, SLIP_LIKENESS)
-            edits = edit_literal(at, near) if near is not None else []
+            edits = edit_value(at, near) if near is not None else []
             hint = format_name_hint(at.value, known)
             yield rule.finding("unknown", at=at, edits=edits, joint=joint.name, leader=at.value, near=hint)
         elif joint.type == "fixed":

@@ -6,9 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.repairs.edits import edit_literal
-from urdfcheck.source.text.grammar import is_attribute_missing
+from urdfcheck.source.text.grammar import get_known_attributes, guess_attribute, is_attribute_missing
 from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Element
 
@@ -21,6 +23,24 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
         if is_attribute_missing(safety, "k_velocity"):
             yield rule.finding("gain", at=safety, severity=Severity.ERROR, joint=joint.name)
         yield from _check_soft_limits(rule, joint, safety, slack=slack)
+    if disabled := [joint for joint in model.joints if _is_disabled(joint, slack)]:
+        yield build_group_finding(
+            rule,
+            "off",
+            [safety for joint in disabled if (safety := joint.element.find_child("safety_controller")) is not None],
+            severity=Severity.INFO,
+            joints=join_names(joint.name for joint in disabled),
+            count=format_count(len(disabled), "joint"),
+        )
+
+
+def _is_disabled(joint: Joint, slack: float) -> bool:
+    """Whether the soft limits are beyond the hard ones on both sides."""
+    safety, hard = joint.element.find_child("safety_controller"), joint.position_range
+    if safety is None or hard is None:
+        return False
+    lower, upper = _read_soft_limit(safety, "soft_lower_limit"), _read_soft_limit(safety, "soft_upper_limit")
+    return lower is not None and upper is not None and lower < hard[0] - slack and upper > hard[1] + slack
 
 
 def _check_soft_limits(rule: Rule, joint: Joint, safety: Element, *, slack: float) -> Iterator[Finding]:
@@ -28,6 +48,8 @@ def _check_soft_limits(rule: Rule, joint: Joint, safety: Element, *, slack: floa
     soft_lower, soft_upper = _read_soft_limit(safety, "soft_lower_limit"), _read_soft_limit(safety, "soft_upper_limit")
     if hard is None or soft_lower is None or soft_upper is None:
         return  # nothing to compare with: JNT004, JNT005
+    if _is_misspelt(safety) or _is_disabled(joint, slack):
+        return
     lower, upper = hard
     data: dict[str, Any] = {
         "joint": joint.name,
@@ -44,7 +66,13 @@ def _check_soft_limits(rule: Rule, joint: Joint, safety: Element, *, slack: floa
         yield rule.finding("locked", at=safety, **data)
     elif beyond > slack:
         edits = [edit for side in ("lower", "upper") for edit in _propose_edits(joint, safety, side)]
-        yield rule.finding("outside", at=safety, edits=edits, beyond=beyond, **data)
+        yield rule.finding("outside", at=safety, edits=edits, severity=Severity.INFO, beyond=beyond, **data)
+
+
+def _is_misspelt(safety: Element) -> bool:
+    """Whether an attribute is a misspelt soft limit, which XML004 reports."""
+    unknown = safety.attributes.keys() - get_known_attributes(safety.tag)
+    return any((guess_attribute(safety, name) or "").startswith("soft_") for name in unknown)
 
 
 def _read_soft_limit(safety: Element, name: str) -> float | None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.source.text.values import read_attribute_number
 
 
@@ -17,5 +17,5 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             value = read_attribute_number(dynamics, name)
             if dynamics is not None and value is not None and value < 0:
                 attribute = dynamics.attributes[name]
-                edits = edit_literal(attribute, attribute.typed.replace("-", "", 1))
+                edits = edit_numbers(attribute, attribute.value.replace("-", "", 1))
                 yield rule.finding(name, at=attribute, edits=edits, joint=joint.name, value=value)

@@ -13,6 +13,9 @@ from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
+# So many rounded joints skew axes that should be parallel (see the page); one or two are within the tolerance of a good arm.
+SKEWED_JOINTS = 3
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _RoundedAngle:
@@ -103,7 +106,7 @@ def _build_finding(
         at=words[0],
         related=[*words[1:], *spellings.exact[:1]],
         edits=[angle.word.build_edit(angle.format_correction(in_xacro=in_xacro)) for angle in angles],
-        severity=Severity.WARNING if any(angle.error > harmful and angle.skews for angle in angles) else None,
+        severity=Severity.WARNING if sum(a.error > harmful and a.skews for a in angles) >= SKEWED_JOINTS else None,
         spelled=_strip_sign(coarsest[0].word),
         times=_format_times(len(coarsest)),
         count=len(words),

@@ -16,7 +16,7 @@ from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, com
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
 from urdfcheck.model import Inertial, Joint, Link, Model, Shape
 from urdfcheck.model.ground.wheels import WHEEL_NAME, rolling_wheels
-from urdfcheck.model.repairs.edits import edit_numbers, swap_literals
+from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
@@ -222,7 +222,7 @@ def _swap_moments(inertial: Inertial, own: Array, axis: Array) -> list[Edit]:
     if not straight or any(components[i] != 0 for i in (1, 2, 4)):
         return []
     one, other = (element.attributes[("ixx", "iyy", "izz")[place]] for place in places)
-    return swap_literals(one, other)
+    return swap_values(one, other)
 
 
 def _choose_axis_sign(model: Model, joint: Joint, axis: Array) -> float:

@@ -10,7 +10,7 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_values
 from urdfcheck.source.text.xml import Attribute
 
 
@@ -38,7 +38,7 @@ def _build_finding(rule: Rule, graph: KinematicGraph, places: list[tuple[Joint, 
         links = join_names(graph.links) or "none"
         finding = rule.finding("unknown", at=attributes[0], related=related, links=links, **data)
     else:
-        edits = [edit for attribute in attributes for edit in edit_literal(attribute, near)]
+        edits = edit_values((attribute, near) for attribute in attributes)
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=spell_breaks(near), **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 

@@ -9,7 +9,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.grammar import JOINT_TYPES, is_attribute_missing, is_unexpanded
 from urdfcheck.source.text.xml import Attribute
 
@@ -52,7 +52,7 @@ def _build_unknown_finding(rule: Rule, joint: Joint, attribute: Attribute) -> Fi
     return rule.finding(
         message,
         at=attribute,
-        edits=edit_literal(attribute, near) if near else (),
+        edits=edit_value(attribute, near) if near else (),
         joint=joint.name,
         type=joint.type,
         near=near or "",

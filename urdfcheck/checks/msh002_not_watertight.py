@@ -20,7 +20,7 @@ from urdfcheck.model.shapes.solids import compute_drawn_scale
 # A report draws the longest rims, each thinned to this many points.
 MAX_LOOPS, MAX_POINTS = 16, 64
 # On a round body, holes of this share of the surface change its volume by the same share (see the page).
-SMALL_SHARE = 1e-3
+SMALL_SHARE = 1e-2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,15 +49,22 @@ class _OpenMesh:
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     drawn: list[_OpenMesh] = []
     colliding: list[_OpenMesh] = []
+    shared: list[_OpenMesh] = []
     nearly_closed: list[_OpenMesh] = []
     for uses, facts in model.meshes.list_measured():
         # The triangles at a corner that is not finite are missing: MSH007 reports it.
         if facts.open_edges and not facts.non_finite_vertices and facts.holes:
-            collides = uses[0].shape.role == "collision"
-            group = drawn if not collides else nearly_closed if facts.hole_share < SMALL_SHARE else colliding
+            if uses[0].shape.role != "collision":
+                group = drawn
+            elif facts.hole_share < SMALL_SHARE:
+                group = nearly_closed
+            else:
+                group = shared if model.meshes.is_drawn(uses[0]) else colliding
             group.append(_OpenMesh(uses, facts))
     if colliding:
-        yield _build_collision_finding(model, rule, colliding)
+        yield _build_collision_finding(model, rule, "collision", colliding)
+    if shared:
+        yield _build_collision_finding(model, rule, "shared", shared)
     if nearly_closed:
         yield rule.finding(
             "small",
@@ -78,7 +85,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         )
 
 
-def _build_collision_finding(model: Model, rule: Rule, meshes: Sequence[_OpenMesh]) -> Finding:
+def _build_collision_finding(model: Model, rule: Rule, message: str, meshes: Sequence[_OpenMesh]) -> Finding:
     """Return one finding for the whole robot: one exporter made all meshes, or one program simplified them."""
     holes = {mesh.use: _collect_boundary_loops(model, mesh) for mesh in meshes}
     worst = max(holes, key=lambda use: holes[use][0]["length"])
@@ -86,9 +93,10 @@ def _build_collision_finding(model: Model, rule: Rule, meshes: Sequence[_OpenMes
     several = len(meshes) > 1
     at, *related = (use.filename for mesh in meshes for use in mesh.uses)
     finding = rule.finding(
-        "collision",
+        message,
         at=at,
         related=related,
+        severity=Severity.INFO if message == "shared" else None,
         meshes=f"{len(meshes)} collision meshes are" if several else f"collision mesh {worst.filename.value} is",
         which=f"{len(meshes)} collision meshes are" if several else f"mesh {worst.name} is",
         edges=format_large_count(open_edges, "open edge"),

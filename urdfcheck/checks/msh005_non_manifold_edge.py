@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_large_count
 from urdfcheck.model import Model
 from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
@@ -21,6 +21,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             "collision",
             at=uses[0].filename,
             related=[use.filename for use in uses[1:]],
+            severity=Severity.INFO if model.meshes.is_drawn(uses[0]) else None,
             mesh=uses[0].filename.value,
             count=facts.non_manifold_edges,
             edges=format_large_count(facts.non_manifold_edges, "edge"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import prod
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
 
@@ -23,6 +23,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             "mirrored",
             at=mirrored[0].filename,
             related=[use.filename for use in mirrored[1:]],
+            severity=Severity.INFO,
             count=len(mirrored),
             meshes=join_names(names),
             shapes=format_count(len(mirrored), "collision shape mirrors", "collision shapes mirror"),

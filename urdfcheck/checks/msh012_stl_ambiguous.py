@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
@@ -24,6 +24,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             message,
             at=uses[0].filename,
             related=[use.filename for use in uses[1:]],
+            severity=Severity.INFO if message == "solid" else None,
             consequences=describe_missing_mesh(use.shape.element for use in uses) if message == "text" else None,
             count=len(names),
             meshes=f"STL file {names[0]} is"

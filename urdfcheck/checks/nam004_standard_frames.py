@@ -8,17 +8,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_numbers
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
-from urdfcheck.source.text.tokens import build_replacement_edits
 
 # Frames allowed above base_link: the fixed world, frames that localisation moves, and the footprint (REP 105, REP 120).
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
 # x to the right, y down, z forward, seen from a camera link with x forward and z up (REP 103).
 _OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-_OPTICAL_RPY = "-1.5707963267948966 0 -1.5707963267948966"
 # Words that a camera link and its optical frame add to the camera's name.
 _FRAME_SUFFIX = re.compile(r"_?(?:optical|frame|link|joint|parent)(?=_|$)")
 
@@ -64,7 +62,6 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
             "optical-unturned" if _measure_rotation_angle(rotation) <= tol else "optical",
             at=places[0],
             related=places[1:],
-            edits=_propose_edits(joints),
             names=" and ".join(dict.fromkeys(joint.child for joint in joints[:3])),
             parent=joints[0].parent,
             look=_describe_direction(rotation[:, 2]),
@@ -91,9 +88,3 @@ def _describe_direction(vector: np.ndarray) -> str:
     axis = int(np.abs(vector).argmax())
     names = (("back", "forward"), ("right", "left"), ("down", "up"))
     return names[axis][int(vector[axis] > 0)]
-
-
-def _propose_edits(joints: list[Joint]) -> tuple[Edit, ...]:
-    attributes = [joint.origin.get_attribute("rpy") for joint in joints]
-    known = [attribute for attribute in attributes if attribute is not None]
-    return build_replacement_edits(known, _OPTICAL_RPY) if len(known) == len(attributes) else ()

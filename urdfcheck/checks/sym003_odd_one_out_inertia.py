@@ -22,6 +22,8 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 # The inertial of a real part, with its screws and bearings, is this near to that of a uniform part of the drawn shape. The
 # wrong one of two inertials is three times as far from it.
 MAX_FIT_DEVIATION, MIN_DEVIATION_RATIO = 0.1, 3.0
+# No motor makes one of two copies ten times as heavy; a decimal point does. Slightly less, for rounded numbers.
+SLIPPED_POINT = 9.9
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
@@ -67,11 +69,12 @@ def _build_pair_finding(
 ) -> Finding:
     one, other = pair
     here, there = _get_inertial(model, one.link), _get_inertial(model, other.link)
+    masses = [one.actual.mass, other.actual.mass]
     return rule.finding(
         "pair",
         at=locate_difference(here, one.deviation, note),
         related=[locate_difference(there, other.deviation, note)],
-        severity=Severity.INFO,
+        severity=Severity.WARNING if max(masses) >= SLIPPED_POINT * min(masses) else Severity.INFO,
         confidence=Confidence.HEURISTIC,
         sibling=other.link.name,
         there=build_inertial_repair(there, other.expected).text,

@@ -61,8 +61,19 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             if unread is not None and "near" in unread.data:
                 slip = _UnreadAttribute(attribute, "inside", {"near": unread.data["near"], "around": around.tag})
                 by_kind.setdefault((slip.message, element.tag, attribute.name, around.tag), []).append(slip)
-    for places in by_kind.values():
+    for places in _join_slips(by_kind):
         yield _build_finding(places, rule, model.source.files)
+
+
+def _join_slips(by_kind: Mapping[tuple[str, ...], list[_UnreadAttribute]]) -> Iterator[list[_UnreadAttribute]]:
+    """Join the kinds that the same elements have: ``soft_lower`` and ``soft_upper`` of six joints are one slip."""
+    joined: dict[tuple[object, ...], list[_UnreadAttribute]] = {}
+    for kind, places in by_kind.items():
+        message, tag, _, around = kind
+        owners = frozenset(id(place.attribute.owner) for place in places)
+        key = (message, tag, around, owners) if "near" in places[0].data else kind
+        joined.setdefault(key, []).extend(places)
+    yield from joined.values()
 
 
 def _classify_attribute(element: Element, attribute: Attribute) -> _UnreadAttribute | None:
@@ -98,21 +109,27 @@ def _build_finding(places: list[_UnreadAttribute], rule: Rule, files: Mapping[st
     first = places[0]
     spans = [find_name_span(place.attribute, files) for place in places]
     locations = [_locate_attribute_name(place.attribute, span) for place, span in zip(places, spans, strict=True)]
-    near = first.data.get("near", "")
+    data = dict(first.data)
+    if "near" in data:
+        data["near"] = " and ".join(dict.fromkeys(place.data["near"] for place in places))
     # A line of a macro is one place, however many elements it makes.
-    names = dict.fromkeys(span for span in spans if span is not None)
+    names = {
+        span: (place.attribute.name, place.data.get("near", ""))
+        for place, span in zip(places, spans, strict=True)
+        if span is not None
+    }
     subjects = dict.fromkeys(place.attribute.owner.subject for place in places)
     finding = rule.finding(
         first.message,
         at=locations[0],
         related={place.span: place for place in locations[1:] if place.span != locations[0].span}.values(),
-        edits=[Edit(span, first.attribute.name, near) for span in names] if near else (),
+        edits=[Edit(span, *names[span]) for span in names] if "near" in data else (),
         consequences=first.consequences,
         severity={"required": Severity.ERROR, "ignored": Severity.INFO}.get(first.message),
         attribute=join_names(dict.fromkeys(f"`{place.attribute.name}`" for place in places)),
         tag=first.attribute.owner.tag,
         times=format_repetition(len(subjects)),
-        **first.data,
+        **data,
     )
     return replace(finding, subjects=tuple(place.attribute.location.subject for place in places))
 

@@ -77,6 +77,12 @@ _OPTIONS = (
     ),
     _make_option("--ignore", _CHECKING, action="append", metavar="CODES", help="all but these rules"),
     _make_option(
+        "--pedantic",
+        _CHECKING,
+        action="store_true",
+        help="report every note, and as warnings those that most maintainers would switch off",
+    ),
+    _make_option(
         "--fail-on",
         _DROPPING,
         choices=("error", "warning", "info", "never"),
@@ -167,6 +173,7 @@ def read_options(options: argparse.Namespace, paths: Sequence[str]) -> RunOption
         paths=paths,
         select=split_words(given.get("select") or ()),
         ignore=split_words(given.get("ignore") or ()),
+        pedantic=given.get("pedantic", False),
         fail_on=given.get("fail_on"),
         tier=given.get("tier"),
         unchecked=given.get("unchecked"),

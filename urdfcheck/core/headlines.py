@@ -7,7 +7,7 @@ import string
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 
 LONGEST_HEADLINE = 70
 # A value is not cut below this; a headline that is still too long then loses its end.
@@ -89,18 +89,18 @@ def _leave_out(template: str, texts: Mapping[str, str], missing: int) -> str:
 
 
 def fill_joint_headline(
-    template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]], kind: str, more: int
+    template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]], kind: str
 ) -> str:
     """Fill a template for several findings at once.
 
     A headline that begins with what it is about names all of it, or counts it where the first name alone is too long, and
     leaves out a number in brackets that is not the same for all: ``a, b and 6 more: no body can have this inertia``, ``8 links:
-    no body can have this inertia``. Any other is that of the first finding: ``a and b overlap by 5 mm at rest (+7 more)``.
+    no body can have this inertia``. Any other is that of the first finding: ``a and b overlap by 5 mm at rest (+7
+    places)``.
 
     :param data: values of each finding.
     :param names: elements that each finding is about.
     :param kind: what these elements are, in the plural: ``links``.
-    :param more: number of elements, or of places, beside those of the first finding.
     :raises KeyError: if ``data`` lacks a value of the template.
     """
     about = _ABOUT.fullmatch(template)
@@ -112,8 +112,13 @@ def fill_joint_headline(
             if named.startswith(everything[0]):
                 return named
             return fill_headline(f"{len(everything)} {kind}: {claim}", data[0])
-    rest = f" (+{more} more)"
+    rest = format_more_places(len(data) - 1)
     return f"{fill_headline(template, data[0], LONGEST_HEADLINE - len(rest))}{rest}"
+
+
+def format_more_places(count: int) -> str:
+    """Say at the end of the headline of one place how many more there are."""
+    return f" (+{format_count(count, 'place')})"
 
 
 def _is_named(key: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]]) -> bool:

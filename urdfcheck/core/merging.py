@@ -10,7 +10,7 @@ from typing import Any
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Located, Rule, Verdict
 from urdfcheck.core.findings import iter_occurrences
-from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_line, fill_joint_headline
+from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_line, fill_joint_headline, format_more_places
 from urdfcheck.core.text import join_names
 
 _NAMED = re.compile(r"\w+\[(.*?)\](?=[/@]|$)", re.DOTALL)
@@ -80,7 +80,7 @@ def _merge_group(rule: Rule, group: Sequence[Finding], *, names: Sequence[str], 
     is_about = rule.headlines[first.message_id].startswith(f"{{{names[0]}}}: ")
     if is_about and not headline.startswith(str(first.data[names[0]])):
         # The number of elements and a whole claim say more than a name that was cut and a claim that was cut.
-        headline = _join_headlines(group, len(group) - 1, {rule.code: rule})
+        headline = _join_headlines(group, {rule.code: rule})
     return replace(finding, headline=headline, message=message, subjects=subjects)
 
 
@@ -151,7 +151,7 @@ def join_occurrences(group: Sequence[Finding], rules: Mapping[str, Rule]) -> Fin
     hidden = sorted({code for own in ordered for code in own.data.get("hides", ())})
     return replace(
         first,
-        headline=_join_headlines(ordered, len(set(subjects) - set(first.subjects)) or len(ordered) - 1, rules),
+        headline=_join_headlines(ordered, rules),
         severity=max(own.severity for own in ordered),
         subjects=variants.get(first.model, subjects),
         message_ids={
@@ -176,7 +176,7 @@ def _get_place_key(finding: Finding) -> tuple[Any, ...]:
     return (*place, calls, -finding.severity, finding.message_id, finding.model, finding.subjects)
 
 
-def _join_headlines(ordered: Sequence[Finding], more: int, rules: Mapping[str, Rule]) -> str:
+def _join_headlines(ordered: Sequence[Finding], rules: Mapping[str, Rule]) -> str:
     first = ordered[0]
     names = [[match[1] for s in own.subjects if (match := _NAMED.match(s)) is not None] for own in ordered]
     rule = rules.get(first.code)
@@ -184,10 +184,10 @@ def _join_headlines(ordered: Sequence[Finding], more: int, rules: Mapping[str, R
     try:
         template = rule.headlines[first.message_id] if rule is not None and is_of_page else ""
         if template:
-            return fill_joint_headline(template, [own.data for own in ordered], names, _name_kind(ordered), more)
+            return fill_joint_headline(template, [own.data for own in ordered], names, _name_kind(ordered))
     except (KeyError, ValueError, TypeError):  # a finding that the page did not make
         pass
-    rest = f" (+{more} more)"
+    rest = format_more_places(len(ordered) - 1)
     return cut_line(first.headline, LONGEST_HEADLINE - len(rest)) + rest
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from urdfcheck.core.findings import (
@@ -86,6 +86,9 @@ class Rule:
     the smallest first."""
     on_request: frozenset[str] = frozenset()
     """Ids of the messages whose notes (infos) are reported only on request."""
+    pedantic: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Ids of the messages whose notes (infos) are warnings for a pedantic reader, each with the targets for which they are
+    warnings too."""
     layers: tuple[str, ...] = ("visual",)
     """What the 3D view of the report shows for a finding: layers of its viewer."""
 
@@ -112,13 +115,14 @@ class Rule:
         """Return a finding of this rule: ``message`` is an id of the page's ``[messages]``, ``data`` fills its templates.
 
         The headline and the repair are the page's ``[headlines]`` and ``[fixes]`` templates of the same id; ``edits`` make the
-        repair applicable. ``consequences``: what single programs do, where that depends on the case; for the others the page
-        says it.
+        repair applicable, unless the finding is heuristic: then it is advice. ``consequences``: what single programs do, where
+        that depends on the case; for the others the page says it.
 
         :raises KeyError: if the page lacks the message or the cause, or ``data`` lacks a value of a template.
         """
         location = at if isinstance(at, Location) else at.location
-        edits = tuple(edits)
+        confidence = self.confidence if confidence is None else confidence
+        edits = () if confidence is Confidence.HEURISTIC else tuple(edits)
         # The properties, arguments and yaml keys that a computed value was made from.
         definitions: Iterable[Located] = at.collect_definitions() if isinstance(at, Computed) else ()
         places = [r if isinstance(r, Location) else r.location for r in (*related, *definitions)]
@@ -128,7 +132,7 @@ class Rule:
             code=self.code,
             name=self.name,
             severity=self.severity if severity is None else severity,
-            confidence=self.confidence if confidence is None else confidence,
+            confidence=confidence,
             message_id=message,
             headline=_fill_template(
                 self.headlines, message, data, where=f"[headlines] of {self.code}", fill=fill_headline

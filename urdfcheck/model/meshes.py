@@ -79,6 +79,10 @@ class ModelMeshes:
         use = self.by_shape.get(id(shape))
         return None if use is None or use.resource.path is None else self.facts.get(use.resource.path)
 
+    def is_drawn(self, use: MeshUse) -> bool:
+        """Whether a visual draws the file too: then nobody made it for collision."""
+        return any(u.resource.path == use.resource.path and u.shape.role == "visual" for u in self.uses)
+
     def group_by_file(self) -> Mapping[Path, tuple[MeshUse, ...]]:
         """Return the uses of each file that exists; those for collision first, otherwise in document order."""
         by_file: dict[Path, list[MeshUse]] = {}

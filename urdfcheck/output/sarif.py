@@ -17,6 +17,7 @@ from urllib.parse import quote
 
 from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Rule, Run, Severity, SkippedCheck, Span, Suppression
 from urdfcheck.core.merging import list_line_entries
+from urdfcheck.core.text import join_names
 from urdfcheck.output.shared.escaping import escape_for_json, escape_invisible, escape_one_line
 from urdfcheck.output.shared.json_objects import build_subject_object
 from urdfcheck.output.shared.positions import to_utf16_region
@@ -34,7 +35,6 @@ from urdfcheck.output.shared.wording import (
     describe_models,
     format_count,
     get_base_name,
-    join_first,
 )
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
@@ -267,13 +267,13 @@ def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str
     if finding.fix is not None:
         paragraphs.append(f"Fix: {finding.fix.title}")
     if len(finding.subjects) > 1:
-        paragraphs.append(f"For {join_first(list(finding.subjects), MOST_NAMED)}")
+        paragraphs.append(f"For {join_names(list(finding.subjects), MOST_NAMED)}")
     lines = [_escape_message_text(_end_sentence(paragraph)) for paragraph in paragraphs]
     links: dict[str, int] = {}
     for number, (_, span) in enumerate(related, 1):
         links.setdefault(_format_link_label(span), number)
     if links:
-        lines.append(f"See {join_first([f'[{label}]({number})' for label, number in links.items()], MOST_LINKED)}.")
+        lines.append(f"See {join_names([f'[{label}]({number})' for label, number in links.items()], MOST_LINKED)}.")
     return "\n".join(lines)
 
 

@@ -48,6 +48,8 @@ class Section:
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Code → option → value."""
     target: tuple[str, ...] | None = None
+    pedantic: bool | None = None
+    """Whether nothing is lowered or left out."""
     key: Key = ()
     """Path of the section in the table."""
 
@@ -124,6 +126,8 @@ class CliOverrides:
     baseline: Path | None = None
     shows_all: bool = False
     """Whether notes on request are reported too."""
+    pedantic: bool = False
+    """Whether notes on request are reported too, and lowered severities are not lowered."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -203,6 +207,7 @@ def resolve_config(
     severities = {STALE_BASELINE: "error"} if config.strict_baseline else {}
     options: dict[str, dict[str, Any]] = {}
     targets: tuple[str, ...] = ()
+    pedantic = False
     for number, section in enumerate(sections):
         if overrides.select is None and section.select is not None:
             codes = codes | section.select if number else section.select
@@ -215,9 +220,12 @@ def resolve_config(
         for code, values in section.options.items():
             options[code] = {**options.get(code, {}), **values}
         targets = targets if section.target is None else section.target
+        pedantic = pedantic if section.pedantic is None else section.pedantic
+    pedantic = pedantic or overrides.pedantic
     policy = Policy(
         codes=codes - (overrides.ignore or frozenset()),
-        unrequested=everything - requested,
+        unrequested=frozenset() if pedantic else everything - requested,
+        pedantic=pedantic,
         tier=overrides.tier or config.tier,
         options=options,
         severities=severities,
@@ -303,9 +311,9 @@ def _parse_toml(path: Path, text: str) -> dict[str, Any]:
 
 _KEYS = (
     *("select", "ignore", "severity", "options", "target", "fail-on", "tier", "exclude", "packages", "package-path"),
-    *("unchecked", "baseline", "strict-baseline", "paths", "models", "suppress"),
+    *("pedantic", "unchecked", "baseline", "strict-baseline", "paths", "models", "suppress"),
 )
-_SECTION_KEYS = ("match", "select", "ignore", "severity", "options", "target")
+_SECTION_KEYS = ("match", "select", "ignore", "severity", "options", "target", "pedantic")
 _MODEL_KEYS = ("path", "name", "arguments")
 _SUPPRESS_KEYS = ("codes", "subject", "path", "reason")
 
@@ -365,6 +373,7 @@ def _parse_section(reader: _TableReader, table: Key) -> Section:
         severity=reader.read_severities(),
         options=reader.read_options(),
         target=target,
+        pedantic=reader.read_flag("pedantic") if "pedantic" in reader.table else None,
         key=reader.key[len(table) :],
     )
 

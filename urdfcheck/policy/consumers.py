@@ -64,15 +64,23 @@ def is_news(sentence: str) -> bool:
 
 
 def apply_severity_policy(
-    finding: Finding, rule: Rule, *, targets: Sequence[str], severities: Mapping[str, str]
+    finding: Finding, rule: Rule, *, targets: Sequence[str], severities: Mapping[str, str], is_pedantic: bool = False
 ) -> Finding:
-    """Give a finding the severity of the configuration (``severities``, by code), or else that for the targets."""
+    """Give a finding the severity of the configuration (``severities``, by code), or else that for the targets.
+
+    ``is_pedantic``: whether notes that the page lists under ``pedantic`` are warnings, as they are for the targets listed there.
+    """
     wanted = severities.get(finding.code)
-    return (
-        apply_target_severity(finding, rule, targets)
-        if wanted is None
-        else replace(finding, severity=Severity.parse(wanted))
-    )
+    if wanted is not None:
+        return replace(finding, severity=Severity.parse(wanted))
+    raising = rule.pedantic.get(finding.message_id)
+    if (
+        raising is not None
+        and finding.severity is Severity.INFO
+        and (is_pedantic or not set(raising).isdisjoint(targets))
+    ):
+        finding = replace(finding, severity=Severity.WARNING)
+    return apply_target_severity(finding, rule, targets)
 
 
 def apply_target_severity(finding: Finding, rule: Rule, targets: Sequence[str]) -> Finding:

@@ -1,4 +1,7 @@
-"""Fixes that edit text which makes more than the finding is about: only the author knows whether the rest should change."""
+"""Fixes that edit text which makes more than the finding is about: only the author knows whether the rest should change.
+
+An edit of a value that xacro hands on stays only where every attribute that reads the value gets it right by it.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,12 @@ from collections.abc import Iterable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
-from urdfcheck.core import Applicability, Edit, Finding, Span
-from urdfcheck.source.text.xml import Element
+from urdfcheck.core import Applicability, Edit, Finding, Fix, Span
+from urdfcheck.source.text.handed_values import find_typed_value
+from urdfcheck.source.text.xml import Attribute, Element
+
+# Rule and edit: findings about left and right ask for the same one.
+_Wish = tuple[str, Edit]
 
 
 def mark_unsafe_in_model(findings: Iterable[Finding], root: Element | None) -> list[Finding]:
@@ -74,3 +81,67 @@ class ElementCounts:
         first = bisect_right(tags, span.start, key=lambda tag: tag.start) - 1
         end = bisect_right(tags, max(span.end - 1, span.start), key=lambda tag: tag.start)
         return max((self.count_by_span[tag] for tag in tags[max(first, 0) : end]), default=0)
+
+
+def withdraw_shared_edits(
+    findings: Iterable[Finding], root: Element | None, loose_reads: AbstractSet[Span]
+) -> list[Finding]:
+    """Make a repair advice where it changes a yaml value, a property or a macro call that others read too.
+
+    It stays if the same attribute of each element that reads the value is what findings of the rule repair in this way.
+
+    :param root: the expanded model.
+    :param loose_reads: the places of definitions that something other than an attribute reads.
+    """
+    findings = list(findings)
+    edited = {edit.span for finding in findings for edit in _list_edits(finding)}
+    readers = {} if root is None or not edited else _index_readers(root, edited)
+    if not readers:
+        return findings
+    owners: dict[_Wish, set[str]] = {}
+    for finding in findings:
+        for edit in _list_edits(finding):
+            owners.setdefault((finding.code, edit), set()).update(map(_get_owner, finding.subjects))
+
+    def is_shared(finding: Finding) -> bool:
+        for edit in _list_edits(finding):
+            own = owners[finding.code, edit]
+            values = [reader for reader in readers.get(edit.span, ()) if _hands_on(reader, edit.span, own)]
+            others = len(readers.get(edit.span, ())) > len(values) or edit.span in loose_reads
+            if values and (others or len({(reader.owner.tag, reader.name) for reader in values}) > 1):
+                return True
+        return False
+
+    return [_withdraw(finding) if is_shared(finding) else finding for finding in findings]
+
+
+def _list_edits(finding: Finding) -> tuple[Edit, ...]:
+    return () if finding.fix is None else finding.fix.edits
+
+
+def _index_readers(root: Element, spans: AbstractSet[Span]) -> Mapping[Span, list[Attribute]]:
+    """Return the attributes that were computed from the definitions at some places, by place."""
+    readers: dict[Span, list[Attribute]] = {}
+    for element in root.walk():
+        for attribute in element.attributes.values():
+            for definition in attribute.collect_definitions() if attribute.reads else ():
+                if definition.span is not None and definition.span in spans:
+                    readers.setdefault(definition.span, []).append(attribute)
+    return readers
+
+
+def _hands_on(reader: Attribute, span: Span, owners: AbstractSet[str]) -> bool:
+    """Whether the text at ``span`` is the value of an attribute of one of these owners."""
+    if _get_owner(reader.owner.subject) not in owners:
+        return False
+    typed = find_typed_value(reader)
+    return typed is not None and typed.span == span
+
+
+def _get_owner(subject: str) -> str:
+    """Return the link, the joint or the like that a subject is part of."""
+    return subject.partition("]")[0]
+
+
+def _withdraw(finding: Finding) -> Finding:
+    return finding if finding.fix is None else replace(finding, fix=Fix(finding.fix.title))

@@ -21,6 +21,8 @@ class Policy:
     """Codes of the selected rules."""
     unrequested: frozenset[str] = frozenset()
     """Codes of rules that nobody asked for by name: of these, notes on request are left out (`Rule.on_request`)."""
+    pedantic: bool = False
+    """Whether notes that are warnings for a pedantic reader are warnings (`Rule.pedantic`)."""
     tier: str = "full"
     """How much is computed: source | mesh | full."""
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

@@ -17,14 +17,20 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
 
     The stronger finding lists the dropped codes in its data (``hides``). A finding is dropped if all elements of its subjects
     belong to stronger findings. A finding about a difference, which names one element in its subjects and all in its data
-    (``between``), is dropped if one of these does. A finding that takes the place of the one for which the model could not be
-    checked is the cause in its stead.
+    (``between``), is dropped if one of these does. A finding that is the cause of others names them in its data
+    (``explains``: ``JNT007 joint[knee]``), whatever their pages say; these are dropped too. A finding that takes the place of
+    the one for which the model could not be checked is the cause in its stead.
     """
     findings = list(findings)
     index_by_element: dict[tuple[str, str], int] = {}
     for index, finding in enumerate(findings):
         for subject in finding.subjects:
             index_by_element.setdefault((finding.code, _get_element(subject)), index)
+    explained = {
+        (code, element): index
+        for index, finding in reversed([*enumerate(findings)])  # the first one wins
+        for code, _, element in (claim.partition(" ") for claim in finding.data.get("explains", ()))
+    }
     dropped: set[int] = set()
     hides: dict[int, set[str]] = {}
     inherited: dict[int, Severity] = {}
@@ -38,6 +44,9 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
             for element in elements | between
             for code in reversed(stronger)  # the first code of the page wins
             if (code, element) in index_by_element
+        }
+        superseding |= {
+            element: explained[finding.code, element] for element in elements if (finding.code, element) in explained
         }
         if elements <= superseding.keys() or between & superseding.keys():
             dropped.add(index)

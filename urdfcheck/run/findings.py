@@ -39,7 +39,9 @@ def admit_finding(finding: Finding, rule: Rule, policy: Policy) -> Finding:
 
     Called as soon as a check reports it: a thousand findings about a name of a million letters must not pile up.
     """
-    finding = apply_severity_policy(finding, rule, targets=policy.targets, severities=policy.severities)
+    finding = apply_severity_policy(
+        finding, rule, targets=policy.targets, severities=policy.severities, is_pedantic=policy.pedantic
+    )
     return truncate_texts(finding)
 
 

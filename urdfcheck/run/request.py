@@ -67,6 +67,8 @@ class RunOptions:
     """MiB for one model."""
     show_all: bool = False
     """Whether notes on request are reported too, without being selected."""
+    pedantic: bool = False
+    """Whether notes on request are reported too, and lowered severities are not lowered."""
     samples: int = SAMPLES
     """Number of joint configurations to sample."""
     jobs: int | None = None
@@ -121,6 +123,7 @@ def make_config_resolver(options: RunOptions) -> ConfigResolver:
         unchecked=options.unchecked,
         baseline=None if options.baseline is None else Path(options.baseline),
         shows_all=options.show_all,
+        pedantic=options.pedantic,
     )
     return ConfigResolver(overrides, options.isolated, tuple(map(Path, options.paths)))
 

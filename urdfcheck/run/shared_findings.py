@@ -7,7 +7,6 @@ fewest arguments, and lists all (``variants``).
 from __future__ import annotations
 
 import os
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -18,21 +17,13 @@ from urdfcheck.core.merging import merge_alike
 from urdfcheck.policy.fix_safety import ElementCounts
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit
+from urdfcheck.source.text.handed_values import is_computed
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import EXPRESSION
 
 # The family of rules about launch files, whose text is not part of a model.
 _LAUNCH_FAMILY = "LCH"
 # The families of rules about files that a model names.
 _FILE_FAMILIES = ("PKG", "MSH")
-_STRING = re.compile(r"'[^']*'|\"[^\"]*\"")
-_OPERATOR = re.compile(r"[-+*/%(]")
-
-
-def is_computed(text: str) -> bool:
-    """Whether a typed text computes a value, so that it can be wrong itself; ``${mass}`` only hands one on."""
-    expressions = (a or b for a, b in EXPRESSION.findall(text))
-    return any(_OPERATOR.search(_STRING.sub("", expression)) for expression in expressions)
 
 
 def merge_macro_lines(findings: Iterable[Finding], root: Element | None, texts: Mapping[str, str]) -> list[Finding]:

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Span
-from urdfcheck.run.shared_findings import is_computed
-from urdfcheck.source.text.xml import Attribute, Element, flatten_definitions
-
-_REFERENCE = re.compile(r"\s*\$\{[^{}]*\}\s*")
-_NAME = re.compile(r"\s*\$\{\s*(\w+)\s*\}\s*")
-# A property may be defined by another, and a call may hand on what its macro was given.
-_MOST_STEPS = 50
+from urdfcheck.source.text.handed_values import find_typed_value, read_numbers
+from urdfcheck.source.text.xml import Attribute, Element
 
 
 def locate_typed_numbers(findings: Sequence[Finding], root: Element | None, texts: Mapping[str, str]) -> list[Finding]:
@@ -34,7 +28,7 @@ def locate_typed_numbers(findings: Sequence[Finding], root: Element | None, text
         if finding.location.via and "${" in _get_text(finding.location.span, texts)
     }
     makers = _index_by_subject(root, handed) if handed else {}
-    return [_move(finding, makers.get(finding.location.subject, ()), texts) for finding in findings]
+    return [_move(finding, makers.get(finding.location.subject, ())) for finding in findings]
 
 
 def _index_by_subject(root: Element, spans: Iterable[Span | None]) -> dict[str, tuple[Attribute, ...]]:
@@ -50,9 +44,9 @@ def _index_by_subject(root: Element, spans: Iterable[Span | None]) -> dict[str, 
     return found
 
 
-def _move(finding: Finding, attributes: Sequence[Attribute], texts: Mapping[str, str]) -> Finding:
+def _move(finding: Finding, attributes: Sequence[Attribute]) -> Finding:
     here = finding.location
-    places = _find_typed_numbers(attributes, texts)
+    places = _find_typed_numbers(attributes)
     if here.span is None or not places:
         return finding
     first, last = places[0], places[-1]
@@ -66,49 +60,23 @@ def _move(finding: Finding, attributes: Sequence[Attribute], texts: Mapping[str,
     )
 
 
-def _find_typed_numbers(attributes: Sequence[Attribute], texts: Mapping[str, str]) -> list[Span]:
+def _find_typed_numbers(attributes: Sequence[Attribute]) -> list[Span]:
     """Return the places of the numbers of these attributes, in one file and in its order; none if one of them is elsewhere."""
     places: dict[Span, None] = {}
     for attribute in attributes:
         if attribute.literal and set(attribute.value.split()) <= {"0", "0.0"}:
             continue
-        place = None if attribute.literal else _find_typed_number(attribute, texts)
+        place = None if attribute.literal else _find_typed_number(attribute)
         if place is None:
             return []
         places[place] = None
     return sorted(places) if len({place.file for place in places}) == 1 else []
 
 
-def _find_typed_number(attribute: Attribute, texts: Mapping[str, str]) -> Span | None:
-    """Return the text that a reference stands for, if it is this number; the default value of a macro belongs to the macro."""
-    numbers = _read_numbers(attribute.value)
-    typed, reads = attribute.typed, attribute.reads
-    for _ in range(_MOST_STEPS):
-        if numbers is None or not _REFERENCE.fullmatch(typed) or is_computed(typed):
-            return None
-        name = _NAME.fullmatch(typed)
-        if name is None:  # a key of something that was loaded
-            places = {
-                found.span
-                for found in flatten_definitions(reads)
-                if found.kind == "yaml" and _read_numbers(_get_text(found.span, texts)) == numbers
-            }
-            return places.pop() if len(places) == 1 else None
-        definition = next((found for found in reads if found.name == name[1]), None)
-        if definition is None:
-            return None
-        typed, reads = _get_text(definition.span, texts), definition.reads
-        if _read_numbers(typed) == numbers:
-            return definition.span
-    return None
-
-
-def _read_numbers(text: str) -> list[float] | None:
-    """Return the numbers of a text that consists of nothing else."""
-    try:
-        return [float(word) for word in text.split()] or None
-    except ValueError:
-        return None
+def _find_typed_number(attribute: Attribute) -> Span | None:
+    """Return the text that a reference stands for, if it is this number."""
+    typed = None if read_numbers(attribute.value) is None else find_typed_value(attribute)
+    return None if typed is None else typed.span
 
 
 def _get_text(span: Span | None, texts: Mapping[str, str]) -> str:

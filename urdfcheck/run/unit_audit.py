@@ -23,12 +23,14 @@ from urdfcheck.core import (
     Rule,
     Severity,
     SkippedCheck,
+    Span,
 )
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.export.link_pairs import LinkPairs, compute_link_pairs
 from urdfcheck.export.outline import ModelOutline, build_outline
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.policy.fix_safety import withdraw_shared_edits
 from urdfcheck.policy.policy import TIERS
 from urdfcheck.policy.report_limits import truncate_texts
 from urdfcheck.rules import has_check, load_check, load_rules
@@ -376,13 +378,16 @@ class _UnitAudit:
             for comment in find_ignore_comments(SourceFile(Path(name), name, text=text))
         ]
         comments = comments if self.options.heed_comments else []
+        root, loose_reads = (
+            (None, frozenset[Span]()) if self.source is None else (self.source.root, self.source.loose_reads)
+        )
         settled = finalize_unit_findings(
-            self.findings,
+            withdraw_shared_edits(self.findings, root, loose_reads),
             unit=self.unit,
             policy=self.policy,
             rules=load_rules(),
             comments=comments,
-            root=None if self.source is None else self.source.root,
+            root=root,
             texts=self.texts,
         )
         usages = assess_comments(

@@ -44,6 +44,8 @@ class Source:
     is_part: bool = False
     """Whether another file includes it, or may."""
     arguments_read: frozenset[str] = field(default_factory=frozenset)
+    loose_reads: frozenset[Span] = frozenset()
+    """The places of definitions that conditions, texts and names of files read."""
     environment: frozenset[str] = frozenset()
     """Environment variables that xacro may read besides those of ROS."""
     found_arguments: Mapping[str, Location] = field(default_factory=dict)
@@ -102,6 +104,7 @@ def load_source(
         is_xacro = is_xacro or _is_for_xacro(path, root, file.text, xacro)
         problems += _find_plain_text_problems(file, root, is_xacro=is_xacro, for_xacro=is_xacro or xacro is True)
     arguments_read: frozenset[str] = frozenset()
+    loose_reads: frozenset[Span] = frozenset()
     found_arguments: dict[str, Location] = {}
     if root is not None and is_xacro:
         from urdfcheck.source.found_arguments import expand_with_found_arguments
@@ -112,7 +115,7 @@ def load_source(
         root, problems = expansion.root, [*problems, *expansion.problems]
         files.update(expansion.files)
         trees.update(expansion.trees)
-        arguments_read = expansion.arguments_read
+        arguments_read, loose_reads = expansion.arguments_read, expansion.loose_reads
     elif root is not None and not xacro:
         restore_breaks(root)
     return Source(
@@ -128,6 +131,7 @@ def load_source(
         package=package,
         is_part=is_part,
         arguments_read=arguments_read,
+        loose_reads=loose_reads,
         environment=environment,
         found_arguments=found_arguments,
     )

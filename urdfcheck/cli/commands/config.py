@@ -133,6 +133,7 @@ def _build_report(resolver: ConfigResolver, config: Config, path: Path, *, basel
     settings = [
         *iter_code_settings("select", "ALL", given.select),
         *iter_code_settings("ignore", "", given.ignore),
+        make_setting("pedantic", str(effective.policy.pedantic).lower(), on_command_line=given.pedantic),
         make_setting("fail-on", effective.fail_on, on_command_line=given.fail_on is not None),
         make_setting("tier", effective.policy.tier, on_command_line=given.tier is not None),
         make_setting(

@@ -32,6 +32,18 @@ class DeclaredInertial:
         return turned
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Primitive:
+    """A box, cylinder, sphere or capsule."""
+
+    kind: str
+    """``box`` | ``cylinder`` | ``sphere`` | ``capsule``."""
+    size: tuple[float, ...]
+    """In m: edges; radius and length; or the radius."""
+    rotation: Mat3
+    """Turns its axes into those of the link; a cylinder's is z."""
+
+
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class VisualGeometry:
     """The shapes that a link draws, in its frame (m), as bodies of uniform density."""
@@ -50,3 +62,5 @@ class VisualGeometry:
     """The bounding box, filled."""
     pieces: tuple[Solid, ...] = ()
     """The solids of the separate shapes."""
+    primitive: Primitive | None = None
+    """The only shape, where it is not a mesh."""

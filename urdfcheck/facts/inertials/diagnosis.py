@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+from urdfcheck.facts.inertials.explanations import list_explanations
+from urdfcheck.facts.inertials.habits import HABITS, Evidence, Habit
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.inertial_fit import (
     CLOSED_MIXTURE,
@@ -35,7 +37,7 @@ from urdfcheck.facts.inertials.inertial_fit import (
     measure_fit,
     measure_inertial_mismatch,
 )
-from urdfcheck.facts.inertials.mistakes import EFFECT, Mistake, Suspect, list_explanations
+from urdfcheck.facts.inertials.mistakes import EFFECT, Mistake, Suspect
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools
@@ -62,11 +64,15 @@ TWIN_LIKE = 0.02
 SIDE_MARGIN = 5.0
 # A tensor of other moments than a sphere's, by this share of the largest, identifies the mass it was computed for.
 _NOT_A_SPHERE = 0.05
+# Logarithm of how much rarer the mistake of another program is in a file with a habit: 1 in 20.
+_SECOND_HABIT = -3.0
 # A coordinate that is less than a third of a radius of gyration from zero says nothing about the number that it was.
 _NEAR_ZERO = 0.3
 
 # Mistakes in one number: a cause is named only if it is certain which number.
-_PRECISE = frozenset({"decimal_point", "one_sign", "slots_swapped", "one_piece"})
+_PRECISE = frozenset({"decimal_point", "one_sign", "slots_swapped", "slots_shifted", "one_piece"})
+# Mistakes that are told together where it is not certain which of them was made, by the one that both have in common.
+_FAMILIES = {"inertia_unit": "units", "positive_notation": "about_origin"}
 # What a convex hull in place of an open mesh can show: powers of ten, places far outside, another order of the numbers.
 _COARSE = frozenset(
     {"inertia_unit", "mass_unit", "com_unit", "units", "mesh_scale", "com_missing", "diagonal_first", "row_major"}
@@ -77,7 +83,7 @@ _SCALED = frozenset({"com_unit", "decimal_point"})
 _LOSSY = frozenset(
     {
         *("shell", "bounding_box", "convex_hull", "one_piece", "steiner_missing"),
-        *("row_major", "com_missing", "rpy_missing", "mesh_scale"),
+        *("row_major", "com_missing", "rpy_missing", "mesh_scale", "rounded", "wrong_formula"),
     }
 )
 
@@ -117,6 +123,8 @@ class Diagnosis:
     """The reference that decides, ``mesh`` or ``twin``."""
     at_fault: bool
     """Whether this part, rather than its twin, is wrong."""
+    evidence: Evidence | None = None
+    """How well the mistakes of a whole file explain the numbers; None where they need no explanation."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -173,9 +181,11 @@ def diagnose_inertial(
     twin: DeclaredInertial | None = None,
     *,
     trusted: bool = False,
+    habit: Habit | None = None,
 ) -> Diagnosis | None:
     """Find what is wrong with an inertial, judged by what the link draws and by its ``twin``: the numbers that a mirrored or
     equal part says it should have, in this link's frame. ``trusted``: several such parts agree, so that the twin is right.
+    ``habit``: the mistake that most links of the file have.
 
     Return None when there is nothing to compare: no geometry with a volume, and no twin that is a possible body; or when the
     numbers are too large or too small to compute with.
@@ -186,18 +196,38 @@ def diagnose_inertial(
     if geometry is not None and not has_computable_size(geometry.solid.com, geometry.solid.covariance):
         geometry = None
     if twin is None:
-        return None if geometry is None else _diagnose_against(declared, build_geometry_reference(geometry), geometry)
+        return None if geometry is None else _diagnose_by_mesh(declared, geometry, habit)
     by_twin = replace(_diagnose_against(declared, build_twin_reference(twin), geometry), judged_by="twin")
     if geometry is None:
-        return replace(by_twin, at_fault=trusted)
+        return replace(by_twin, at_fault=trusted, evidence=None)
     if by_twin.sound or by_twin.cause is None:
-        by_mesh = _diagnose_against(declared, build_geometry_reference(geometry), geometry)
+        by_mesh = _diagnose_by_mesh(declared, geometry, habit)
         # What else explains the numbers by themselves has to lead to the twin's: if not, the two just differ.
         if by_twin.sound or by_mesh.cause in _LOSSY or _agrees_with_twin(by_mesh.mended, twin):
             return by_mesh
+        if by_mesh.cause not in {None, "unmirrored"} and _has_cause(twin, geometry, by_mesh):
+            return by_mesh
+        if habit is not None and by_mesh.cause == habit.id:  # the twin has it too, and they differ in something else
+            return by_mesh
+        by_twin = replace(by_twin, evidence=by_mesh.evidence)
     better = by_twin.cause is not None and _is_better_fit(twin, declared, geometry)
     # Several parts may be wrong in the same way, and only this one may have the numbers of its geometry.
     return replace(by_twin, at_fault=better or (trusted and not _is_better_fit(declared, twin, geometry)))
+
+
+def measure_evidence(declared: DeclaredInertial, geometry: VisualGeometry | None) -> Evidence | None:
+    """Measure how well the mistakes of a whole file explain the numbers of a link, whether or not they need an explanation; None
+    where `diagnose_inertial` returns None."""
+    if geometry is None or not is_computable(declared):
+        return None
+    if not has_computable_size(geometry.solid.com, geometry.solid.covariance):
+        return None
+    ranking = _rank_explanations(Suspect(declared, build_geometry_reference(geometry), geometry))
+    return _collect_evidence(ranking)
+
+
+def _diagnose_by_mesh(declared: DeclaredInertial, geometry: VisualGeometry, habit: Habit | None) -> Diagnosis:
+    return _diagnose_against(declared, build_geometry_reference(geometry), geometry, habit)
 
 
 def _agrees_with_twin(mended: DeclaredInertial | None, twin: DeclaredInertial) -> bool:
@@ -205,6 +235,12 @@ def _agrees_with_twin(mended: DeclaredInertial | None, twin: DeclaredInertial) -
         return False
     covariance = compute_mass_covariance(twin.inertia, twin.mass)
     return max(measure_inertial_mismatch(mended, twin.com, covariance)) < EXACT
+
+
+def _has_cause(twin: DeclaredInertial, geometry: VisualGeometry, found: Diagnosis) -> bool:
+    """Whether the twin has the same mistake, judged by the drawing: both were exported alike, and differ in something else."""
+    of_twin = _diagnose_against(twin, build_geometry_reference(geometry), geometry)
+    return (of_twin.cause, of_twin.detail) == (found.cause, found.detail)
 
 
 def _is_better_fit(one: DeclaredInertial, other: DeclaredInertial, geometry: VisualGeometry) -> bool:
@@ -215,11 +251,13 @@ def _is_better_fit(one: DeclaredInertial, other: DeclaredInertial, geometry: Vis
     return bool(scores[0] - scores[1] > SIDE_MARGIN)
 
 
-def _diagnose_against(declared: DeclaredInertial, reference: Reference, geometry: VisualGeometry | None) -> Diagnosis:
+def _diagnose_against(
+    declared: DeclaredInertial, reference: Reference, geometry: VisualGeometry | None, habit: Habit | None = None
+) -> Diagnosis:
     if (sound := _accept_close_match(declared, reference)) is not None:
         return sound
-    ranking = _rank_explanations(Suspect(declared, reference, geometry))
-    named = _can_be_named(declared, reference, ranking)
+    ranking = _rank_explanations(Suspect(declared, reference, geometry), habit)
+    named = _can_be_named(declared, reference, ranking, habit)
     none, best = ranking.no_mistake, 0
     fit = ranking.fit
     tensor_mismatch, com_mismatch = float(fit.tensor_mismatch[none]), float(fit.com_mismatch[none])
@@ -228,7 +266,7 @@ def _diagnose_against(declared: DeclaredInertial, reference: Reference, geometry
     return Diagnosis(
         sound=not named and fits_geometry and _is_unremarkable(reference, tensor_mismatch, com_mismatch),
         cause=_name_cause(ranking.contenders) if named else None,
-        detail=" or ".join(dict.fromkeys(mistake.detail for mistake in ranking.contenders)) if named else "",
+        detail=" or ".join(dict.fromkeys(m.detail for m in ranking.contenders if m.detail)) if named else "",
         mended=ranking.numbers[best] if certain else None,
         tensor_mismatch=tensor_mismatch,
         com_mismatch=com_mismatch,
@@ -241,7 +279,24 @@ def _diagnose_against(declared: DeclaredInertial, reference: Reference, geometry
         fits_geometry=fits_geometry,
         judged_by="mesh",
         at_fault=True,
+        evidence=_collect_evidence(ranking) if habit is None else None,
     )
+
+
+def _collect_evidence(ranking: _Ranking) -> Evidence:
+    """Collect what a ranking without a habit says about `HABITS`, each mistake of several forms by its likeliest."""
+    likelihoods: dict[tuple[str, str], float] = {}
+    priors: dict[tuple[str, str], float] = {}
+    alternative = -math.inf
+    for mistake, score in zip(ranking.mistakes, ranking.scores.tolist(), strict=True):
+        if mistake.id not in HABITS:
+            alternative = max(alternative, score)
+        elif math.isfinite(score):
+            key = mistake.id, mistake.detail
+            likelihoods.setdefault(key, score - mistake.log_prior)
+            priors.setdefault(key, mistake.log_prior)
+    sound = float(ranking.scores[ranking.no_mistake])
+    return Evidence(likelihoods=likelihoods, priors=priors, sound=sound, alternative=alternative)
 
 
 def _accept_close_match(declared: DeclaredInertial, reference: Reference) -> Diagnosis | None:
@@ -276,16 +331,19 @@ def _accept_close_match(declared: DeclaredInertial, reference: Reference) -> Dia
     )
 
 
-def _rank_explanations(suspect: Suspect) -> _Ranking:
+def _rank_explanations(suspect: Suspect, habit: Habit | None = None) -> _Ranking:
     declared, reference = suspect.declared, suspect.reference
     mistakes, numbers = list_explanations(suspect)
+    if habit is not None:
+        mistakes = [_weigh_by_habit(mistake, habit) for mistake in mistakes]
     fit = measure_fit(reference, numbers, np.array([mistake.factor for mistake in mistakes]))
     for i, mistake in enumerate(mistakes):
         if mistake.source_body is not None:
             body = mistake.source_body
             tensor_mismatch, com_mismatch = measure_inertial_mismatch(declared, body.com, body.covariance)
             # The COM may be that of the part nevertheless.
-            fit.tensor_mismatch[i] = tensor_mismatch
+            # A formula's numbers were compared digit by digit.
+            fit.tensor_mismatch[i] = 0.0 if mistake.id == "wrong_formula" else tensor_mismatch
             fit.com_mismatch[i] = min(com_mismatch, float(fit.com_mismatch[0]))
     scores = compute_log_likelihood(
         reference,
@@ -303,6 +361,14 @@ def _rank_explanations(suspect: Suspect) -> _Ranking:
         fit=fit.take_rows(order),
         numbers=numbers.take_rows(order),
     )
+
+
+def _weigh_by_habit(mistake: Mistake, habit: Habit) -> Mistake:
+    """Return a mistake as frequent as it is in a file with a habit: one program exported it, so that others' are rare."""
+    if (mistake.id, mistake.detail) == (habit.id, habit.detail):
+        return replace(mistake, log_prior=habit.log_share)
+    rarer = _SECOND_HABIT if mistake.id in HABITS else 0.0
+    return replace(mistake, log_prior=mistake.log_prior + habit.log_rest + rarer)
 
 
 def _get_com_tolerance(mistake: Mistake) -> float:
@@ -330,21 +396,26 @@ def _is_meaningless_scaling(
     return meaningless
 
 
-def _can_be_named(declared: DeclaredInertial, reference: Reference, ranking: _Ranking) -> bool:
-    """Whether the best explanation is certain, convincing, and has an effect."""
+def _can_be_named(
+    declared: DeclaredInertial, reference: Reference, ranking: _Ranking, habit: Habit | None = None
+) -> bool:
+    """Whether the best explanation is certain, convincing, and has an effect; of a ``habit`` a small one counts."""
     if ranking.is_same_correction[ranking.no_mistake] or not ranking.margin > MARGIN:
         return False
     if ranking.best.id in _PRECISE and len({_name_changed_number(mistake) for mistake in ranking.contenders}) > 1:
         return False
     least = TWIN_LIKE if reference.twin is not None else EFFECT
+    if habit is not None and ranking.best.id == habit.id:
+        least = min(least, EXACT)
     return (
-        _is_convincing(ranking, reference)
+        _is_convincing(ranking, reference, is_habit=habit is not None and ranking.best.id == habit.id)
         and _measure_effect(declared, ranking.numbers[0], ranking.best.factor) > least
     )
 
 
-def _is_convincing(ranking: _Ranking, reference: Reference) -> bool:
-    """Whether the best explanation leaves numbers that a part of this shape has: being better than the others is not enough."""
+def _is_convincing(ranking: _Ranking, reference: Reference, *, is_habit: bool = False) -> bool:
+    """Whether the best explanation leaves numbers that a part of this shape has: being better than the others is not enough.
+    What most links of the file have (``is_habit``) an open mesh can show too, and what it leaves has to be unremarkable only."""
     best, fit, none, twin = ranking.best, ranking.fit, ranking.no_mistake, reference.twin
     tensor_mismatch = float(fit.tensor_mismatch[0])
     com_mismatch = float(fit.com_mismatch[0])
@@ -357,16 +428,18 @@ def _is_convincing(ranking: _Ranking, reference: Reference) -> bool:
         return equal and bool(moments[-1] - moments[0] > _NOT_A_SPHERE * moments[-1])
     if twin is not None:  # the reference is not a uniform solid, but the numbers as they should be
         return worst < EXACT
+    if best.id == "decimal_point" and best.detail.startswith(("mass ", "tensor ")):
+        return worst < EFFECT  # a ratio of mass and tensor near ten may be a changed mass or a motor
     if best.borrowed == (0, 0):
         # A part with the COM (or the tensor) of its uniform solid has uniform density: the other has to agree as well.
         if float(fit.com_mismatch[none]) < UNIFORM and tensor_mismatch > 2 * EFFECT:
             return False
         if float(fit.tensor_mismatch[none]) < UNIFORM and com_mismatch > 2 * EFFECT:
             return False
-    if reference.mixture is OPEN_MIXTURE and best.id not in _COARSE:
+    if reference.mixture is OPEN_MIXTURE and best.id not in _COARSE and not is_habit:
         return False
     one_number = best.id == "decimal_point" and math.isinf(_get_com_tolerance(best))
-    return worst < (NEAR / 2 if one_number else NEAR)
+    return worst < (FAR if is_habit else NEAR / 2 if one_number else NEAR)
 
 
 def _measure_effect(declared: DeclaredInertial, mended: DeclaredInertial, factor: float) -> float:
@@ -389,14 +462,16 @@ def _name_cause(contenders: Sequence[Mistake]) -> str:
 
 def _get_mistake_family(mistake: Mistake) -> str:
     """Return what mistakes that differ only in their parameter have in common."""
-    return "units" if mistake.id == "inertia_unit" else mistake.id
+    return _FAMILIES.get(mistake.id, mistake.id)
 
 
 def _name_changed_number(mistake: Mistake) -> str:
     """Return which number a mistake in one number is about. The last word is the power of ten, which counts for a coordinate of
-    the COM: one that is next to zero after any of them need not have lost a decimal point."""
+    the COM: one that is next to zero after any of them need not have lost a decimal point. Mass and tensor count as one: only
+    their ratio shows."""
     has_power = mistake.id == "decimal_point" and not mistake.detail.startswith("com")
-    return mistake.detail.rpartition(" ")[0] if has_power else mistake.detail
+    name = mistake.detail.rpartition(" ")[0] if has_power else mistake.detail
+    return "mass or tensor" if name in {"mass", "tensor"} else name
 
 
 def _is_unremarkable(reference: Reference, tensor_mismatch: float, com_mismatch: float) -> bool:

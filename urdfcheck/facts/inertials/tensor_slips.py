@@ -29,8 +29,8 @@ _MOMENTS, _PRODUCTS = (0, 3, 5), (1, 2, 4)
 _TELLING_DIGITS = 4
 # The other signs of the products must bring them so much nearer to the drawn part's.
 _NEARER = 0.5
-# A smallest second moment by this part of the largest moment survives rounding to six digits.
-_THICKNESS = 1e-5
+# A smallest second moment by this part of the largest survives rounding to six digits.
+THICKNESS = 1e-5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,16 +100,20 @@ def find_wrong_signs(components: Sequence[float], drawn: Mat3 | None) -> TensorS
     )
 
 
-def find_nearest_tensor(components: Sequence[float]) -> tuple[tuple[float, ...], float]:
+def find_nearest_tensor(
+    components: Sequence[float], *, thickness: float = THICKNESS
+) -> tuple[tuple[float, ...], float]:
     """Find the tensor of a body with the nearest second moments, and by how much its numbers differ at most, in parts of its
     largest.
 
     The second moments ``½ tr(I) 1 - I`` of a body are positive semidefinite: negative ones become (nearly) zero, which is the
     nearest such matrix in the Frobenius norm (Higham, *Computing a nearest symmetric positive semidefinite matrix*, 1988).
+
+    :param thickness: what a negative second moment becomes, relative to the largest: it must survive rounding.
     """
     typed = build_inertia_tensor(components)
     second, axes = np.linalg.eigh(compute_mass_covariance(typed, 1.0))
-    kept: Vec3 = np.maximum(second, _THICKNESS * float(np.abs(second).max()))
+    kept: Vec3 = np.maximum(second, thickness * float(np.abs(second).max()))
     covariance = (axes * kept) @ axes.T
     nearest = np.trace(covariance) * np.eye(3) - covariance
     largest = float(np.abs(nearest).max())

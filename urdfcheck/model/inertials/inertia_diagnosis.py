@@ -5,14 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
-from urdfcheck.facts.inertials.diagnosis import EXACT, Diagnosis, diagnose_inertial
+from urdfcheck.facts.inertials.diagnosis import EXACT, Diagnosis, diagnose_inertial, measure_evidence
+from urdfcheck.facts.inertials.habits import Evidence, Habit, Key, decide_habit, list_candidates
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
 from urdfcheck.model.likeness.identical_parts import estimate_from_copies
@@ -70,6 +71,22 @@ class DiagnosedInertial:
     diagnosis: Diagnosis
     twins: tuple[str, ...]
     """The links (by name) whose inertials say so, if any."""
+    is_habit: bool
+    """Whether most links of the file have this mistake."""
+
+
+@dataclass(slots=True)
+class _Known:
+    """What is kept between runs, as plain values."""
+
+    whole: str | None = None
+    """A digest of all that the verdicts depend on."""
+    links: dict[str, tuple[str, list[str]]] = field(default_factory=dict)
+    """The key of its verdict, and its twins, by link."""
+    verdicts: dict[str, Any] = field(default_factory=dict)
+    evidence: dict[str, Any] = field(default_factory=dict)
+    """Of links alone, by the key of their verdict."""
+    habit: dict[str, Any] | None = None
 
 
 @fact
@@ -85,47 +102,107 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     known = _read_entry(entry)
     others = [f"{name} {_format_numbers(declared)}" for name, declared in numbers.items()]
     whole = _hash_drawing(model, model.links, [*others, *map(_format_joint, model.joints)])
-    if known["whole"] != whole:
-        known = {"whole": whole, **_diagnose_all(model, numbers, known["verdicts"])}
+    if known.whole != whole:
+        known = _diagnose_all(model, numbers, known)
+        known.whole = whole
         _write_entry(entry, known)
-    return {
-        name: DiagnosedInertial(numbers[name], _decode_diagnosis(known["verdicts"][key]), tuple(twins))
-        for name, (key, twins) in known["links"].items()
-    }
+    habit = None if known.habit is None else (known.habit["id"], known.habit["detail"])
+    diagnosed = {}
+    for name, (verdict, twins) in known.links.items():
+        diagnosis = _decode_diagnosis(known.verdicts[verdict])
+        is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
+        diagnosed[name] = DiagnosedInertial(numbers[name], diagnosis, tuple(twins), is_habit)
+    return diagnosed
 
 
-def _diagnose_all(model: Model, numbers: Mapping[str, DeclaredInertial], known: Mapping[str, Any]) -> dict[str, Any]:
-    """Return ``links``, name to the key of its verdict and its twins, and ``verdicts`` by key, from ``known`` where possible."""
-    links: dict[str, Any] = {}
-    verdicts: dict[str, Any] = {}
+def _diagnose_all(model: Model, numbers: Mapping[str, DeclaredInertial], known: _Known) -> _Known:
+    """Diagnose each link alone, then all together where links fit a mistake that a whole file has; from ``known`` where
+    possible."""
+    found = _Known()
     references = _collect_references(model)
     for name, declared in numbers.items():
         link, reference = model.link_by_name[name], references.get(name)
         if reference is None and not has_drawn_shape(link):
             continue
         key = _compute_cache_key(model, link, declared=declared, reference=reference)
-        if key in known:
-            verdicts[key] = known[key]
+        if key in known.verdicts:
+            found.verdicts[key] = known.verdicts[key]
+            if key in known.evidence:
+                found.evidence[key] = known.evidence[key]
         else:
             diagnosis = _diagnose_link(model, link, declared=declared, reference=reference)
             if diagnosis is None:
                 continue
-            verdicts[key] = _encode_diagnosis(diagnosis)
-        links[name] = key, () if reference is None else reference.links
-    return {"links": links, "verdicts": verdicts}
+            found.verdicts[key] = _encode_diagnosis(diagnosis)
+            if diagnosis.evidence is not None:
+                found.evidence[key] = _encode_evidence(diagnosis.evidence)
+        found.links[name] = key, [] if reference is None else list(reference.links)
+    habit = _find_habit(model, numbers, found, known)
+    if habit is None:
+        return found
+    found.habit = asdict(habit)
+    for name, (key, twins) in found.links.items():
+        if found.verdicts[key]["sound"] and key not in found.evidence:
+            continue
+        key_with_habit = f"{key} {habit}"
+        verdict = known.verdicts.get(key_with_habit)
+        if verdict is None:
+            diagnosis = _diagnose_link(
+                model,
+                model.link_by_name[name],
+                declared=numbers[name],
+                reference=references.get(name),
+                habit=habit,
+            )
+            verdict = found.verdicts[key] if diagnosis is None else _encode_diagnosis(diagnosis)
+        found.verdicts[key_with_habit] = verdict
+        found.links[name] = key_with_habit, twins
+    return found
+
+
+def _find_habit(model: Model, numbers: Mapping[str, DeclaredInertial], found: _Known, known: _Known) -> Habit | None:
+    """Find the mistake that most links have. Without a link that fits one, nothing is computed."""
+    candidates: dict[Key, None] = {}
+    for key, verdict in found.verdicts.items():
+        if not verdict["sound"] and key in found.evidence:
+            candidates |= dict.fromkeys(list_candidates(_decode_evidence(found.evidence[key])))
+    if not candidates:
+        return None
+    different: dict[tuple[str, ...], Evidence] = {}  # copies and mirror images are one piece of evidence
+    for name, (key, _) in found.links.items():
+        if key not in found.evidence:
+            evidence = known.evidence.get(key) or _measure_link_evidence(model, name, numbers[name])
+            if evidence is None:
+                continue
+            found.evidence[key] = evidence
+        declared = numbers[name]
+        moments = (declared.mass, *np.linalg.eigvalsh(declared.tensor))
+        different.setdefault(tuple(f"{value:.3g}" for value in moments), _decode_evidence(found.evidence[key]))
+    return decide_habit(list(different.values()), list(candidates))
+
+
+def _measure_link_evidence(model: Model, name: str, declared: DeclaredInertial) -> dict[str, Any] | None:
+    readings = _list_geometry_readings(model, model.link_by_name[name])
+    measured = [one for reading in readings if (one := measure_evidence(declared, reading)) is not None]
+    return _encode_evidence(max(measured, key=lambda one: one.sound)) if measured else None
 
 
 def _diagnose_link(
-    model: Model, link: Link, *, declared: DeclaredInertial, reference: InertialReference | None
+    model: Model,
+    link: Link,
+    *,
+    declared: DeclaredInertial,
+    reference: InertialReference | None,
+    habit: Habit | None = None,
 ) -> Diagnosis | None:
-    """Diagnose one link.
+    """Diagnose one link, in a file with a ``habit`` if that is known.
 
     None where what is drawn is not known, or where two ways to read it lead to different causes.
     """
     twin, trusted = (None, False) if reference is None else (reference.numbers, reference.trusted)
     diagnoses: list[Diagnosis] = []
     for reading in _list_geometry_readings(model, link):
-        diagnosis = diagnose_inertial(declared, reading, twin, trusted=trusted)
+        diagnosis = diagnose_inertial(declared, reading, twin, trusted=trusted, habit=habit)
         diagnoses += [] if diagnosis is None else [diagnosis]
         if diagnosis is not None and diagnosis.sound:
             break
@@ -137,12 +214,13 @@ def _diagnose_link(
     best = diagnoses[-1] if diagnoses[-1].sound else diagnoses[0]
     # Whether the tensors of an assembly's parts were added shows only when its mesh is taken apart.
     explained = best.sound if best.com_mismatch > _NEAR_COM else best.tensor_mismatch < EXACT
-    if explained or (best.cause is not None and best.unique):
+    is_habit = habit is not None and best.cause == habit.id
+    if explained or (best.cause is not None and (best.unique or is_habit)):
         return best
     parts = split_visual_bodies(model, link)
     if len(parts) < 2:
         return best
-    taken_apart = diagnose_inertial(declared, replace(drawn, pieces=parts), twin, trusted=trusted)
+    taken_apart = diagnose_inertial(declared, replace(drawn, pieces=parts), twin, trusted=trusted, habit=habit)
     return taken_apart if taken_apart is not None and taken_apart.cause is not None else best
 
 
@@ -251,26 +329,41 @@ def _format_numbers(numbers: DeclaredInertial) -> str:
     return " ".join(map(repr, (numbers.mass, *numbers.com, *numbers.tensor.ravel(), *numbers.rotation.ravel())))
 
 
-def _read_entry(entry: MutableMapping[str, Arrays]) -> dict[str, Any]:
+def _read_entry(entry: MutableMapping[str, Arrays]) -> _Known:
     """Return what is known; nothing where that is damaged."""
     try:
-        known = json.loads(entry["links"]["text"].tobytes())
-        return {"whole": known["whole"], "links": dict(known["links"]), "verdicts": dict(known["verdicts"])}
+        plain = json.loads(entry["links"]["text"].tobytes())
+        tables = {name: dict(plain[name]) for name in ("links", "verdicts", "evidence")}
+        return _Known(whole=plain["whole"], habit=plain["habit"], **tables)
     except (KeyError, TypeError, ValueError):
-        return {"whole": None, "links": {}, "verdicts": {}}
+        return _Known()
 
 
-def _write_entry(entry: MutableMapping[str, Arrays], known: Mapping[str, Any]) -> None:
-    entry["links"] = {"text": np.frombuffer(json.dumps(known).encode(), dtype=np.uint8)}
+def _write_entry(entry: MutableMapping[str, Arrays], known: _Known) -> None:
+    entry["links"] = {"text": np.frombuffer(json.dumps(asdict(known)).encode(), dtype=np.uint8)}
 
 
 def _encode_diagnosis(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return a diagnosis as plain values."""
-    plain = {name: getattr(diagnosis, name) for name in Diagnosis.__slots__}
+    """Return a diagnosis as plain values, without its evidence."""
+    plain = {name: getattr(diagnosis, name) for name in Diagnosis.__slots__ if name != "evidence"}
     mended = diagnosis.mended
     if mended is not None:
         plain["mended"] = [mended.mass, mended.com.tolist(), mended.tensor.tolist(), mended.rotation.tolist()]
     return plain
+
+
+def _encode_evidence(evidence: Evidence) -> dict[str, Any]:
+    habits = [[*key, evidence.likelihoods[key], evidence.priors[key]] for key in evidence.likelihoods]
+    return {"habits": habits, "sound": evidence.sound, "alternative": evidence.alternative}
+
+
+def _decode_evidence(plain: Mapping[str, Any]) -> Evidence:
+    return Evidence(
+        likelihoods={(name, detail): likelihood for name, detail, likelihood, _ in plain["habits"]},
+        priors={(name, detail): prior for name, detail, _, prior in plain["habits"]},
+        sound=plain["sound"],
+        alternative=plain["alternative"],
+    )
 
 
 def _decode_diagnosis(plain: Mapping[str, Any]) -> Diagnosis:

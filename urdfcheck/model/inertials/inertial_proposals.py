@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,18 +26,39 @@ from urdfcheck.facts.inertials.tensor_slips import (
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
-from urdfcheck.model.repairs.number_text import NEGLIGIBLE_DIFFERENCE
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+    from urdfcheck.facts.inertials.diagnosis import Diagnosis
+
+# Causes after which the file does not show which number is right, or whose numbers come from the mesh.
+_UNDECIDED_CAUSES = frozenset(
+    {"other_mass", "one_piece", "shell", "bounding_box", "convex_hull", "com_missing", "mesh_scale"}
+)
+# The undone mistake must leave no more than this part of the mismatch, and no more than lumps of a third of the mass make.
+_REMAINING, _SOUND = 0.3, 0.75
+# The nearest possible tensor is offered as an edit without a cause where it changes less than mass properties are known by.
+_NEGLIGIBLE_CHANGE = 5e-3
+# Where the nearest possible tensor changes more, nothing can be learned from the author's numbers.
+_LARGEST_CHANGE = 0.1
+# What a mesh leaves of a product that is zero, relative to the largest moment.
+_MESH_NOISE = 1e-3
+# Significant digits of numbers that a uniform density gives.
+_GUESSED_DIGITS = 4
+
 # A flat part's tensor that was typed with three digits may miss the triangle inequality by this share of its largest moment.
 TRIANGLE_SLACK = 5e-3
-# A tensor that misses the triangle inequality by less than this part of its largest moment is the author's, a little off; the
-# nearest possible one is offered as an edit where it changes less.
+# A tensor whose digits are too few gets the nearest possible one as an edit where it changes less than this part.
 SMALL_EXCESS = 0.05
+# A tensor that was typed with too few digits gets so many more.
+_MORE_DIGITS = 2
+# With the right signs the products are so near to the drawn part's, relative to these.
+_NEAR_PRODUCTS = 0.5
 
-# Causes of INR009 that the pages of INR003 and INR004 have as well.
-_SIGN_CAUSES = frozenset({"products_sign", "one_sign"})
+# Causes of INR009 that the pages of INR003 and INR004 have as well, with their ids there.
+_SHARED_CAUSES = {"products_sign": "products_sign", "one_sign": "one_sign", "rounded": "digits"}
 # When the repair of a slip that the numbers show is right.
 _SLIP_CONDITIONS = {
     "products_filled": "the products are placeholders",
@@ -53,14 +75,18 @@ _MISTAKE_NAMES = {
     "mass_unit": "unit of the mass",
     "one_piece": "one piece only",
     "one_sign": "one sign",
+    "positive_notation": "tensor about the origin, with products of the other sign",
     "products_sign": "signs of the products",
+    "rounded": "rounding",
     "row_major": "order of the numbers",
     "rpy_missing": "rpy left out",
     "rpy_twice": "rpy applied twice",
+    "slots_shifted": "shifted numbers",
     "slots_swapped": "swapped numbers",
     "steiner_missing": "parallel-axis theorem left out",
     "steiner_twice": "parallel-axis theorem applied twice",
     "unmirrored": "not mirrored",
+    "wrong_formula": "formula of another solid",
 }
 
 
@@ -82,6 +108,12 @@ class InertialProposal:
 def name_mistake(cause: str) -> str:
     """Return a cause of INR009 in two or three words."""
     return _MISTAKE_NAMES.get(cause, cause.replace("_", " "))
+
+
+def describe_mistake(cause: str, detail: str) -> str:
+    """Name a cause of INR009 in a few words, with its ``detail``."""
+    name = name_mistake(cause)
+    return f"{name}: {detail}{' times' if cause == 'decimal_point' else ''}" if detail else name
 
 
 def propose_repair(model: Model, link: Link) -> InertialProposal:
@@ -109,14 +141,12 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
         return InertialProposal(
             message=f"; {repeated.detail} digit for digit", cause=repeated.id, detail=repeated.detail
         )
-    if typed.explained_by_rounding or -typed.excess < SMALL_EXCESS:
-        return _propose_nearest(link, declared, "digits" if typed.explained_by_rounding else None)
-    drawn = propose_from_geometry(model, link)
-    if drawn is None or not drawn.text:
-        return InertialProposal()
-    return InertialProposal(
-        drawn.edits, "", f"write {drawn.words} (the drawn part at this mass and uniform density), or "
-    )
+    if typed.explained_by_rounding:
+        return _propose_nearest(link, declared, "digits", digits=typed.typed_digits + _MORE_DIGITS)
+    if find_nearest_tensor(declared.components)[1] < _LARGEST_CHANGE:
+        return _propose_nearest(link, declared, None)
+    drawn = describe_drawn_inertial(model, link)
+    return InertialProposal(remedy=f"write {drawn}, or " if drawn else "")
 
 
 def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None:
@@ -143,7 +173,7 @@ def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None
         change.edits,
         f"; {claim}",
         f"write {change.words}, or ",
-        cause=diagnosis.cause if diagnosis.cause in _SIGN_CAUSES else None,
+        cause=_SHARED_CAUSES.get(diagnosis.cause or ""),
         detail=diagnosis.detail,
     )
 
@@ -167,7 +197,8 @@ def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialPropos
     claim += f", and its products are {after} off the drawn part's instead of {before}"
     proposal = _propose_slip(link, slip, claim)
     text = None if link.inertial is None else link.inertial.element.span
-    return proposal if len(_links_by_inertial_text(model)[text]) == 1 else replace(proposal, edits=())
+    is_certain = slip.residual[1] < _NEAR_PRODUCTS and len(_links_by_inertial_text(model)[text]) == 1
+    return proposal if is_certain else replace(proposal, edits=())
 
 
 def _propose_slip(link: Link, slip: TensorSlip, claim: str) -> InertialProposal:
@@ -182,16 +213,19 @@ def _propose_slip(link: Link, slip: TensorSlip, claim: str) -> InertialProposal:
     )
 
 
-def _propose_nearest(link: Link, declared: DeclaredTensor, cause: str | None) -> InertialProposal:
-    components, change = find_nearest_tensor(declared.components)
-    nearest = _replace_tensor(link, components)
+def _propose_nearest(link: Link, declared: DeclaredTensor, cause: str | None, *, digits: int = 6) -> InertialProposal:
+    """Propose the nearest tensor that a body can have, about the author's own COM, with so few digits that it is still one."""
+    components, change = find_nearest_tensor(declared.components, thickness=10.0 ** (1 - min(digits, 6)))
+    nearest = _replace_tensor(link, components, digits=min(digits, 6))
     if nearest is None or not nearest.text:
         return InertialProposal()
-    remedy = f"write {nearest.words}, the nearest possible tensor ({100 * change:.2g} % off), or better "
-    return InertialProposal(nearest.edits if change < SMALL_EXCESS else (), "", remedy, cause=cause)
+    edits = nearest.edits if change < (SMALL_EXCESS if cause else _NEGLIGIBLE_CHANGE) else ()
+    words = replace(nearest, edits=edits).words
+    remedy = f"write {words}, the nearest possible tensor ({100 * change:.2g} % off), or better "
+    return InertialProposal(edits, "", remedy, cause=cause)
 
 
-def _replace_tensor(link: Link, components: Sequence[float]) -> InertialRepair | None:
+def _replace_tensor(link: Link, components: Sequence[float], digits: int = 6) -> InertialRepair | None:
     """Build the change of the tensor alone."""
     inertial = link.inertial
     matrix = None if inertial is None else inertial.origin.matrix
@@ -199,16 +233,17 @@ def _replace_tensor(link: Link, components: Sequence[float]) -> InertialRepair |
         return None
     com, rotation = matrix[:3, 3], matrix[:3, :3]
     tensor = build_inertia_tensor(components)
-    return build_inertial_repair(
-        inertial, DeclaredInertial(mass=inertial.mass, com=com, tensor=tensor, rotation=rotation)
-    )
+    wanted = DeclaredInertial(mass=inertial.mass, com=com, tensor=tensor, rotation=rotation)
+    return build_inertial_repair(inertial, wanted, digits)
 
 
-def propose_undo(model: Model, link: Link) -> InertialRepair | None:
+def propose_undo(model: Model, link: Link, *, is_habit: bool = False) -> InertialRepair | None:
     """Propose what undoes the mistake that was found in a link's inertial.
 
-    None where no mistake is certain, or it is not in the inertial. Without edits where a macro wrote the same text for
-    other links, in which this mistake was not found.
+    None where no mistake is certain, or it is not in the inertial. Without edits where the evidence is weak, and where a macro
+    wrote the same text for other links, in which this mistake was not found.
+
+    :param is_habit: whether most links of the file have the mistake. They prove it together, although one link alone does not.
     """
     from urdfcheck.model.inertials.inertia_diagnosis import (
         inertial_diagnoses,  # heavy, and needed for wrong inertials only
@@ -220,11 +255,39 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
     change = build_inertial_repair(inertial, diagnosed.diagnosis.mended)
     if not change.text:
         return None
-    return change if _has_same_mistake(model, inertial.element.span) else replace(change, edits=())
+    is_certain = (is_habit or is_evident(diagnosed.diagnosis)) and _has_same_mistake(model, inertial.element.span)
+    return change if is_certain else replace(change, edits=())
+
+
+def is_evident(diagnosis: Diagnosis) -> bool:
+    """Whether the named mistake is so certain that undoing it is offered as an edit.
+
+    It is where the numbers without it are those of the drawn part or the twin. Otherwise it must be the mistake that makes most
+    of the mismatch, and leave a part that may well be.
+    """
+    if diagnosis.cause in _UNDECIDED_CAUSES:
+        return False
+    if diagnosis.unique or diagnosis.judged_by == "twin":
+        return True
+    before, after = diagnosis.tensor_mismatch, diagnosis.mended_tensor_mismatch
+    if diagnosis.mended_com_mismatch != diagnosis.com_mismatch:
+        before, after = max(before, diagnosis.com_mismatch), max(after, diagnosis.mended_com_mismatch)
+    return after < _SOUND and after < _REMAINING * before
+
+
+def describe_drawn_inertial(model: Model, link: Link) -> str:
+    """Describe the inertia of what the link draws, at its mass and uniform density. It is advice: the density is not known.
+
+    Empty when that is not known, or written already.
+    """
+    change = _compute_from_geometry(model, link)
+    return (
+        f"{change.text} (the drawn part at this mass and uniform density)" if change is not None and change.text else ""
+    )
 
 
 def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
-    """Propose the COM and the inertia tensor of what the link draws, at its declared mass and uniform density.
+    """Propose the inertia of what the link draws, at its declared mass and uniform density, in place of a placeholder.
 
     None when that is not known, or there is no mass. Without edits where a macro wrote the same text for links that draw or
     weigh something else.
@@ -281,9 +344,15 @@ def _compute_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     matrix = inertial.origin.matrix
     rotation = np.eye(3) if matrix is None else matrix[:3, :3]  # the axes that the author chose are kept
     tensor = rotation.T @ compute_solid_inertia(drawn.solid, inertial.mass) @ rotation
-    # What single precision leaves of a zero is not a number to write.
-    com = np.where(np.abs(drawn.solid.com) > NEGLIGIBLE_DIFFERENCE * size**0.5, drawn.solid.com, 0.0)
-    tensor = np.where(np.abs(tensor) > NEGLIGIBLE_DIFFERENCE * np.abs(tensor).max(), tensor, 0.0)
+    own = None if matrix is None else matrix[:3, 3]
+    # A COM that was typed is not part of the placeholder. What a mesh leaves of a zero is not a number to write.
+    com = own if own is not None and own.any() else _drop_noise(drawn.solid.com, size**0.5)
+    tensor = _drop_noise(tensor, float(np.abs(tensor).max()))
     return build_inertial_repair(
-        inertial, DeclaredInertial(mass=inertial.mass, com=com, tensor=tensor, rotation=rotation)
+        inertial, DeclaredInertial(mass=inertial.mass, com=com, tensor=tensor, rotation=rotation), _GUESSED_DIGITS
     )
+
+
+def _drop_noise(numbers: Array, size: float) -> Array:
+    kept: Array = np.where(np.abs(numbers) > _MESH_NOISE * size, numbers, 0.0)
+    return kept

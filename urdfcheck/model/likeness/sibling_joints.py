@@ -24,7 +24,7 @@ def sibling_joints(model: Model) -> tuple[tuple[Joint, ...], ...]:
     kinds: dict[tuple[str, int], list[tuple[Joint, LinkSignature]]] = {}
     for name in tree.order[1:]:
         joint = tree.parent_joint[name]
-        signature = _compute_signature(model, model.link_by_name[name]) if joint.has_axis else None
+        signature = compute_link_signature(model, model.link_by_name[name]) if joint.has_axis else None
         if signature is not None:
             depth = sum(j.is_movable for j in tree.find_path_to(name))
             kinds.setdefault((joint.type, depth), []).append((joint, signature))
@@ -62,7 +62,8 @@ def trace_fixed_chain(model: Model, joint: Joint, base: str) -> tuple[Joint, ...
     return tuple(reversed(chain))
 
 
-def _compute_signature(model: Model, link: Link) -> LinkSignature | None:
+def compute_link_signature(model: Model, link: Link) -> LinkSignature | None:
+    """Compute what a link has in common with its like; None where it has neither an inertial nor a mesh, or it is malformed."""
     inertial, surface = link.inertial, _compute_surface_moments(model, link)
     if inertial is None:
         return build_link_signature(0.0, (), surface) if surface else None

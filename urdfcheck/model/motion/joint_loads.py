@@ -7,21 +7,19 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.core.text import split_name_words
 from urdfcheck.facts.motion import dynamics
+from urdfcheck.model.motion.buoyancy import has_buoyancy_plugin
 from urdfcheck.model.motion.pinocchio_model import pinocchio_model, write_without_geometry
 from urdfcheck.model.motion.poses import JointConfigurations, apply_mimics, get_sampling_range, sample_configurations
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.source.text.values import read_attribute_number
-from urdfcheck.source.text.xml import Element
 from urdfcheck.system.array_cache import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
@@ -45,23 +43,6 @@ _RELIEF = 10.0
 # Links whose masses differ by less than this share, on different branches, are one part that was used several times.
 _ALIKE = 1e-3
 _ROLLING = re.compile(r"wheel|tyre|cast[eo]r", re.IGNORECASE)
-_AFLOAT = re.compile(r"buoyan|hydrodynam|underwater", re.IGNORECASE)
-# Words of names that a robot under water has: those of links, joints, plugins and mesh files.
-_SUBMERSIBLE = frozenset(
-    {
-        "rov",
-        "bluerov",
-        "auv",
-        "uuv",
-        "thruster",
-        "thrusters",
-        "buoyancy",
-        "submarine",
-        "submersible",
-        "subsea",
-        "underwater",
-    }
-)
 _CODE_MODULES = (
     "urdfcheck.facts.motion.dynamics",
     "urdfcheck.facts.motion.kinematics",
@@ -174,7 +155,7 @@ def find_supported_joints(model: Model) -> frozenset[str]:
     that Gazebo closes; or a spring turns the joint.
     """
     tree = model.tree
-    if any(_AFLOAT.search(plugin.get("filename") + plugin.get("name")) for plugin in _list_plugins(model)):
+    if has_buoyancy_plugin(model):
         return frozenset(joint.name for joint in model.joints)
     on_the_ground = {name for name in tree.order if _ROLLING.search(name)}
     weightless = _find_gazebo_references(model, {"turnGravityOff"}, {"true", "1"}) | _find_gazebo_references(
@@ -190,23 +171,6 @@ def find_supported_joints(model: Model) -> frozenset[str]:
     return frozenset(
         supported | {g.get("reference") for g in model.robot.find_children("gazebo") if g.find_child("springStiffness")}
     )
-
-
-def find_submersible_name(model: Model) -> str | None:
-    """Return a name by which the robot works under water, where a part of each weight is carried; None if there is none."""
-    files = (shape.mesh_filename for link in model.links for shape in (*link.visuals, *link.collisions))
-    names = (
-        model.name,
-        *(link.name for link in model.links),
-        *(joint.name for joint in model.joints),
-        *(PurePosixPath(file.value).stem for file in files if file is not None),
-        *(plugin.get(key) for plugin in _list_plugins(model) for key in ("filename", "name")),
-    )
-    return next((name for name in names if _SUBMERSIBLE & {word.lower() for word in split_name_words(name)}), None)
-
-
-def _list_plugins(model: Model) -> list[Element]:
-    return [plugin for gazebo in model.robot.find_children("gazebo") for plugin in gazebo.find_children("plugin")]
 
 
 def _find_gazebo_references(model: Model, tags: set[str], answers: set[str]) -> set[str]:

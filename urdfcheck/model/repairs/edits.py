@@ -1,4 +1,8 @@
-"""Edits of attributes that are typed literally, and advice in words where a value is computed."""
+"""Edits of attributes where their values are typed, and advice in words where a value is computed.
+
+A macro may hand on a value that a yaml file, a property or a call gives it: then the edit is there. Whether other attributes
+read the same text is checked when all findings of a model are known (`urdfcheck.policy.fix_safety`).
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,7 @@ from urdfcheck.core import Edit, Location
 from urdfcheck.core.text import join_names
 from urdfcheck.model.repairs.number_text import keep_notation
 from urdfcheck.model.repairs.origin_edits import describe_definitions
+from urdfcheck.source.text.handed_values import find_typed_value
 from urdfcheck.source.text.tokens import find_content_span
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile
@@ -31,7 +36,9 @@ class AttributeChange:
 
 def change_numbers(attribute: Attribute | None, name: str, text: str) -> AttributeChange:
     """Return the change that writes numbers in an attribute, in the notation of those that are typed there."""
-    return AttributeChange(attribute, name, text if attribute is None else keep_notation(attribute.value, text))
+    return AttributeChange(
+        attribute, name, text if attribute is None else keep_notation(read_typed_text(attribute), text)
+    )
 
 
 def edit_literal(attribute: Attribute | None, text: str) -> list[Edit]:
@@ -41,31 +48,53 @@ def edit_literal(attribute: Attribute | None, text: str) -> list[Edit]:
     return [Edit(attribute.span, attribute.typed, text)]
 
 
-def edit_numbers(attribute: Attribute | None, text: str) -> list[Edit]:
-    """Return the edit that writes these numbers in an attribute, in the notation of those that are typed there; nothing unless
-    they are typed literally."""
-    return [] if attribute is None else edit_literal(attribute, keep_notation(attribute.typed, text))
-
-
 def edit_literals(texts: Iterable[tuple[Attribute | None, str]]) -> list[Edit]:
     """Return the edits that write a text in each attribute; nothing unless all values are typed literally."""
-    edits = []
-    for attribute, text in texts:
-        edit = edit_literal(attribute, text)
-        if not edit:
-            return []
-        edits += edit
-    return edits
+    return _join_all(edit_literal(attribute, text) for attribute, text in texts)
+
+
+def read_typed_text(attribute: Attribute) -> str:
+    """Return the text that `edit_value` replaces; the value where there is none."""
+    typed = find_typed_value(attribute)
+    return attribute.value if typed is None else typed.text
+
+
+def edit_value(attribute: Attribute | None, text: str) -> list[Edit]:
+    """Return the edit that gives an attribute the value ``text`` where its value is typed; nothing where it is computed.
+
+    That is in the attribute, or in the yaml file, the property or the call that hands it on.
+    """
+    typed = None if attribute is None else find_typed_value(attribute)
+    return [] if typed is None else [Edit(typed.span, typed.text, text)]
+
+
+def edit_values(texts: Iterable[tuple[Attribute | None, str]]) -> list[Edit]:
+    """Return the edits that give each attribute a value, where it is typed; nothing where one of them is computed."""
+    return _join_all(edit_value(attribute, text) for attribute, text in texts)
+
+
+def edit_numbers(attribute: Attribute | None, text: str) -> list[Edit]:
+    """Return the edit that gives an attribute these numbers, in the notation of those that are typed; nothing where they are
+    computed."""
+    return [] if attribute is None else edit_value(attribute, keep_notation(read_typed_text(attribute), text))
 
 
 def edit_all_numbers(texts: Iterable[tuple[Attribute | None, str]]) -> list[Edit]:
-    """Return the edits that write numbers in each attribute, in its notation; nothing unless all values are typed literally."""
-    return edit_literals((a, text if a is None else keep_notation(a.typed, text)) for a, text in texts)
+    """Return the edits that give each attribute numbers, in its notation; nothing where one of the values is computed."""
+    return _join_all(edit_numbers(attribute, text) for attribute, text in texts)
 
 
-def swap_literals(one: Attribute | None, other: Attribute | None) -> list[Edit]:
-    """Return the edits that exchange two values; nothing unless both are typed literally."""
-    return [] if one is None or other is None else edit_literals(((one, other.typed), (other, one.typed)))
+def swap_values(one: Attribute | None, other: Attribute | None) -> list[Edit]:
+    """Return the edits that exchange two values; nothing where one of them is computed."""
+    if one is None or other is None:
+        return []
+    return edit_values(((one, read_typed_text(other)), (other, read_typed_text(one))))
+
+
+def _join_all(edits: Iterable[list[Edit]]) -> list[Edit]:
+    """Return all edits; nothing where one of the changes has none."""
+    each = list(edits)
+    return [edit for some in each for edit in some] if all(each) else []
 
 
 def edit_content(element: Element, text: str, files: Mapping[str, SourceFile]) -> list[Edit]:
@@ -81,8 +110,8 @@ def locate_content(element: Element, files: Mapping[str, SourceFile]) -> Locatio
 
 
 def make_attribute_edits(changes: Iterable[AttributeChange]) -> list[Edit]:
-    """Return the edits that make all changes; nothing unless all values are typed literally."""
-    return edit_literals((change.attribute, change.text) for change in changes)
+    """Return the edits that make all changes; nothing where one of the values is computed."""
+    return edit_values((change.attribute, change.text) for change in changes)
 
 
 def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *, shared: bool) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from urdfcheck.facts.arrays import Array
-from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
+from urdfcheck.facts.inertials.declared_and_drawn import Primitive, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_box_solid, transform_solid
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
 from urdfcheck.facts.mesh.moments import MeshMoments, compute_mesh_moments
@@ -180,6 +180,7 @@ def _measure_shapes(
         shell=combine_solids(shells) if len(shells) == len(known) else None,
         box=box if box.volume > 0.0 else None,
         pieces=solids,
+        primitive=known[0].primitive if len(known) == 1 else None,
     )
 
 
@@ -195,7 +196,10 @@ def _measure_shape(model: Model, shape: Shape, *, apply_unit: bool, apply_up_axi
     facts, scale = model.meshes.get_facts(shape), get_mesh_scale(model, shape, apply_unit)
     if facts is None or scale is None:
         solid = measure_shape_solid(model, shape)
-        return None if solid is None else VisualGeometry(solid=solid, closed=True, points=points, hull=solid)
+        if solid is None:
+            return None
+        primitive = Primitive(shape.kind or "", shape.size or (), turn)
+        return VisualGeometry(solid=solid, closed=True, points=points, hull=solid, primitive=primitive)
     upright = get_up_axis_rotation(facts, apply_up_axis)
     turn, scale = turn @ upright, np.abs(upright.T) @ scale
     integrals = compute_mesh_moments(facts.hull.vertices, facts.hull.faces)

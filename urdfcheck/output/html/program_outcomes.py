@@ -6,27 +6,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Rule, Severity, Verdict
+from urdfcheck.output.shared.verdict.effects import describe_verdict
 from urdfcheck.output.shared.wording import PROGRAM_NAMES
-from urdfcheck.policy.consumers import CONSUMERS, get_verdict, predict_outcomes
+from urdfcheck.policy.consumers import CONSUMERS, get_verdict, is_news, predict_outcomes
 
-VERDICT_TEXTS = {
-    Verdict.LOADS: ("ok", "loads it as typed"),
-    Verdict.IGNORES: ("warning", "loads it changed: ignores a part"),
-    Verdict.REPLACES: ("warning", "loads it changed: replaces values"),
-    Verdict.SWAPS: ("warning", "loads it changed: swaps values"),
-    Verdict.NAN: ("warning", "loads it and computes NaN"),
-    Verdict.DROPS: ("error", "loads it changed: drops a part"),
-    Verdict.REFUSES: ("error", "refuses it"),
-}
-# What a program does, for one program and for several.
-VERBS = {
-    Verdict.IGNORES: ("ignores a part", "ignore a part"),
-    Verdict.REPLACES: ("replaces values", "replace values"),
-    Verdict.SWAPS: ("swaps values", "swap values"),
-    Verdict.NAN: ("computes NaN", "compute NaN"),
-    Verdict.DROPS: ("drops a part", "drop a part"),
-    Verdict.REFUSES: ("refuses the model", "refuse the model"),
-}
 _KINDS = ("ok", "warning", "error")
 
 
@@ -50,7 +33,7 @@ def mark_programs(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> lis
     launched = select_launch_findings(findings, rules)
     marks = []
     for program, outcome in predict_outcomes(findings).items():
-        kind, words = VERDICT_TEXTS[outcome.verdict]
+        kind, words = rate_verdict(outcome.verdict), describe_outcome(outcome.verdict)
         for finding in launched:
             effect = mark_effect(finding, program, rules)
             if _KINDS.index(effect) > _KINDS.index(kind):
@@ -59,12 +42,31 @@ def mark_programs(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> lis
     return marks
 
 
+def rate_verdict(verdict: Verdict) -> str:
+    """Return how bad a verdict is: ok | warning | error."""
+    if verdict >= Verdict.DROPS:
+        return "error"
+    return "ok" if verdict is Verdict.LOADS else "warning"
+
+
+def describe_outcome(verdict: Verdict) -> str:
+    """Say what happens to a model in a program: ``loads it changed: drops a part``."""
+    match verdict:
+        case Verdict.LOADS:
+            return "loads it as typed"
+        case Verdict.REFUSES:
+            return "refuses it"
+        case Verdict.NAN:
+            return f"loads it and {describe_verdict(verdict)}"
+    return f"loads it changed: {describe_verdict(verdict)}"
+
+
 def mark_effect(finding: Finding, program: str, rules: Mapping[str, Rule]) -> str:
     """Return how bad it is what a program does with one defect: ok | warning | error.
 
     Sentences about launch files have no verdict; they are as bad as the finding."""
-    kind, _ = VERDICT_TEXTS[get_verdict(finding.consequences, program)]
-    if kind != "ok" or not is_news(finding, program) or not select_launch_findings([finding], rules):
+    kind = rate_verdict(get_verdict(finding.consequences, program))
+    if kind != "ok" or not is_affected(finding, program) or not select_launch_findings([finding], rules):
         return kind
     return "ok" if finding.severity == Severity.INFO else str(finding.severity)
 
@@ -74,14 +76,14 @@ def select_launch_findings(findings: Iterable[Finding], rules: Mapping[str, Rule
     return [f for f in findings if f.code in rules and rules[f.code].scopes == ("launch",) and f.suppressed is None]
 
 
-def is_news(finding: Finding, program: str) -> bool:
+def is_affected(finding: Finding, program: str) -> bool:
     """Whether a program does anything but load what was typed."""
     sentence = finding.consequences.get(program)
     if sentence is None:
         return get_verdict(finding.consequences, program) > Verdict.LOADS
-    return not sentence.startswith("loads")
+    return is_news(sentence)
 
 
 def list_affected_programs(finding: Finding) -> list[str]:
     """List the programs of the strip that do anything but load what was typed."""
-    return [program for program in CONSUMERS if is_news(finding, program)]
+    return [program for program in CONSUMERS if is_affected(finding, program)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from urdfcheck.core import Confidence, Finding, ModelInfo, Run, Severity, Span, Verdict
+from urdfcheck.core.text import join_names
 from urdfcheck.output.shared.escaping import escape_one_line
 from urdfcheck.policy.consumers import is_news
 
@@ -88,7 +89,7 @@ def describe_models(run: Run, finding: Finding) -> str:
     if len(files) < 2:
         return ""
     names = [get_base_name(file).partition(".")[0] for file in files]
-    return join_first(files if len(set(names)) < len(names) else names, MOST_MODELS)
+    return join_names(files if len(set(names)) < len(names) else names, MOST_MODELS)
 
 
 def find_finding_file(run: Run, finding: Finding) -> str:
@@ -101,7 +102,8 @@ def get_base_name(path: str) -> str:
     return path.replace("\\", "/").rsplit("/", 1)[-1]
 
 
-def join_first(words: Sequence[str], most: int) -> str:
-    """Join the first ``most`` words, and say how many more there are."""
-    rest = len(words) - most
-    return ", ".join(words[:most]) + (f" and {rest} more" if rest > 0 else "")
+def join_with_and(names: Sequence[str], most: int = 100) -> str:
+    """Join names, ``a, b and c``; of more than ``most`` and one the first ``most``, and how many more there are."""
+    if len(names) > most + 1:
+        return join_names(names, most)
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

@@ -8,6 +8,7 @@ from rich.text import Text
 
 from urdfcheck.core import Applicability, ModelInfo, Run, Severity, SkippedCheck
 from urdfcheck.core.headlines import cut_line
+from urdfcheck.core.text import join_names
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.not_checked import GLYPH, describe_not_checked, is_accepted
 from urdfcheck.output.shared.verdict.verdict import describe_checked_units
@@ -17,7 +18,6 @@ from urdfcheck.output.shared.wording import (
     describe_found_arguments,
     format_count,
     get_base_name,
-    join_first,
     sort_worst_first,
 )
 from urdfcheck.output.text.full_finding import FIX_OPTIONS
@@ -56,8 +56,8 @@ def iter_skipped(run: Run, width: int, *, is_full: bool) -> Iterator[Text]:
         # What was not checked at all is told by its name; it is none of the models.
         checked = len(run.models) - len(unchecked)
         applies_to_all = "" in models or (len(models) >= checked and "ALL" not in codes)
-        where = "" if applies_to_all else f" ({join_first(sorted(models), 3)})"
-        line = f"skipped {join_first(sorted(codes), MAX_CODES)}: {escape_invisible(reason + where)}"
+        where = "" if applies_to_all else f" ({join_names(sorted(models), 3)})"
+        line = f"skipped {join_names(sorted(codes), MAX_CODES)}: {escape_invisible(reason + where)}"
         yield from wrap_text(Text(line, "dim"), width)
 
 

@@ -11,10 +11,11 @@ from rich.text import Text
 
 from urdfcheck.core import Applicability, Finding, Run, Severity, Span
 from urdfcheck.core.headlines import cut_line, cut_middle
+from urdfcheck.core.text import join_names
 from urdfcheck.output.shared.diffs import LineChange, list_line_changes
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.effects import ToldEffects, describe_hits
-from urdfcheck.output.shared.wording import describe_models, format_count, get_base_name, join_first
+from urdfcheck.output.shared.wording import describe_models, format_count, get_base_name
 from urdfcheck.output.text.change_lines import iter_change_lines
 from urdfcheck.output.text.code_frame_lines import crop_to_window, iter_code_frame
 from urdfcheck.output.text.fix_words import refer_to_change, wrap_words
@@ -203,7 +204,7 @@ def _join_some(names: Sequence[str], most: int, noun: str) -> str:
     """Join the first names and say how many more there are, and of what: ``:12, :14 and 3 more places``."""
     rest = len(names) - most
     ending = f" {noun}{'' if rest == 1 else 's'}" if noun and rest > 0 else ""
-    return f"{join_first(names, most)}{ending}"
+    return f"{join_names(names, most)}{ending}"
 
 
 def _format_places(finding: Finding, width: int) -> Text:

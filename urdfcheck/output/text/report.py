@@ -8,6 +8,7 @@ from enum import Enum
 from rich.text import Text
 
 from urdfcheck.core import Finding, Run, Severity
+from urdfcheck.core.text import join_names
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line, find_ci_command
 from urdfcheck.output.shared.rule_statistics import count_by_rule, format_table
 from urdfcheck.output.shared.verdict.effects import ToldEffects
@@ -19,7 +20,7 @@ from urdfcheck.output.shared.verdict.not_checked import (
     group_unchecked,
     is_accepted,
 )
-from urdfcheck.output.shared.wording import format_concise, join_first, sort_worst_first
+from urdfcheck.output.shared.wording import format_concise, sort_worst_first
 from urdfcheck.output.text.closing_lines import (
     describe_fixable,
     format_glyph,
@@ -162,7 +163,7 @@ def _iter_not_checked(run: Run, width: int) -> Iterator[Text]:
     yield format_separator(Text("not checked"), width)
     for group in group_unchecked(models):
         ids = [f"{info.id} (accepted)" if is_accepted(info) else info.id for info in group.models]
-        names = Text(escape_one_line(join_first(ids, MAX_MODELS)), "bold")
+        names = Text(escape_one_line(join_names(ids, MAX_MODELS)), "bold")
         yield from wrap_text(names, width, format_glyph(group.models))
         yield from wrap_text(Text(escape_invisible(group.reason)), width, Text("  "))
         if group.command:  # on a line of its own, to be copied
@@ -172,7 +173,7 @@ def _iter_not_checked(run: Run, width: int) -> Iterator[Text]:
             Text(f"to accept that: {ACCEPTING_OPTION}, or {ACCEPTING_KEY} in urdfcheck.toml", "dim"), width, Text("  ")
         )
     if run.unused_macro_files:
-        shown = escape_one_line(join_first(run.unused_macro_files, MAX_MODELS))
+        shown = escape_one_line(join_names(run.unused_macro_files, MAX_MODELS))
         yield from wrap_text(Text(f"{describe_unused_macros(run)}: {shown}"), width, Text(f"{GLYPH} ", "bold yellow"))
     yield Text()
 

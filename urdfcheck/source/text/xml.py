@@ -62,6 +62,8 @@ class Definition:
     name: str
     span: Span | None
     reads: tuple[Definition, ...] = ()
+    text: str = ""
+    """What is typed at the place; empty where the place holds more than the value, as that of a default does."""
 
     @property
     def location(self) -> Location:

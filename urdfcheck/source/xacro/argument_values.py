@@ -15,9 +15,9 @@ from math import prod
 from pathlib import Path
 
 from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
-from urdfcheck.source.xacro.usage import EXPRESSION
 
 # Up to this number, every combination is a variant; beyond it, each value alone, and each pair of values in some variant.
 MOST_COMBINATIONS = 32

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.dom import minidom
 
+from urdfcheck.core import Span
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import Problem
@@ -40,6 +41,8 @@ class Expansion:
     """The trees of these files as typed."""
     problems: tuple[Problem, ...]
     arguments_read: frozenset[str]
+    loose_reads: frozenset[Span]
+    """The places of definitions that conditions, texts and names of files read."""
 
 
 def expand_xacro(
@@ -83,4 +86,5 @@ def expand_xacro(
         trees=access.trees,
         problems=tuple(trace.problems),
         arguments_read=frozenset(trace.arguments_read),
+        loose_reads=frozenset(trace.loose_reads),
     )

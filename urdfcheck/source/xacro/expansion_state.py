@@ -74,6 +74,8 @@ class ExpansionTrace:
         self._reported: set[tuple[str, Location, str]] = set()
         self.arguments_read: set[str] = set()
         self.argument_definitions: dict[str, Definition] = {}
+        # The places of what conditions, texts and names of files read.
+        self.loose_reads: set[Span] = set()
         # The attribute or element that is being evaluated, and the macro calls and includes around it.
         self.node: minidom.Element | None = None
         self.attribute: str | None = None
@@ -146,6 +148,10 @@ class ExpansionTrace:
         return next(iter(self.times_called.most_common(1)), ("", 0))
 
     # -- reads -------------------------------------------------------------------------------------------------
+
+    def record_loose_reads(self, reads: Iterable[Definition]) -> None:
+        """Note what something other than an attribute of the model was computed from."""
+        self.loose_reads.update(found.span for found in flatten_definitions(reads) if found.span is not None)
 
     def record_read(self, definition: Definition) -> None:
         """Note that the innermost evaluation reads a definition."""

@@ -64,7 +64,7 @@ class Tracer:
         # The definitions that the last evaluation read.
         self.last_reads: tuple[Definition, ...] = ()
         # The property that is being defined, the parameters whose default is taken, and the attribute that is being added.
-        self.defining: tuple[str, Span | None] | None = None
+        self.defining: tuple[str, Span | None, str] | None = None
         self.defaulting: Attribute | None = None
         self.adding: tuple[minidom.Element, list[str]] | None = None
 
@@ -210,6 +210,8 @@ class Tracer:
                 self.trace.argument_definitions[name] = replace(
                     self.trace.argument_definitions[name], reads=self.last_reads
                 )
+            else:
+                self.trace.record_loose_reads(self.last_reads)
             return result
 
         return trace_text
@@ -447,7 +449,10 @@ class Tracer:
             raw = getattr(get_origin(node), "raw", None)
             value = None if raw is None else raw.attributes.get("value") or raw.attributes.get("default")
             self.last_reads = ()
-            self.defining = ("property", None if raw is None else value.span if value is not None else raw.span)
+            if value is not None:
+                self.defining = ("property", value.span, value.typed)
+            else:
+                self.defining = ("property", None if raw is None else raw.span, "")
             try:
                 with self.trace.remember_failure():
                     return original(node, table)
@@ -499,14 +504,17 @@ class Tracer:
 
         def set_traced_item(table: Any, key: str, value: Any, unevaluated: bool) -> Any:
             origin = get_origin(self.trace.node)
+            text = ""
             if self.defaulting is not None:
                 kind, span = "parameter", self.find_parameter_span(self.defaulting, key)
                 self.defaulting = None
             elif self.defining is not None:
-                kind, span = self.defining
+                kind, span, text = self.defining
             elif self.trace.calls and origin is not None and self.trace.calls[-1].node is self.trace.node:
                 typed = origin.raw.attributes.get(key)
-                kind, span = "parameter", None if typed is None else typed.span
+                kind, span = "parameter", None
+                if typed is not None:
+                    span, text = typed.span, typed.typed
             else:
                 kind, span = "property", None
             if not dict.__contains__(table, key):  # it was removed
@@ -514,7 +522,7 @@ class Tracer:
             result = original(table, key, value, unevaluated)
             self.record_definition(table, key, span if kind == "property" else None)
             reads = () if unevaluated else self.last_reads
-            _get_definitions(table)[key] = Definition(kind, key, span, reads=reads)
+            _get_definitions(table)[key] = Definition(kind, key, span, reads=reads, text=text)
             return result
 
         return set_traced_item
@@ -544,9 +552,7 @@ class Tracer:
                 definition = _get_definitions(table).get(key)
                 if definition is not None and lazy and self.trace.failed_at is None:
                     reads = tuple(dict.fromkeys(self.trace.readers[-1]))
-                    self.trace.record_failed_read(
-                        Definition(definition.kind, definition.name, definition.span, reads=reads)
-                    )
+                    self.trace.record_failed_read(replace(definition, reads=reads))
                 raise
             finally:
                 if lazy:
@@ -555,7 +561,7 @@ class Tracer:
             definition = _get_definitions(table).get(key)
             if definition is not None:
                 if lazy:
-                    definition = Definition(definition.kind, definition.name, definition.span, reads=reads)
+                    definition = replace(definition, reads=reads)
                     _get_definitions(table)[key] = definition
                 self.trace.record_read(definition)
             return value

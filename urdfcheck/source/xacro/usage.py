@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Span
 from urdfcheck.source.text.grammar import CHILDREN
+from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.xacro.expressions import find_names
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
@@ -28,8 +29,6 @@ _REQUIRED_BY_TAG: Mapping[str, frozenset[str]] = {
 # Elements of other parsers than URDF's: a tag inside them may mean something else.
 _FOREIGN_TAGS = frozenset({"gazebo", "transmission", "ros2_control", "sensor", "plugin", "mujoco", "cad"})
 
-# None of these patterns searches to the end of the text from each of many places: the next opening bracket ends the search.
-EXPRESSION = re.compile(r"\$\{([^$}]*(?:\$(?!\{)[^$}]*)*)\}|\$\(eval\s([^$)]*(?:\$(?!\()[^$)]*)*)\)")
 FORWARDED = re.compile(r"""(?<![^\s:="'])([^\s:="']+)\s*:?=\s*\^""")
 ARGUMENT = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 _CONDITIONS = {"xacro:if": "if", "xacro:unless": "unless"}

@@ -70,7 +70,7 @@ class _ValueWrapper:
         """Record the read of a scalar, and wrap anything else."""
         if isinstance(node, ScalarNode):
             span = self.source.make_span(node.start_mark.index, node.end_mark.index)
-            self.on_read(Definition("yaml", key, span))
+            self.on_read(Definition("yaml", key, span, text=self.source.text[span.start : span.end]))
         return self.wrap(value, node, key)
 
     def _wrap_mapping(self, mapping: Any, node: MappingNode, key: str) -> Any:

@@ -116,7 +116,7 @@ class CollisionSetup:
             if content not in geometries:
                 geometries[content] = _make_geometry(self.model, shape)
             placed.append(PlacedGeometry(geometries[content], owner, pose))
-        return _make_colliders(placed)
+        return make_colliders(placed)
 
     @cached_property
     def non_z_up(self) -> tuple[str | None, ...]:
@@ -139,7 +139,7 @@ class CollisionSetup:
             assert facts is not None  # non_z_up is None without them
             vertices = facts.vertices @ Z_UP_ROTATIONS[up_axis].T * np.array(scale)
             placed.append(replace(collider, geometry=replace(collider.geometry, vertices=vertices)))
-        return _make_colliders(placed)
+        return make_colliders(placed)
 
     @cached_property
     def rest_frames(self) -> Mapping[str, Array]:
@@ -210,7 +210,11 @@ def _describe_joint(joint: Joint) -> str:
     )
 
 
-def _make_colliders(placed: Sequence[PlacedGeometry]) -> Colliders:
+def make_colliders(placed: Sequence[PlacedGeometry]) -> Colliders:
+    """Hand shapes to coal.
+
+    :raises FactUnavailableError: when coal is not installed.
+    """
     try:
         return Colliders(placed)
     except ImportError:

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from urdfcheck.core import Confidence, Finding, Fix, Location, Run, Span
+from urdfcheck.core import Confidence, Finding, Fix, Location, Run, Span, Verdict
 from urdfcheck.output.html.element_names import render_data_attribute, render_element_name
 from urdfcheck.output.html.file_groups import MODEL, classify_file
 from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import escape_html, render_prose
-from urdfcheck.output.html.program_outcomes import VERBS, is_news, list_affected_programs, mark_effect
+from urdfcheck.output.html.program_outcomes import is_affected, list_affected_programs, mark_effect
 from urdfcheck.output.html.sections.code_listing import render_code_frame, render_diff
 from urdfcheck.output.shared.anchors import FindingCard, parse_element_key
-from urdfcheck.output.shared.verdict.claim import join_names
-from urdfcheck.output.shared.verdict.effects import has_own_subject, list_effects
+from urdfcheck.output.shared.verdict.effects import describe_verdict, has_own_subject, join_programs, list_effects
 from urdfcheck.output.shared.verdict.not_checked import explain_block
 from urdfcheck.output.shared.wording import (
-    PROGRAM_NAMES,
     describe_models,
     format_count,
     format_place,
@@ -135,17 +133,18 @@ def _render_code(run: Run, finding: Finding) -> str:
 
 def _render_minds(run: Run, finding: Finding) -> str:
     """Render what programs do with the defect, apart from those that load what was typed, the worst first."""
-    groups: dict[tuple[int, str, str, str], list[str]] = {}
+    groups: dict[tuple[int, str, str], list[str]] = {}
     for program in finding.consequences:
-        if is_news(finding, program):
+        if is_affected(finding, program):
             verdict = get_verdict(finding.consequences, program)
             kind = mark_effect(finding, program, run.rules)
-            verbs = VERBS.get(verdict, (finding.consequences[program],) * 2)
-            groups.setdefault((-verdict, kind, *verbs), []).append(PROGRAM_NAMES.get(program, program))
+            own = finding.consequences[program] if verdict is Verdict.LOADS else ""
+            groups.setdefault((-verdict, kind, own), []).append(program)
     phrases = [
-        f'<span class="{kind}">{render_glyph(kind) if kind != "ok" else "·"} <b>{escape_html(join_names(names))}'
-        f"{':' if has_own_subject(one) else ''}</b> {render_prose(one if len(names) == 1 else several)}</span>"
-        for (_, kind, one, several), names in sorted(groups.items())
+        f'<span class="{kind}">{render_glyph(kind) if kind != "ok" else "·"} <b>{escape_html(join_programs(names))}'
+        f"{':' if own and has_own_subject(own) else ''}</b> "
+        f"{render_prose(own or describe_verdict(Verdict(-rank), len(names)))}</span>"
+        for (rank, kind, own), names in sorted(groups.items())
     ]
     return f'<p class="minds">{"".join(phrases)}</p>' if phrases else ""
 

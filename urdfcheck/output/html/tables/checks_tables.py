@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from urdfcheck.core import Rule, Run
+from urdfcheck.core.text import join_names
 from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.html.rule_markdown import render_inline
 from urdfcheck.output.html.tables.html_table import render_table
-from urdfcheck.output.shared.wording import format_count, join_first
+from urdfcheck.output.shared.wording import format_count
 
 MOST_MODELS = 4
 
@@ -22,7 +23,7 @@ def render_skipped_table(run: Run) -> str:
         name = "" if rule is None else f" {escape_html(rule.name)}"
         rows.append(
             f'<tr><th scope="row"><code>{escape_html(code)}</code>{name}</th><td>{escape_html(reason)}</td>'
-            f"<td>{escape_html(join_first(list(dict.fromkeys(names)), MOST_MODELS))}</td></tr>"
+            f"<td>{escape_html(join_names(list(dict.fromkeys(names)), MOST_MODELS))}</td></tr>"
         )
     head = '<tr><th scope="col">Check</th><th scope="col">Why it could not run</th><th scope="col">Models</th></tr>'
     return render_table("Checks that could not run", head, rows)

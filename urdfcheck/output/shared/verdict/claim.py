@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from urdfcheck.core import Run, Severity, Verdict
+from urdfcheck.core.text import join_names
 from urdfcheck.output.shared.verdict.not_checked import describe_not_checked, explain_unchecked, is_accepted
 from urdfcheck.output.shared.verdict.verdict import summarize_verdict
-from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, get_base_name, join_first
+from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, get_base_name, join_with_and
 from urdfcheck.policy.consumers import predict_outcomes
 
 # Models that were not checked and programs that a claim names.
@@ -52,23 +53,20 @@ def describe_losses(run: Run) -> str:
         if not targets or name in targets:
             names.setdefault(outcome.verdict, []).append(PROGRAM_NAMES.get(name, name))
     refusing, dropping = names.get(Verdict.REFUSES, []), names.get(Verdict.DROPS, [])
-    said = [f"{join_names(refusing)} {'refuses' if len(refusing) == 1 else 'refuse'} this model"] if refusing else []
+    said = (
+        [f"{join_with_and(refusing, _MOST_NAMED)} {'refuses' if len(refusing) == 1 else 'refuse'} this model"]
+        if refusing
+        else []
+    )
     if dropping:
         verb = "drops" if len(dropping) == 1 else "drop"
-        said.append(f"{join_names(dropping)} {verb} a part{'' if refusing else ' of this model'}")
+        said.append(f"{join_with_and(dropping, _MOST_NAMED)} {verb} a part{'' if refusing else ' of this model'}")
     return ", ".join(said)
-
-
-def join_names(names: list[str]) -> str:
-    """Join names, ``a, b and c``; of more than four the first three and how many more there are."""
-    if len(names) > _MOST_NAMED + 1:
-        return join_first(names, _MOST_NAMED)
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def _name_unchecked(run: Run) -> str:
     names = [get_base_name(info.path) for info in run.unchecked_models]
-    return f"{describe_not_checked(run)} ({join_first(list(dict.fromkeys(names)), _MOST_NAMED)})"
+    return f"{describe_not_checked(run)} ({join_names(list(dict.fromkeys(names)), _MOST_NAMED)})"
 
 
 def _describe_models_with_errors(run: Run) -> str:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 
 from urdfcheck.core import Finding, Run, Verdict
-from urdfcheck.output.shared.wording import PROGRAM_NAMES
+from urdfcheck.output.shared.wording import PROGRAM_NAMES, join_with_and
 from urdfcheck.policy.consumers import THROUGH_URDFDOM, is_news
 
 # What was told: a rule, and the effects in their words.
@@ -24,7 +24,7 @@ _VERB = re.compile(r"(?!(?:contacts|motors|paths|torques|wheels)\b)[a-z]+s(?=[ :
 # What follows the object of a verb: ``replaces the inertia by that of its box``.
 _COMPLEMENT = re.compile(r" (?:by|with|from|of|in|to|because|where|when|if|after|so that|unless)\b.*", re.DOTALL)
 _PLURALS = {"is": "are", "has": "have", "does": "do", "goes": "go"}
-# What a program does something to, by its verdict.
+# What a program does something to, by its verdict, which is a verb.
 _OBJECTS = {
     Verdict.IGNORES: "a part",
     Verdict.REPLACES: "values",
@@ -90,10 +90,15 @@ def has_own_subject(effect: str) -> bool:
     return _VERB.match(effect) is None
 
 
+def describe_verdict(verdict: Verdict, count: int = 1) -> str:
+    """Say what one program, or several, do to a model in general: ``replaces values``, ``replace values``."""
+    effect = f"{verdict} {_OBJECTS.get(verdict, '')}".rstrip()
+    return effect if count == 1 else _use_plural(effect)
+
+
 def join_programs(names: Sequence[str]) -> str:
     """Join the names of programs: ``MuJoCo, Drake and Bullet``."""
-    *first, last = map(_name, names)
-    return f"{', '.join(first)} and {last}" if first else last
+    return join_with_and([*map(_name, names)])
 
 
 def group_by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
@@ -142,7 +147,7 @@ def _name_object(effect: str) -> str:
 def _generalize_effect(effect: str) -> str:
     """Say what a sentence does to the model in general: ``replaces values``."""
     verdict = Verdict.from_sentence(effect)
-    return f"{verdict} {_OBJECTS[verdict]}" if verdict in _OBJECTS else _cut_clause(effect)
+    return describe_verdict(verdict) if verdict in _OBJECTS else _cut_clause(effect)
 
 
 def _cut_clause(effect: str) -> str:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from urdfcheck.core import Finding, ModelInfo, Run
-from urdfcheck.core.text import format_argument_option
-from urdfcheck.output.shared.wording import format_count, join_first
+from urdfcheck.core.text import format_argument_option, join_names
+from urdfcheck.output.shared.wording import format_count
 
 GLYPH = "⊘"
 STATUS_WORDS = {"needs-arguments": "needs arguments"}
@@ -141,5 +141,5 @@ def explain_block(run: Run, finding: Finding) -> str:
         return ""
     names = list(finding.variants) or [finding.model]
     command = next((build_command(info) for info in run.models if info.id in names), "")
-    what = f"nothing else is known about {join_first(names, 3)}"
+    what = f"nothing else is known about {join_names(names, 3)}"
     return f"{what}; check it with `{command}`" if command else what

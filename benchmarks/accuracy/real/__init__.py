@@ -1,0 +1,1 @@
+"""Published robots, as they are and with one thing changed."""

@@ -1,0 +1,172 @@
+"""Whether a file shows a defect at all: what a careful reader could go by.
+
+Without evidence a defect is a robot like any other: a link whose tensor is ten times another, and no mesh, no twin and no limit
+that contradicts it.
+"""
+
+from __future__ import annotations
+
+import re
+from itertools import chain
+
+import numpy as np
+from injections import Array, Body, Numbers, rotation_of, tensor_of
+from scoring import effect
+
+from real.changes import Part, ReadRobot, read_numbers
+from urdfcheck.core import FactUnavailableError
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.model.parts import Shape
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+
+# A sound part may be so far from one of uniform density (`scoring.effect`, without the mass), and a defect must take it so much
+# further away.
+_SOUND, _FURTHER = 1.0, 0.5
+# kg/m³: air and tungsten, with room.
+_DENSITIES = 1.2, 25_000.0
+# What no robot's part may exceed: its COM or radius of gyration, in lengths of the whole robot.
+_REACH = 1.0
+# The triangle inequality is broken beyond rounding.
+_SLACK = 1e-3
+_SIDES = re.compile(r"(?i)(?<![a-z])(left|right|l|r|fl|fr|rl|rr|bl|br|front|rear|back|lf|rf|lh|rh|hl|hr)(?![a-z])")
+_NUMBERS = re.compile(r"[0-9]+")
+# A number that differs by less from a twin's is not seen.
+_UNLIKE = 0.05
+
+
+def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool) -> set[str]:
+    """Find what shows that an inertial with ``new`` numbers is wrong.
+
+    :returns: some of ``impossible``, ``reach``, ``mesh``, ``density``, ``twin``.
+    """
+    old = part.numbers
+    assert old is not None
+    found = set()
+    if _is_impossible(new) and not _is_impossible(old):
+        found.add("impossible")
+    reach = measure_reach(part.owner)
+    if max(_size(new)) > _REACH * reach >= max(_size(old)):
+        found.add("reach")
+    if with_meshes:
+        found |= _find_drawn_evidence(part, old, new)
+    if _differs_from_twins(part, old, new):
+        found.add("twin")
+    return found
+
+
+def find_joint_evidence(part: Part, old: Array, new: Array) -> set[str]:
+    """Find what shows that a joint's origin or axis is wrong: a joint on the other side, or two others of a row on the same
+    parent; or lengths that no other joint has."""
+    joint = part.joint
+    assert joint is not None
+    found = set()
+    mine = np.linalg.norm(joint.origin.xyz or (0, 0, 0))
+    sides = row = 0
+    lengths = [1e-9]
+    for other in part.owner.model.joints:
+        if other.name == joint.name:
+            continue
+        length = float(np.linalg.norm(other.origin.xyz or (0, 0, 0)))
+        lengths.append(length)
+        if other.type == joint.type and np.isclose(length, mine, rtol=1e-3, atol=1e-5):
+            sides += _is_other_side(other.name, joint.name) and _is_other_side(other.parent, joint.parent, or_same=True)
+            row += other.parent == joint.parent and _strip(other.name) == _strip(joint.name)
+    if sides or row >= 2:
+        found.add("twin")
+    if len(new) == 3 and np.linalg.norm(new) > 10 * max(lengths) and np.linalg.norm(new) > 2 * np.linalg.norm(old):
+        found.add("reach")
+    return found
+
+
+def find_shape_evidence(part: Part, shape: Shape, moved: float) -> set[str]:
+    """Find what shows that a collision shape was moved by so many metres: the same mesh is drawn at the old place, or the shape
+    is smaller than that."""
+    name = shape.mesh_filename
+    if name is not None:
+        drawn = [visual.mesh_filename for visual in part.link.visuals if visual.origin.xyz == shape.origin.xyz]
+        return {"drawn"} if any(other is not None and other.value == name.value for other in drawn) else set()
+    size = 2 * max(shape.size) if shape.size else np.inf
+    return {"drawn"} if moved > size else set()
+
+
+def measure_reach(read: ReadRobot) -> float:
+    """Return the length of the whole robot (m): all joints' distances, and the largest thing drawn by a primitive or a COM."""
+    lengths = [float(np.linalg.norm(joint.origin.xyz or (0, 0, 0))) for joint in read.model.joints]
+    sizes = [
+        float(np.abs(values).max())
+        for link in read.model.links
+        for shape in chain(link.visuals, link.collisions)
+        for name in ("size", "radius", "length")
+        if (values := read_numbers(shape.geometry_element, name)) is not None and len(values)
+    ]
+    coms = [max(_size(part.numbers)) for part in read.parts if part.numbers is not None]
+    # One part with wrong numbers of its own does not stretch the robot.
+    return sum(lengths) + max([*sizes, float(np.median(coms)) if coms else 0.0, 0.05])
+
+
+def _is_impossible(n: Numbers) -> bool:
+    if n.mass <= 0:
+        return True
+    moments = np.linalg.eigvalsh(tensor_of(n.six))
+    return bool(moments[0] <= 0 or moments[0] + moments[1] < moments[2] * (1 - _SLACK))
+
+
+def _size(n: Numbers) -> tuple[float, float]:
+    """Distance of the COM and radius of gyration (m)."""
+    return float(np.linalg.norm(n.com)), float(np.sqrt(max(np.trace(tensor_of(n.six)), 0) / (2 * n.mass)))
+
+
+def _find_drawn_evidence(part: Part, old: Numbers, new: Numbers) -> set[str]:
+    try:
+        drawn = measure_link_geometry(part.owner.model, part.link)
+    except FactUnavailableError:
+        return set()
+    if drawn is None or not drawn.closed or drawn.solid.volume <= 0:
+        return set()
+    solid, found = drawn.solid, set()
+    covariance = np.asarray(solid.covariance)
+    tensor = np.trace(covariance) * np.eye(3) - covariance
+
+    def differ(n: Numbers) -> float:
+        given = DeclaredInertial(mass=n.mass, com=n.com, tensor=tensor_of(n.six), rotation=rotation_of(n.rpy))
+        return effect(Body(n.mass, np.asarray(solid.com), tensor * n.mass), given)
+
+    with np.errstate(all="ignore"):
+        sound, broken = differ(old), differ(new)
+    if sound < _SOUND and broken > sound + _FURTHER:
+        found.add("mesh")
+    low, high = _DENSITIES
+    if low < old.mass / solid.volume < high and not low < new.mass / solid.volume < high:
+        found.add("density")
+    return found
+
+
+def _differs_from_twins(part: Part, old: Numbers, new: Numbers) -> bool:
+    """Whether mass, moments or the COM's distance now differ from those of the other side, or of two others of a row."""
+    if np.allclose(_list_invariants(new), _list_invariants(old), rtol=_UNLIKE):
+        return False
+    sides = row = 0
+    for other in part.owner.parts:
+        n = other.numbers
+        if other is part or n is None or not np.allclose(_list_invariants(n), _list_invariants(old), rtol=1e-2):
+            continue
+        sides += _is_other_side(other.link.name, part.link.name)
+        row += _strip(other.link.name) == _strip(part.link.name)
+    return bool(sides or row >= 2)
+
+
+def _list_invariants(n: Numbers) -> list[float]:
+    """What another frame or a mirror does not change."""
+    return [n.mass, *np.linalg.eigvalsh(tensor_of(n.six)).tolist(), _size(n)[0] + 1e-4]
+
+
+def _is_other_side(one: str, other: str, *, or_same: bool = False) -> bool:
+    """Whether two names differ in the words for sides only."""
+    names = [re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).replace("_", " ") for name in (one, other)]
+    return (one != other or or_same) and _SIDES.sub("#", names[0]).lower() == _SIDES.sub("#", names[1]).lower()
+
+
+def _strip(name: str) -> str:
+    """The name without sides and numbers."""
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).replace("_", " ")
+    return _NUMBERS.sub("#", _SIDES.sub("#", words)).lower()

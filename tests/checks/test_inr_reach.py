@@ -1,0 +1,94 @@
+"""INR018: units lost by a thousand or a million show where no mesh does, and large links of small files stay quiet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from builders import find, joint, link, robot
+
+from urdfcheck.core import Confidence, Finding, Severity
+
+LENGTH = 0.3
+MESH = '<visual><geometry><mesh filename="missing.stl"/></geometry></visual>'
+BOX = '<visual><geometry><box size="0.3 0.05 0.05"/></geometry></visual>'
+
+
+def make_arm(
+    *, com: float = 1.0, tensor: float = 1.0, wrong: Sequence[int] = (1,), drawn: str = MESH, links: int = 4
+) -> str:
+    """A chain of rods of 0.3 m; COM and tensor of some are multiplied."""
+    parts = []
+    for i in range(links):
+        lever, moment = (com, tensor) if i in wrong else (1.0, 1.0)
+        inertial = (
+            f'<inertial><origin xyz="{0.12 * lever} {0.004 * lever} 0"/><mass value="1.3"/><inertia ixx="{0.00052 * moment}" '
+            f'ixy="0" ixz="0" iyy="{0.0098 * moment}" iyz="0" izz="{0.0099 * moment}"/></inertial>'
+        )
+        parts.append(link(f"l{i}", inertial, drawn))
+    joints = (joint(f"j{i}", f"l{i}", f"l{i + 1}", kind="continuous", xyz=f"{LENGTH} 0 0") for i in range(links - 1))
+    return robot(*parts, *joints)
+
+
+def find_far(folder: Path, text: str) -> list[Finding]:
+    return find(folder, text, {"INR018", "INR005", "INR006", "INR007", "INR009"})
+
+
+def test_sound_links_without_a_mesh_are_quiet(tmp_path: Path) -> None:
+    assert find_far(tmp_path, make_arm()) == []
+    assert find_far(tmp_path, make_arm(com=2.0, tensor=6.0)) == []
+
+
+@pytest.mark.parametrize(
+    ("factors", "message", "severity", "unit"),
+    [
+        ({"com": 1e3}, "com", Severity.ERROR, "mm"),
+        ({"com": 1e2}, "com", Severity.ERROR, "cm"),
+        ({"com": 1 / 0.0254}, "com", Severity.WARNING, "inches"),
+        ({"tensor": 1e9}, "spread", Severity.ERROR, "g·mm²"),
+        ({"tensor": 1e6}, "spread", Severity.ERROR, "kg·mm²"),
+        ({"tensor": 1e4}, "spread", Severity.WARNING, "kg·cm²"),
+    ],
+)
+def test_a_lost_unit_is_found_and_named(
+    tmp_path: Path, factors: dict[str, float], message: str, severity: Severity, unit: str
+) -> None:
+    (found,) = find_far(tmp_path, make_arm(**factors))  # type: ignore[arg-type]
+    assert (found.code, found.message_id, found.severity) == ("INR018", message, severity)
+    assert (found.confidence is Confidence.PROOF) == (severity is Severity.ERROR)
+    assert found.cause is not None
+    assert unit in found.cause.text
+    assert found.location.subject.startswith("link[l1]")
+
+
+def test_all_links_of_a_file_are_one_finding(tmp_path: Path) -> None:
+    (found,) = find_far(tmp_path, make_arm(com=1e3, wrong=(0, 1, 2)))
+    assert len(found.subjects) == 3
+    assert "l0, l1, l2" in found.message
+
+
+def test_a_link_whose_geometry_is_known_is_left_to_the_rules_about_it(tmp_path: Path) -> None:
+    found = find_far(tmp_path, make_arm(com=1e3, drawn=BOX))
+    assert found
+    assert "INR018" not in {finding.code for finding in found}
+
+
+def test_two_joints_do_not_say_how_large_a_robot_is(tmp_path: Path) -> None:
+    assert find_far(tmp_path, make_arm(com=1e3, links=3)) == []
+    assert find_far(tmp_path, make_arm(com=1e3, links=4)) != []
+
+
+def test_a_shape_elsewhere_makes_the_robot_larger(tmp_path: Path) -> None:
+    far = make_arm(com=20.0)
+    assert [f.severity for f in find_far(tmp_path, far)] == [Severity.WARNING]
+    mast = link("mast", '<visual><geometry><box size="30 30 30"/></geometry></visual>')
+    larger = far.replace("</robot>", mast + joint("to_mast", "l3", "mast") + "</robot>")
+    assert find_far(tmp_path, larger) == []
+
+
+@pytest.mark.parametrize("value", ["nan", "1e308", "inf", "x"])
+def test_numbers_that_are_none_are_left_to_other_rules(tmp_path: Path, value: str) -> None:
+    text = make_arm().replace('<origin xyz="0.12 0.004 0"/>', f'<origin xyz="{value} 0 0"/>', 1)
+    find_far(tmp_path, text)
+    find_far(tmp_path, make_arm().replace('ixx="0.00052"', f'ixx="{value}"', 1))

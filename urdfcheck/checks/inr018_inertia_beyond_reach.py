@@ -1,0 +1,118 @@
+"""INR018 reports COMs and radii of gyration far beyond the robot, on links whose geometry is not known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from urdfcheck.core import Confidence, Finding, Rule, Severity
+from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.text import format_length, join_names
+from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
+from urdfcheck.model import Model
+from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
+from urdfcheck.model.inertials.reach import measure_own_size, measure_reach
+from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
+from urdfcheck.model.parts import Link
+from urdfcheck.model.shapes.corners import collect_body_corners
+
+# What a length is multiplied by when the COM is typed in another unit than metres, and the radius of gyration when the tensor is
+# in another than kg·m²: the square root of the unit's factor.
+LENGTHS = {"mm": 1e3, "cm": 1e2, "inches": 1 / 0.0254}
+RADII = {"g·m²": 1e3**0.5, "kg·cm²": 1e2, "kg·mm²": 1e3, "g·cm²": 1e7**0.5, "g·mm²": 1e9**0.5}
+# The shares of the robot's length between which 95 % of the COMs, and of the radii of gyration, of published robots are.
+_USUAL = {"com": (0.001, 0.19), "spread": (0.003, 0.27)}
+
+
+@dataclass(frozen=True, slots=True)
+class _FarLink:
+    """A link whose mass is too far away, all lengths in m."""
+
+    link: Link
+    distance: float
+    own: float
+    """How far what the file places on the link reaches."""
+
+
+def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, impossible: float) -> Iterator[Finding]:
+    least = measure_reach(model, with_shapes=False)
+    if least is None:
+        return
+    lengths = {name: pair for name in model.link_by_name if (pair := _measure_lengths(model, name)) is not None}
+    if all(max(pair) <= share * least for pair in lengths.values()):
+        return
+    reach = measure_reach(model, with_shapes=True)
+    if reach is None:
+        return
+    for message, index, units in (("com", 0, LENGTHS), ("spread", 1, RADII)):
+        grave: list[_FarLink] = []
+        odd: list[_FarLink] = []
+        for name, pair in lengths.items():
+            if pair[index] <= share * reach or not _is_unknown(model, name, index):
+                continue
+            far = _FarLink(model.link_by_name[name], pair[index], measure_own_size(model, name))
+            # A link whose joints are next to its frame may be a large part all the same.
+            is_beyond_own = far.own > 0.05 * reach and far.distance > own * far.own
+            if far.distance > impossible * reach:
+                grave.append(far)
+            elif far.distance > whole * reach or is_beyond_own:
+                odd.append(far)
+        for links, severity in ((grave, Severity.ERROR), (odd, None)):
+            if links:
+                yield _build_finding(rule, message, links, units=units, reach=reach, severity=severity)
+
+
+def _measure_lengths(model: Model, name: str) -> tuple[float, float] | None:
+    """Measure the distance of the COM from the link's frame, and the largest radius of gyration (m)."""
+    link = model.link_by_name[name]
+    declared = read_declared_inertial(link)
+    if declared is None or not declared.mass > 0 or is_massless_frame(link):
+        return None
+    with np.errstate(all="ignore"):
+        covariance = compute_mass_covariance(declared.inertia, declared.mass)
+        com = float(np.linalg.norm(declared.com))
+    if not (np.isfinite(covariance).all() and np.isfinite(com)):
+        return None
+    return com, max(0.0, float(np.linalg.eigvalsh(covariance)[-1])) ** 0.5
+
+
+def _is_unknown(model: Model, name: str, index: int) -> bool:
+    """Whether it is not known how large the link's body is, and the link matters to how it moves; otherwise INR005 and INR006
+    compare it with its geometry."""
+    body = model.tree.list_body_links(name)
+    shares = compute_body_shares(model, body).get(name)
+    return collect_body_corners(model, body) is None and shares is not None and shares[index] >= NEGLIGIBLE_SHARE
+
+
+def _build_finding(
+    rule: Rule,
+    message: str,
+    links: list[_FarLink],
+    *,
+    units: Mapping[str, float],
+    reach: float,
+    severity: Severity | None,
+) -> Finding:
+    farthest = max(links, key=lambda far: far.distance)
+    low, high = _USUAL[message]
+    fitting = [u for u, factor in units.items() if all(low <= f.distance / factor / reach <= high for f in links)]
+    places = [far.link.inertial.element for far in links if far.link.inertial is not None]
+    return build_group_finding(
+        rule,
+        message,
+        places,
+        cause="unit" if fitting else None,
+        severity=severity,
+        confidence=Confidence.PROOF if severity is not None else None,
+        link=farthest.link.name if len(links) == 1 else f"{len(links)} links",
+        links=join_names(far.link.name for far in links),
+        farthest="" if len(links) == 1 else f" ({farthest.link.name})",
+        length=format_length(farthest.distance),
+        distance=farthest.distance,
+        reach=format_length(reach),
+        times=float(f"{farthest.distance / reach:.2g}"),
+        own=format_length(farthest.own) if farthest.own > 0 else "0 mm",
+        units=" or ".join(fitting),
+    )

@@ -1,0 +1,285 @@
+"""Mistakes that mix the numbers, or lose some: undoing them depends on the part."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_mass_covariance, compute_solid_inertia
+from urdfcheck.facts.inertials.inertial_fit import LOG_SQRT_2PI, Reference, compute_whitening
+from urdfcheck.facts.inertials.mistakes import EFFECT, LOG_PRIORS, Mistake, Suspect, make_mistake
+from urdfcheck.facts.inertials.wrong_formulas import is_tensor_of, list_wrong_formulas, measure_decimal
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Mat3, Vec3
+
+# A mass that was changed afterwards differs by this much (standard deviation of its logarithm).
+_REVISION = 1.2
+# In a part of more pieces, nobody mistakes one for the whole.
+_MOST_PIECES = 6
+# The products of a tensor with the other sign.
+_OTHER_SIGNS = 2.0 * np.eye(3) - 1.0
+# A number of fewer digits may be twice there by chance.
+_TELLING_DIGITS = 4
+# Half a unit of the last decimal, and what tessellation adds. Rounding that changes no moment by this part is not worth saying.
+_HALF, _LOST = 0.51, 1.0 / 3.0
+
+Corrected = Iterator[tuple[Mistake, DeclaredInertial]]
+
+
+def _undo_about_origin(suspect: Suspect) -> Corrected:
+    declared = suspect.declared
+    yield make_mistake("about_origin"), replace(declared, tensor=declared.tensor - suspect.parallel_axis_shift)
+
+
+def _undo_positive_notation(suspect: Suspect) -> Corrected:
+    """About the link's origin, with products of the other sign: CAD programs print ∫xy dm "at the output coordinate system"."""
+    declared = suspect.declared
+    tensor = declared.tensor * _OTHER_SIGNS - suspect.parallel_axis_shift
+    yield make_mistake("positive_notation"), replace(declared, tensor=tensor)
+
+
+def _undo_steiner_twice(suspect: Suspect) -> Corrected:
+    declared = suspect.declared
+    yield make_mistake("steiner_twice"), replace(declared, tensor=declared.tensor + suspect.parallel_axis_shift)
+
+
+def _undo_quarter_turn(suspect: Suspect) -> Corrected:
+    declared = suspect.declared
+    for name, turn in _list_quarter_turns():
+        turned = replace(declared, com=turn @ declared.com)
+        if suspect.has_turned_frame:
+            turned = replace(turned, rotation=turn @ declared.rotation)
+        else:
+            turned = replace(turned, tensor=turn @ declared.tensor @ turn.T)
+        yield make_mistake("quarter_turn", name), turned
+
+
+@cache
+def _list_quarter_turns() -> tuple[tuple[str, Mat3], ...]:
+    turns = []
+    for i, axis in enumerate("xyz"):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        for sign in (1.0, -1.0):
+            turn = np.zeros((3, 3))
+            turn[i, i] = 1.0
+            turn[k, j], turn[j, k] = sign, -sign
+            turns.append((f"{'+' if sign > 0 else '-'}90° about {axis}", turn))
+    return tuple(turns)
+
+
+def _undo_unmirrored(suspect: Suspect) -> Corrected:
+    declared = suspect.declared
+    prior = "unmirrored" if suspect.reference.twin is None else "unmirrored (has a twin)"
+    for i, axis in enumerate("xyz"):
+        mirror = np.eye(3)
+        mirror[i, i] = -1.0
+        mirrored = DeclaredInertial(
+            mass=declared.mass,
+            com=mirror @ declared.com,
+            tensor=mirror @ declared.tensor @ mirror,
+            rotation=mirror @ declared.rotation @ mirror,
+        )
+        yield make_mistake(prior, axis), mirrored
+
+
+def _undo_rpy_twice(suspect: Suspect) -> Corrected:
+    if suspect.has_turned_frame:
+        yield make_mistake("rpy_twice"), replace(suspect.declared, rotation=np.eye(3))
+
+
+def _undo_com_missing(suspect: Suspect) -> Corrected:
+    """The COM is taken from the reference."""
+    if np.abs(suspect.declared.com).any():
+        return
+    twin = suspect.reference.twin
+    com = suspect.reference.com if twin is None else twin.com
+    com = np.where(np.abs(com) > 1e-3 * np.abs(com).max(), com, 0.0)  # what a mesh leaves of a zero
+    yield replace(make_mistake("com_missing"), borrowed=(0, 3)), replace(suspect.declared, com=com)
+
+
+def _undo_rpy_missing(suspect: Suspect) -> Corrected:
+    """The three angles are taken from the reference."""
+    tensor = suspect.declared.tensor
+    diagonal = np.diag(np.diag(tensor))
+    if not suspect.has_turned_frame and np.abs(tensor - diagonal).max() < 1e-3 * np.abs(tensor).max():
+        aligned = _align_principal_axes(np.diag(tensor), suspect.reference.covariance)
+        yield replace(make_mistake("rpy_missing"), borrowed=(3, 0)), replace(suspect.declared, tensor=aligned)
+
+
+def _align_principal_axes(moments: Vec3, covariance: Mat3) -> Mat3:
+    """Return the tensor (3, 3) with these principal moments along the principal axes of the reference, in the same order of
+    size."""
+    _, axes = np.linalg.eigh(covariance)
+    ordered = np.sort(moments)[::-1]  # the least variance goes with the greatest moment
+    aligned: Mat3 = (axes * ordered) @ axes.T
+    return aligned
+
+
+def _undo_row_major(suspect: Suspect) -> Corrected:
+    """The third row is lost: the moment about z is about that of the reference."""
+    declared, covariance = suspect.declared, suspect.reference.covariance
+    tensor = declared.tensor
+    if tensor[0, 1] != tensor[1, 1]:
+        return
+    prior = "row_major" if tensor[0, 1] else "row_major (of zeros)"
+    expected = float(declared.mass * (covariance[0, 0] + covariance[1, 1]))
+    (xx, xy, xz), yy, yz = tensor[0], tensor[1, 2], tensor[2, 2]
+    for zz in expected * np.array((0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0)):
+        rows = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+        yield replace(make_mistake(prior), borrowed=(1, 0)), replace(declared, tensor=rows)
+
+
+def _undo_repeated_slot(suspect: Suspect) -> Corrected:
+    """A product is lost where a moment was typed twice: it is about that of the reference."""
+    declared, reference, tensor = suspect.declared, suspect.reference, suspect.declared.tensor
+    numbers, moments = tensor.tolist(), np.diag(tensor).tolist()
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        for k in range(3):
+            if numbers[i][j] != moments[k] or not _has_telling_digits(numbers[i][j]):
+                continue
+            scale = sum(moments) / (2.0 * float(np.trace(reference.covariance)))
+            expected = -scale * (declared.rotation.T @ reference.covariance @ declared.rotation)[i, j]
+            without = tensor.copy()
+            without[i, j] = without[j, i] = expected
+            detail = f"i{'xyz'[i]}{'xyz'[j]} repeats i{'xyz'[k]}{'xyz'[k]}"
+            mistake = make_mistake("slots_shifted (a product repeats a moment)", detail)
+            yield replace(mistake, borrowed=(1, 0)), replace(declared, tensor=without)
+
+
+def _has_telling_digits(value: float) -> bool:
+    """Whether a number has so many digits that it is not twice there by chance."""
+    return abs(value - float(f"{value:.{_TELLING_DIGITS - 1}g}")) > 1e-9 * abs(value)
+
+
+def _undo_rounded(suspect: Suspect) -> Corrected:
+    """So few decimals that the part's numbers, which are taken from the reference, round to those typed."""
+    declared, reference = suspect.declared, suspect.reference
+    least = float(declared.tensor.diagonal().min())
+    if float(f"{least:.0e}") != least:  # a moment of which rounding took a third has no more than one digit
+        return
+    uniform = declared.mass * (np.trace(reference.covariance) * np.eye(3) - reference.covariance)
+    typed_axes = declared.rotation.T @ uniform @ declared.rotation
+    off = np.abs(typed_axes - declared.tensor)
+    if not (np.diag(off) > _LOST * np.diag(typed_axes)).any():
+        return
+    unit = measure_decimal(declared.tensor)
+    if unit is not None and off.max() <= _HALF * unit:
+        detail = f"{max(0, -round(math.log10(unit)))} decimals"
+        yield replace(make_mistake("rounded", detail), borrowed=(6, 0)), replace(declared, tensor=typed_axes)
+
+
+def _undo_wrong_formula(suspect: Suspect) -> Corrected:
+    """The numbers are those of a textbook formula for another solid than the one that is drawn."""
+    declared, geometry = suspect.declared, suspect.geometry
+    if geometry is None or geometry.primitive is None:
+        return
+    own = suspect.reference.twin or replace(
+        declared, tensor=declared.rotation.T @ compute_solid_inertia(geometry.solid, declared.mass) @ declared.rotation
+    )
+    white = _compute_solid_whitening(suspect, geometry.solid)
+    for name, has_other_axes, body in list_wrong_formulas(geometry.primitive):
+        if not is_tensor_of(declared, body) or not _is_different_shape(body, white):
+            continue
+        mistake = make_mistake("wrong_formula (other axes)" if has_other_axes else "wrong_formula", name)
+        yield replace(mistake, source_body=replace(body, com=geometry.solid.com)), own
+
+
+def _undo_other_mass(suspect: Suspect) -> Corrected:
+    """The size of the tensor is taken from the reference; a mass that is farther from the declared one is less likely."""
+    declared = suspect.declared
+    scale = _compute_tensor_scale(declared, suspect.reference)
+    if scale is None:
+        return
+    log_prior = LOG_PRIORS["other_mass"] - 0.5 * (math.log(scale) / _REVISION) ** 2 - math.log(_REVISION) - LOG_SQRT_2PI
+    detail = f"{declared.mass / scale:.3g} kg"
+    mistake = Mistake(id="other_mass", detail=detail, log_prior=log_prior, borrowed=(1, 0))
+    yield mistake, replace(declared, tensor=declared.tensor * scale)
+
+
+def _compute_tensor_scale(declared: DeclaredInertial, reference: Reference) -> float | None:
+    """Compute by what the tensor must be multiplied for the second moments to have the reference's size; None when they have
+    none."""
+    covariance = compute_mass_covariance(declared.inertia, declared.mass) if declared.mass > 0 else np.zeros((3, 3))
+    white = reference.whitening
+    ratios = np.linalg.eigvalsh(white @ covariance @ white)
+    return float(np.exp(-np.log(ratios).mean())) if ratios[0] > 0 else None
+
+
+def _undo_steiner_missing(suspect: Suspect) -> Corrected:
+    geometry, declared = suspect.geometry, suspect.declared
+    if geometry is not None and len(geometry.pieces) > 1:
+        term = _compute_parallel_axis_term(geometry, declared.mass, declared.rotation)
+        yield make_mistake("steiner_missing"), replace(declared, tensor=declared.tensor + term)
+
+
+def _compute_parallel_axis_term(geometry: VisualGeometry, mass: float, rotation: Mat3) -> Mat3:
+    """Compute what the parallel-axis theorem adds for the pieces of a part of uniform density, in the inertial frame's axes."""
+    volumes = np.array([piece.volume for piece in geometry.pieces])
+    levers = (np.array([piece.com for piece in geometry.pieces]) - geometry.solid.com) @ rotation
+    second = (levers.T * (mass * volumes / volumes.sum())) @ levers
+    added: Mat3 = np.trace(second) * np.eye(3) - second
+    return added
+
+
+def _undo_other_body(suspect: Suspect) -> Corrected:
+    """The numbers are those of another body: the part's own are those of its twin, or of its uniform solid."""
+    geometry, mass = suspect.geometry, suspect.declared.mass
+    if geometry is None:
+        return
+    solid = geometry.solid
+    own = suspect.reference.twin or DeclaredInertial(mass, solid.com, compute_solid_inertia(solid, mass))
+    white = _compute_solid_whitening(suspect, solid)
+    for name, body in _iter_other_bodies(geometry):
+        if _is_different_shape(body, white):
+            yield replace(make_mistake(name), source_body=body), own
+
+
+def _iter_other_bodies(geometry: VisualGeometry) -> Iterator[tuple[str, Solid]]:
+    """Return the bodies that may be taken for the part."""
+    if geometry.shell is not None:
+        yield "shell", geometry.shell
+    if geometry.box is not None:
+        yield "bounding_box", geometry.box
+    if geometry.closed and geometry.hull is not None:
+        yield "convex_hull", geometry.hull
+    if len(geometry.pieces) > 1:
+        for piece in geometry.pieces[:_MOST_PIECES]:
+            yield "one_piece", piece
+
+
+def _compute_solid_whitening(suspect: Suspect, solid: Solid) -> Mat3:
+    """Return the whitening of what is drawn, which the reference knows where it is not a twin."""
+    return suspect.reference.whitening if suspect.reference.twin is None else compute_whitening(solid.covariance)
+
+
+def _is_different_shape(body: Solid, white: Mat3) -> bool:
+    """Whether mistaking a body for that of the ``white`` has an effect."""
+    ratios = np.linalg.eigvalsh(white @ body.covariance @ white)
+    return bool(ratios[0] <= 0.0 or np.linalg.norm(np.log(ratios)) > EFFECT)
+
+
+# Mistakes that mix the numbers or lose some, in the order in which equally likely ones are preferred.
+MIXING_MISTAKES: tuple[Callable[[Suspect], Corrected], ...] = (
+    _undo_about_origin,
+    _undo_positive_notation,
+    _undo_steiner_twice,
+    _undo_quarter_turn,
+    _undo_unmirrored,
+    _undo_rpy_twice,
+    _undo_com_missing,
+    _undo_rpy_missing,
+    _undo_row_major,
+    _undo_repeated_slot,
+    _undo_rounded,
+    _undo_wrong_formula,
+    _undo_other_mass,
+    _undo_steiner_missing,
+    _undo_other_body,
+)

@@ -1,0 +1,157 @@
+"""Collision shapes that are not where the link draws the same shape."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import permutations, product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import Edit, Located
+from urdfcheck.model.parts import Link, Shape
+from urdfcheck.model.repairs.edits import edit_literals
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.bounds import is_dummy_shape
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
+# The differences that count unless a configuration says otherwise (m, rad); the page of GEO005 has the reasons.
+MIN_DISTANCE, MIN_ANGLE = 1e-4, 1e-3
+# What rounding leaves (m, rad).
+_NO_DISTANCE, _NO_ANGLE = 1e-9, 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacedShape:
+    """A visual or collision, and its pose."""
+
+    shape: Shape
+    what: str
+    """The name of its mesh, or its kind: ``wheel.stl``, ``box``."""
+    pose: Array
+    """(4, 4) in the link's frame"""
+
+    @property
+    def place(self) -> Located:
+        return self.shape if self.shape.origin.element is None else self.shape.origin.element
+
+    def measure_difference(self, other: PlacedShape) -> tuple[float, float]:
+        """Return the distance (m) and the angle of rotation (rad) between two equal shapes.
+
+        The angle is the least one: a cylinder rotated about its axis is the same cylinder.
+        """
+        moved = float(np.linalg.norm(self.pose[:3, 3] - other.pose[:3, 3]))
+        return moved, _measure_angle(self.shape, self.pose[:3, :3].T @ other.pose[:3, :3])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DisplacedCollision:
+    """A collision shape and the visual of the same shape that it should lie on."""
+
+    link: Link
+    visual: PlacedShape
+    collision: PlacedShape
+    moved: float
+    """m"""
+    turned: float
+    """rad"""
+
+    @property
+    def has_angles_as_position(self) -> bool:
+        """Whether the collision's xyz is the visual's rpy, which is not the collision's."""
+        visual, collision = self.visual.shape.origin, self.collision.shape.origin
+        return (
+            collision.xyz is not None
+            and any(collision.xyz)
+            and collision.xyz == visual.rpy
+            and collision.xyz != visual.xyz
+            and collision.rpy != visual.rpy
+        )
+
+    def describe_gap(self) -> str:
+        """Return how far the collision is from the visual: ``0.0867 m and 90°``."""
+        parts = [f"{self.moved:.3g} m"] if self.moved > _NO_DISTANCE else []
+        parts += [f"{math.degrees(self.turned):.3g}°"] if self.turned > _NO_ANGLE else []
+        return " and ".join(parts)
+
+    def propose_edits(self) -> list[Edit]:
+        """Return the edits that give the collision the visual's origin, if both are typed as numbers."""
+        wrong = []
+        for name in ("xyz", "rpy"):
+            source = self.visual.shape.origin.get_attribute(name)
+            target = self.collision.shape.origin.get_attribute(name)
+            wanted = "0 0 0" if source is None else source.typed
+            if target is None and wanted.split() == ["0", "0", "0"]:
+                continue
+            if target is not None and target.value.split() == wanted.split():
+                continue
+            if source is not None and not source.literal:
+                return []
+            wrong.append((target, wanted))
+        return edit_literals(wrong)
+
+
+def list_displaced_collisions(
+    model: Model, *, distance: float = MIN_DISTANCE, angle: float = MIN_ANGLE
+) -> Iterator[DisplacedCollision]:
+    """Yield the collision shapes that are further than ``distance`` (m) or ``angle`` (rad) from each visual of the same shape.
+
+    A part that is used several times has several places, in any order.
+    """
+
+    def is_same_pose(one: PlacedShape, other: PlacedShape) -> bool:
+        moved, turned = one.measure_difference(other)
+        return moved <= distance and turned <= angle
+
+    for link in model.links:
+        for visuals, collisions in _group_by_shape(model, link):
+            free = [v for v in visuals if not any(is_same_pose(v, c) for c in collisions)]
+            for collision in collisions:
+                if free and not any(is_same_pose(v, collision) for v in visuals):
+                    visual = min(free, key=collision.measure_difference)
+                    yield DisplacedCollision(link, visual, collision, *visual.measure_difference(collision))
+
+
+def _group_by_shape(model: Model, link: Link) -> Iterator[tuple[list[PlacedShape], list[PlacedShape]]]:
+    """Yield the visuals and the collisions of a link that are one shape in one size and have a known pose."""
+    groups: dict[object, tuple[list[PlacedShape], list[PlacedShape]]] = {}
+    for shape in (*link.visuals, *link.collisions):
+        use, pose, kind = model.meshes.by_shape.get(id(shape)), shape.origin.matrix, shape.kind
+        if shape.size is None or pose is None or kind is None or (kind == "mesh" and use is None):
+            continue
+        if is_dummy_shape(shape):
+            continue
+        what = kind if use is None else use.resource.path or use.filename.value
+        placed = PlacedShape(shape, kind if use is None else use.name, pose)
+        groups.setdefault((what, shape.size), ([], []))[shape.role == "collision"].append(placed)
+    yield from (group for group in groups.values() if all(group))
+
+
+def _measure_angle(shape: Shape, turn: Array) -> float:
+    """Return the least angle (rad) of a rotation (3, 3) of a shape, by which it becomes different."""
+    if shape.kind == "sphere":
+        return 0.0
+    if shape.kind in {"cylinder", "capsule"}:
+        return math.asin(min(1.0, math.hypot(turn[0, 2], turn[1, 2])))
+    if shape.kind != "box":
+        return _measure_rotation(turn)
+    return min(_measure_rotation(turn @ symmetry) for symmetry in _generate_box_symmetries(shape.size or ()))
+
+
+def _generate_box_symmetries(size: tuple[float, ...]) -> Iterator[Array]:
+    """Yield the rotations (3, 3) by quarter and half turns that map a box onto itself."""
+    for order in permutations(range(3)):
+        if all(math.isclose(size[a], size[b], rel_tol=1e-9) for a, b in enumerate(order)):
+            for signs in product((1.0, -1.0), repeat=3):
+                turn = np.eye(3)[list(order)] * np.array(signs)
+                if np.linalg.det(turn) > 0:
+                    yield turn
+
+
+def _measure_rotation(turn: Array) -> float:
+    # The chord from the identity: unlike the arc cosine of the trace, it keeps small angles.
+    return 2 * math.asin(min(1.0, float(np.linalg.norm(turn - np.eye(3))) / math.sqrt(8)))
