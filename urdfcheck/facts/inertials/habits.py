@@ -63,7 +63,7 @@ class Evidence:
     sound: float
     """How likely the numbers are as they are."""
     alternative: float
-    """Score, frequency included, of the best explanation that is no habit, "no mistake" among them."""
+    """Score, frequency included, of the best explanation that is not a habit, "no mistake" among them."""
 
     @property
     def best(self) -> float:
@@ -81,7 +81,7 @@ class Evidence:
         return abs(self.likelihoods.get(key, -math.inf) - self.sound) > _EFFECT
 
     def is_supporting(self, key: Key, share: float) -> bool:
-        """Whether the link rather has the mistake than any that is no habit."""
+        """Whether the link rather has the mistake than any that is not a habit."""
         with_habit = math.log(share) + self.likelihoods.get(key, -math.inf)
         return self.is_affected(key) and with_habit > math.log(1.0 - share) + self.alternative
 
