@@ -151,7 +151,8 @@ _ELSEWHERE = ("SRD", "CTL", "LCH", "COL003", "GZB", "XAC")
 # Each edit, and the rules that may say something new after it.
 EDITS: Mapping[str, tuple[Edit, tuple[str, ...]]] = {
     "inertial frames turned": (turn_inertial_frames, ()),
-    "hung up at another link": (hang_up, ("NAM", "KIN008", "INR001", *_ELSEWHERE)),
+    # Another root: a base that is moved by a joint, and joints that carry the rest of the robot instead of the tool.
+    "hung up at another link": (hang_up, ("NAM", "KIN008", "INR001", "DYN", *_ELSEWHERE)),
     "elements in another order": (shuffle, ()),
     "more digits": (write_longer, ()),
     "renamed": (rename, _ELSEWHERE),
