@@ -604,23 +604,13 @@ def make_hand(folder: Path, densities: Sequence[float], sizes: Sequence[float] =
 def test_links_ten_times_as_dense_as_others_are_found(
     tmp_path: Path, densities: tuple[float, ...], tenfold: bool
 ) -> None:
-    found = find(tmp_path, make_hand(tmp_path, densities), "INR010")
-    assert [finding.message_id for finding in found] == (["tenfold"] if tenfold else [])
+    found = find(tmp_path, make_hand(tmp_path, densities), "INR016")
+    found = [finding for finding in found if finding.message_id == "tenfold"]
+    assert len(found) == tenfold
     if tenfold:
         assert len(found[0].subjects) == sum(density > 5 * min(densities) for density in densities)
 
 
 def test_equal_copies_are_one_piece_of_evidence(tmp_path: Path) -> None:
     text = make_hand(tmp_path, (1000, 1000, 10000, 10000, 10000), sizes=(1.0, 0.5, 0.4, 0.4, 0.4))
-    assert find(tmp_path, text, "INR010") == []
-
-
-def test_a_placeholder_tensor_does_not_hide_an_impossible_mass(tmp_path: Path) -> None:
-    drawn = '<visual><geometry><box size="0.2 0.2 0.15"/></geometry></visual>'
-
-    def make_base(mass: str) -> str:
-        inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
-        return robot(link("base", f'<inertial><mass value="{mass}"/>{inertia}</inertial>', drawn))
-
-    assert "INR010" in {finding.code for finding in find(tmp_path, make_base("400"), CODES)}
-    assert "INR010" not in {finding.code for finding in find(tmp_path, make_base("500"), CODES)}
+    assert "tenfold" not in {finding.message_id for finding in find(tmp_path, text, "INR016")}
