@@ -59,7 +59,8 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
                 grave.append(far)
             elif far.distance > whole * reach or is_beyond_own:
                 odd.append(far)
-        for links, severity in ((grave, Severity.ERROR), (odd, None)):
+        # The robot that includes a part may be longer than it.
+        for links, severity in ((grave, Severity.ERROR), ([] if model.source.is_part else odd, None)):
             if links:
                 yield _build_finding(rule, message, links, units=units, reach=reach, severity=severity)
 

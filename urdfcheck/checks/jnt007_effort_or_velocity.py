@@ -45,13 +45,13 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     if with_motor:
         yield _build_finding(rule, "effort-zero", "effort", with_motor)
     # If no joint has either, the fields of the exporter's dialog were empty. JNT005 reports all four where lower and upper are 0.
-    is_empty = len(without) == len(driven) and all(joint.name in still for joint in without)
+    is_empty = len(without) == len(driven) > 1 and all(joint.name in still for joint in without)
     if is_empty and (stated := [joint for joint in without if not _is_locked(joint)]):
-        yield _build_finding(rule, "both-zero", "effort", stated)
+        yield _build_finding(rule, "both-zero", "effort", stated, severity=Severity.INFO)
     if not is_empty and (unused := [joint for joint in without if not (joint.name in still and _is_locked(joint))]):
         yield _build_finding(rule, "effort-unused", "effort", unused, severity=Severity.INFO)
     if slow := [joint for joint in driven if joint.name in still and joint not in without]:
-        yield _build_finding(rule, "velocity-zero", "velocity", slow)
+        yield _build_finding(rule, "velocity-zero", "velocity", slow, severity=Severity.INFO)
 
 
 def _is_locked(joint: Joint) -> bool:
