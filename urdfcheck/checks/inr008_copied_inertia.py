@@ -134,7 +134,7 @@ def _compute_signature(model: Model, declared: DeclaredTensor) -> _InertiaSignat
 
 
 def _says_nothing(declared: DeclaredTensor) -> bool:
-    """Whether equal tensors are no evidence of a copy: a multiple of the identity, or numbers of one digit."""
+    """Whether equal tensors prove no copy: a multiple of the identity, or numbers of one digit."""
     ixx, ixy, ixz, iyy, iyz, izz = declared.components
     is_isotropic = ixx == iyy == izz and not any((ixy, ixz, iyz))
     return is_isotropic or all(float(f"{value:.0e}") == value for value in declared.components)
