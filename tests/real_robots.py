@@ -13,14 +13,16 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
 import pytest
 from conftest import get_shared_folder, make_request
 from filelock import FileLock, Timeout
 
 import urdfcheck
-from urdfcheck.core import Finding, Run
+from urdfcheck.core import FactUnavailableError, Finding, Run
 from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.model import Model
+from urdfcheck.model.motion.pinocchio_model import pinocchio_model
 from urdfcheck.policy.config import TARGETS
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run import pipeline, unit_audit
@@ -79,12 +81,14 @@ def list_requests(folder: Path) -> dict[str, Request]:
 @dataclass(frozen=True)
 class CheckedRobot:
     """A run of a request of `list_requests`, the defects that its checks report one by one, what it finds for all engines as
-    targets, and its models as engines get them, by id; None for what is no robot."""
+    targets, and its models as engines get them, by id; None for what is no robot. Last, by id of each model that has dynamics:
+    what Pinocchio says of its frames, empty if it has the same."""
 
     run: Run
     reported: frozenset[Defect]
     for_engines: tuple[Finding, ...]
     inputs: Mapping[str, EngineInput | None]
+    frames: Mapping[str, str]
 
 
 def check_robots(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, CheckedRobot]:
@@ -131,7 +135,13 @@ def check_robot(request: Request) -> CheckedRobot:
         for unit in audited.units
         if unit.kind == "model" and unit.id in ids
     }
-    return CheckedRobot(audited.outcome, frozenset(reported), tuple(found), inputs)
+    frames = {
+        unit.id: difference
+        for unit in audited.units
+        if unit.kind == "model" and unit.id in ids and (model := models.find(unit)) is not None
+        if (difference := compare_frames(model)) is not None
+    }
+    return CheckedRobot(audited.outcome, frozenset(reported), tuple(found), inputs, frames)
 
 
 class KnownModels:
@@ -155,6 +165,35 @@ class KnownModels:
         found = (m for m in self.by_source.values() if m.source.path == Path(unit.path))
         same = (m for m in found if not m.source.found_arguments and m.source.arguments == unit.arguments)
         return None if unit.launches else next(same, None)
+
+
+def compare_frames(model: Model) -> str | None:
+    """What differs between the frames of a model and those of Pinocchio, empty if nothing does; None for a model without
+    dynamics."""
+    try:
+        built = pinocchio_model(model)
+        if built.model is None:
+            return f"Pinocchio refuses it: {built.messages}"
+        assert_frames_of_pinocchio(model)
+    except FactUnavailableError:
+        return None
+    except AssertionError as error:
+        return str(error)
+    return ""
+
+
+def assert_frames_of_pinocchio(model: Model) -> int:
+    """Compare the frames of a model with those of Pinocchio, which must load it; return their number."""
+    import pinocchio
+
+    built = pinocchio_model(model).model
+    data = built.createData()
+    pinocchio.framesForwardKinematics(built, data, pinocchio.neutral(built))
+    for name, placed in model.frames.items():
+        theirs = data.oMf[built.getFrameId(name, pinocchio.FrameType.BODY)]
+        np.testing.assert_allclose(placed[:3, :3], theirs.rotation, atol=1e-9, err_msg=name)
+        np.testing.assert_allclose(placed[:3, 3], theirs.translation, atol=1e-9, err_msg=name)
+    return len(model.frames)
 
 
 def build_known_input(unit: Unit, models: KnownModels) -> EngineInput | None:

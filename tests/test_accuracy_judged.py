@@ -11,7 +11,20 @@ from conftest import check_text
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks" / "accuracy"))
 
-from judged import CHANGED, COLUMNS, GONE, KEPT, ROUNDS, build_tables, find_outcomes, match_labels, read_round
+from judged import (
+    CHANGED,
+    COLUMNS,
+    GONE,
+    KEPT,
+    ROUNDS,
+    build_tables,
+    find_models,
+    find_outcomes,
+    match_labels,
+    read_models,
+    read_round,
+)
+from real.robots import RealRobot
 
 ROW = ("some/robot:arm", "robot.urdf:1", "KIN002", "unknown", "error", "TU", "read", "-", "no such link")
 
@@ -88,6 +101,19 @@ def test_precision_counts_what_is_still_said(tmp_path: Path) -> None:
     tables = build_tables(outcomes)
     assert "| error | 4 | 3 | 0 | 0 | 1 | 0 | 75% (<  97%) | 25.0% (>  1.5%) |" in tables
     assert "| KIN002 | 5 | 60% | 4 | 75% | 1 | 0 | 0 | 0 |" in tables
+
+
+def test_models_of_other_repositories_are_found_in_their_clones(tmp_path: Path) -> None:
+    path = write_round(tmp_path, ROW)
+    line = "# repo some/robot commit 4e23c97 my files/arm.urdf.xacro side:=left empty:=\n"
+    path.write_text(line + path.read_text(encoding="utf-8"), encoding="utf-8")
+    models = read_models(path)
+    assert list(models) == ["some/robot:arm"]
+    (robot,) = find_models(models, [RealRobot(name="some/robot", entry=tmp_path)])
+    assert (robot.name, robot.entry) == ("some/robot:arm", tmp_path / "my files" / "arm.urdf.xacro")
+    assert robot.arguments == {"side": "left", "empty": ""}
+    assert find_models(models, []) == []
+    assert len(read_round(path)) == 1
 
 
 def test_a_robot_that_is_not_at_hand_has_no_state(tmp_path: Path) -> None:

@@ -49,6 +49,12 @@ def test_merging_loses_no_defect(robots: dict[str, CheckedRobot]) -> None:
     assert {name: some for name, some in lost.items() if some} == {}
 
 
+def test_frames_are_those_of_pinocchio(robots: dict[str, CheckedRobot]) -> None:
+    compared = {f"{name}: {model}": said for name, robot in robots.items() for model, said in robot.frames.items()}
+    assert {name: said for name, said in compared.items() if said} == {}
+    assert sum(bool(robot.frames) for robot in robots.values()) > 0.75 * len(robots)
+
+
 def test_one_kind_of_mistake_is_one_finding(runs: dict[str, Run]) -> None:
     """Few findings share rule, message, file and models with another: those differ in cause, or in what repairs them."""
     urgent = [f for run in runs.values() for f in run.active_findings if f.severity > Severity.INFO]

@@ -60,6 +60,16 @@ class Label:
 
 
 @dataclass(frozen=True, slots=True)
+class Model:
+    """A model of a published repository: the file, relative to the repository, and the values of its xacro arguments."""
+
+    repository: str
+    commit: str
+    entry: str
+    arguments: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
 class Outcome:
     """A label and what the finding is now: its state, and the finding unless it is gone."""
 
@@ -81,7 +91,10 @@ def main() -> None:
         labels = [label for name in names for label in read_round(ROUNDS / f"{name}.tsv")]
     except (OSError, ValueError) as error:
         parser.error(str(error))
-    outcomes = find_outcomes(labels, list_robots())
+    robots = list_robots()
+    for name in names:
+        robots += find_models(read_models(ROUNDS / f"{name}.tsv"), robots)
+    outcomes = find_outcomes(labels, robots)
     print(f"urdfcheck {urdfcheck.__version__}: {len(labels)} labels of {', '.join(names)}.")
     print(build_tables(outcomes))
     if options.list:
@@ -102,6 +115,37 @@ def read_round(path: Path) -> list[Label]:
     if set(header) - set(COLUMNS) or set(COLUMNS) - set(header) - OPTIONAL:
         raise ValueError(f"{path.name}: the columns are {', '.join(header)}, not {', '.join(COLUMNS)}")
     return [_read_label(path.name, number, row) for number, row in enumerate(reader, 1)]
+
+
+def read_models(path: Path) -> dict[str, Model]:
+    """Read the models of a round that are in no corpus, by robot: ``# repo owner/repository commit SHA ENTRY [arg:=value …]``.
+
+    :raises OSError: if the file cannot be read.
+    """
+    models = {}
+    for line in path.read_text(encoding="utf-8").splitlines():
+        found = re.fullmatch(r"# repo (\S+) commit ([0-9a-f]+) (.+?)((?: \w+:=\S*)*)", line.strip())
+        if found is not None:
+            repository, commit, entry, words = found.groups()
+            arguments = dict(word.split(":=", 1) for word in words.split())
+            stem = Path(entry).name.partition(".")[0]
+            models[f"{repository}:{stem}"] = Model(repository, commit, entry, arguments)
+    return models
+
+
+def find_models(models: Mapping[str, Model], robots: Iterable[RealRobot]) -> list[RealRobot]:
+    """Find models in the repositories at hand."""
+    folders = {robot.name: robot.entry for robot in robots if robot.entry.is_dir()}
+    return [
+        RealRobot(
+            name=name,
+            entry=folders[model.repository] / model.entry,
+            arguments=model.arguments,
+            package_roots=(folders[model.repository],),
+        )
+        for name, model in models.items()
+        if model.repository in folders
+    ]
 
 
 def _read_label(name: str, number: int, row: Mapping[str, str | None]) -> Label:

@@ -190,6 +190,17 @@ def test_an_empty_limit_is_one_defect(tmp_path: Path, limit: str, kind: str, fou
         assert run.findings[0].message.endswith(". Effort and velocity are 0 too")
 
 
+def test_an_empty_limit_is_reported_whatever_is_beside_it_and_selected(tmp_path: Path) -> None:
+    empty, locked = (f'<limit lower="0" upper="0" effort="{e}" velocity="{e}"/>' for e in (0, 1))
+    text = make_three_links(make_joint(empty), make_joint(locked, name="k", child="c"))
+    both = find(tmp_path, text, {"JNT005", "JNT007"})
+    assert [(f.code, f.data.get("hides")) for f in both] == [("JNT005", ["JNT007"]), ("JNT005", None)]
+    told = {own.subjects: "Effort and velocity are 0 too" in own.message for own in both}
+    assert told == {("joint[j]/limit",): True, ("joint[k]/limit",): False}
+    (alone,) = find(tmp_path, text, "JNT007")
+    assert (alone.message_id, alone.subjects) == ("effort-unused", ("joint[j]/limit@effort",))
+
+
 def test_the_only_driven_joint_may_be_a_rocker(tmp_path: Path) -> None:
     rocker = make_joint('<limit lower="-1" upper="1" effort="0" velocity="0"/>')
     follower = make_joint(

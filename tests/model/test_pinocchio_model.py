@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import FIXTURES
-from real_robots import list_robots
+from real_robots import assert_frames_of_pinocchio
 
-from urdfcheck.core import FactUnavailableError
 from urdfcheck.model import Model
-from urdfcheck.model.motion.pinocchio_model import pinocchio_model, write_without_geometry
+from urdfcheck.model.motion.pinocchio_model import write_without_geometry
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
@@ -33,18 +32,6 @@ def same_frames_as_yourdfpy(model: Model, folder: Path) -> int:
     return len(model.frames)
 
 
-def same_frames_as_pinocchio(model: Model) -> int:
-    pinocchio = pytest.importorskip("pinocchio")
-    built = pinocchio_model(model).model
-    data = built.createData()
-    pinocchio.framesForwardKinematics(built, data, pinocchio.neutral(built))
-    for name, placed in model.frames.items():
-        theirs = data.oMf[built.getFrameId(name, pinocchio.FrameType.BODY)]
-        np.testing.assert_allclose(placed[:3, :3], theirs.rotation, atol=1e-9, err_msg=name)
-        np.testing.assert_allclose(placed[:3, 3], theirs.translation, atol=1e-9, err_msg=name)
-    return len(model.frames)
-
-
 @pytest.mark.parametrize(
     "path",
     ["car-3/urdf/car-3.urdf", "car-3/robot_description/urdf/car_body.urdf.xacro", "car-3-fixed/urdf/car_3.urdf.xacro"],
@@ -53,7 +40,8 @@ def test_frames_of_the_fixtures(path: str, tmp_path: Path) -> None:
     model = model_of(FIXTURES / path)
     assert model is not None
     assert same_frames_as_yourdfpy(model, tmp_path) >= 5
-    assert same_frames_as_pinocchio(model) >= 5
+    pytest.importorskip("pinocchio")
+    assert assert_frames_of_pinocchio(model) >= 5
 
 
 def test_all_wheels_of_car_3_turn_about_plus_y() -> None:
@@ -62,21 +50,3 @@ def test_all_wheels_of_car_3_turn_about_plus_y() -> None:
     assert model is not None
     for axis in model.axes.values():
         np.testing.assert_allclose(axis, [0, 1, 0], atol=1e-5)
-
-
-def test_frames_of_the_corpus(corpus: Path, tmp_path: Path) -> None:
-    compared = 0
-    for entry in list_robots(corpus):
-        if not entry["expands"]:
-            continue
-        roots = tuple(corpus / r for r in entry["package_roots"])
-        model = model_of(corpus / entry["entry"], entry["xacro_args"], roots)
-        if model is None:
-            continue
-        try:
-            sound = pinocchio_model(model)
-        except FactUnavailableError:
-            continue
-        assert sound.model is not None, (entry["id"], sound.messages)
-        compared += same_frames_as_pinocchio(model) > 0
-    assert compared > 0.75 * len(list_robots(corpus))

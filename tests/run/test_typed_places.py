@@ -97,3 +97,16 @@ def test_links_of_one_number_are_one_finding_and_of_other_numbers_other_places(t
 def test_what_is_not_typed_elsewhere_stays_in_the_macro(tmp_path: Path, macro: str, call: str) -> None:
     (found,) = find(tmp_path, macro + call).findings
     assert get_place(found, tmp_path)[1].startswith("<inertia")
+
+
+def test_a_name_of_a_call_but_not_the_element_that_has_it(tmp_path: Path) -> None:
+    body = (
+        '<xacro:macro name="arm" params="name parent"><link name="${name}"/><joint name="${name}_hinge" type="fixed">'
+        '<parent link="${parent}"/><child link="${name}"/></joint></xacro:macro>\n<link name="base"/>\n'
+        '<xacro:arm name="lever" parent="bse"/>'
+    )
+    (tmp_path / "r.urdf.xacro").write_text(XACRO.format(body))
+    found = check(tmp_path / "r.urdf.xacro", codes={"KIN002", "INR001"}, tier="source", root=tmp_path).findings
+    places = {finding.code: get_place(finding, tmp_path)[1] for finding in found}
+    assert places["KIN002"] == "bse"
+    assert "INR001" not in places or places["INR001"].startswith("<link")

@@ -67,7 +67,7 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
             one=by_design[0][0].links[0],
             other=by_design[0][0].links[1],
             millimetres=by_design[0][1].depth * 1e3,
-            more=f" (+{format_count(len(by_design) - 1, 'pair')})" if len(by_design) > 1 else "",
+            more=f" (+{len(by_design) - 1})" if len(by_design) > 1 else "",
             percent=round(100 * always),
             samples=samples,
         )
@@ -168,7 +168,7 @@ def _build_displaced_finding(rule: Rule, restored: RestoredOrigin) -> Finding:
 def _group_by_shape(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> Iterator[list[tuple[CollisionPair, Contact]]]:
     """Group overlaps by a common shape, the deepest first.
 
-    The shape with most overlaps takes all of its own, then that with most of the rest. Of two shapes with one overlap, it is
+    The shape with most overlaps takes all its overlaps, then that with most of the rest. Of two shapes with one overlap, it is
     the one further from the root.
     """
     left = list(overlaps)
@@ -202,7 +202,7 @@ def _build_overlap_finding(
         other=pair.links[1 - place],
         others=join_names([f"{name} ({c.depth * 1e3:.3g} mm)" for name, c in others]),
         count=len(group),
-        more=format_count(len(group) - 1, "more link"),
+        more=len(group) - 1,
         depth=round_significant(contact.depth),
         millimetres=contact.depth * 1e3,
         normal=[round(v, 3) + 0.0 for v in contact.normal],

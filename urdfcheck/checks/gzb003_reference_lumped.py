@@ -79,7 +79,7 @@ def _build_lost_finding(
         at=blocks[0].attributes["reference"],
         severity=Severity.WARNING if message == "joint" else Severity.INFO,
         related=[block.attributes["reference"] for block in blocks[1:10]],
-        edits=dict.fromkeys(e for block in blocks for e in _propose_edits(model, block)) if message == "joint" else (),
+        edits=_propose_all_edits(model, blocks) if message == "joint" else (),
         blocks=format_count(len(blocks), "<gazebo> block has", "<gazebo> blocks have"),
         count=format_count(len(blocks), "block"),
         which="joint" if len(blocks) == 1 else "joints",
@@ -196,6 +196,12 @@ def _check_dropped_links(
             link=model.joint_by_name[name].child,
             others=f" and {format_count(count, 'link')} below it" if count else "",
         )
+
+
+def _propose_all_edits(model: Model, blocks: list[Element]) -> list[Edit]:
+    """Return the edits that keep all joints; nothing where one of them cannot be kept by an edit."""
+    each = [_propose_edits(model, block) for block in blocks]
+    return list(dict.fromkeys(edit for edits in each for edit in edits)) if all(each) else []
 
 
 def _propose_edits(model: Model, block: Element) -> list[Edit]:

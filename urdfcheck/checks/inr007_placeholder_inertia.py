@@ -175,11 +175,14 @@ def _rank_suspect(suspect: _PlaceholderInertial) -> tuple[bool, float]:
 
 
 def _propose_edits(model: Model, suspects: Sequence[_PlaceholderInertial]) -> tuple[Edit, ...]:
-    """Return the edits that write the drawn parts' inertia; nothing unless all are known and no text needs two values."""
+    """Return the edits that write the drawn parts' inertia; nothing unless all are known and no text needs two values.
+
+    Nothing either where the mass is as round: then it is a placeholder too, and it decides the inertia.
+    """
     edits: dict[Span, Edit] = {}
     for suspect in suspects:
         drawn = propose_from_geometry(model, suspect.declared.link)
-        if drawn is None or not drawn.edits:
+        if drawn is None or not drawn.edits or is_round(suspect.mass):
             return ()
         if any(edits.setdefault(edit.span, edit) != edit for edit in drawn.edits):
             return ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
@@ -12,7 +12,7 @@ from urdfcheck.model.repairs.edits import swap_values
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    equal: dict[float, list[Joint]] = {}
+    equal: dict[tuple[float, bool], list[Joint]] = {}
     for joint in model.joints:
         limit, lower, upper = joint.limit, joint.get_limit_value("lower"), joint.get_limit_value("upper")
         if joint.type not in {"revolute", "prismatic"} or limit is None or lower is None or upper is None:
@@ -21,7 +21,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if not typed or lower < upper:
             continue  # JNT004 reports a limit with neither
         if lower == upper:
-            equal.setdefault(lower, []).append(joint)
+            equal.setdefault((lower, _is_empty(joint)), []).append(joint)
         else:
             yield rule.finding(
                 "inverted",
@@ -33,7 +33,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 unit=joint.position_unit,
             )
     # Joints with the same numbers come from one template or one exporter's default.
-    for value, joints in equal.items():
+    for (value, is_empty), joints in equal.items():
         yield build_group_finding(
             rule,
             "equal",
@@ -42,11 +42,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joints=join_names(joint.name for joint in joints),
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
-            also=_describe_empty(joints),
+            also=". Effort and velocity are 0 too" if is_empty else "",
+            explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
         )
 
 
-def _describe_empty(joints: Sequence[Joint]) -> str:
-    """Say that effort and velocity are 0 too; JNT007 leaves that to this finding if the limits are 0."""
-    values = {joint.get_limit_value(name) for joint in joints for name in ("lower", "effort", "velocity")}
-    return ". Effort and velocity are 0 too" if values == {0} else ""
+def _is_empty(joint: Joint) -> bool:
+    """Whether all limits of a joint are 0: the fields of an exporter's dialog were empty."""
+    return all(joint.get_limit_value(name) == 0 for name in ("lower", "upper", "effort", "velocity"))

@@ -44,7 +44,7 @@ def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Fin
         joints = [joint for side in odd for joint in (side.left, side.right)]
         finding = rule.finding(
             "swapped",
-            at=joints[0].element.find_child("child") or joints[0],
+            at=joints[0].child_location,
             related=joints[1:10],
             left=odd[0].left.child,
             right=odd[0].right.child,

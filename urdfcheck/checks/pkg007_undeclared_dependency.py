@@ -10,7 +10,7 @@ from pathlib import Path
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.source.package.finder import Package, load_package
-from urdfcheck.source.package.references import PackageMention, read_package_contents
+from urdfcheck.source.package.references import PackageMention, mentions_package, read_package_contents
 from urdfcheck.source.text.xml import Element, SourceFile
 
 # Metapackages, and what the names of their packages begin with unless with the name of the metapackage.
@@ -49,6 +49,9 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     circular = [name for name in missing if package.name in _collect_dependencies(package, [name])]
     for name in circular:
         yield _build_finding(package, rule, root, file, message="circle", missing={name: missing.pop(name)})
+    # Their own lines are missing too: each would be right alone, and together they are a cycle.
+    for name in [name for name in missing if _uses_files_of(package, name)]:
+        yield _build_finding(package, rule, root, file, message="mutual", missing={name: missing.pop(name)})
     if missing:
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
@@ -70,7 +73,7 @@ def _build_finding(
         message,
         at=root.find_child("name") or root,
         related=[use.location for uses in missing.values() for use in uses[:3]],
-        edits=() if message == "circle" else _propose_edits(root, file, tags=tags),
+        edits=() if message in {"circle", "mutual"} else _propose_edits(root, file, tags=tags),
         name=names[0],
         names=names,
         listed=join_names(names),
@@ -98,6 +101,15 @@ def _collect_dependencies(package: Package, names: Iterable[str]) -> set[str]:
             left += sorted(further.dependencies - covered)
             covered |= further.dependencies
     return covered
+
+
+def _uses_files_of(package: Package, name: str) -> bool:
+    """Whether a file of the package ``name`` uses this package."""
+    folder = None if package.finder is None else package.finder.find(name)
+    if folder is None or package.finder is None or not package.finder.can_open(folder / "package.xml"):
+        return False
+    other = load_package(folder)
+    return other is not None and mentions_package(other, package.name)
 
 
 def _are_for_tests(uses: Sequence[PackageMention], package: Package) -> bool:

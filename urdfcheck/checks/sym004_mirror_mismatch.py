@@ -34,6 +34,7 @@ from urdfcheck.model.likeness.mirrored_joints import (
     group_by_chain,
     is_shifted,
 )
+from urdfcheck.model.likeness.origin_slips import OriginSlip, find_origin_slips, iter_coincident_twins
 from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, make_attribute_edits
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.source.text.values import read_attribute_number
@@ -64,6 +65,13 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
     pairs, shares = mirror_pairs(model), _Shares(differ, note)
     yield from _compare_limits(model, rule, pairs, shares=shares)
     reported: dict[str, set[str]] = {"inertial": set(), "dynamics": set(), "place": set()}
+    for slip in find_origin_slips(model):
+        reported["place"] |= {slip.joint.child, slip.twin.child}
+        yield _report_slip(rule, slip)
+    for one, other in iter_coincident_twins(model):
+        if not reported["place"] & {one.child, other.child}:
+            reported["place"] |= {one.child, other.child}
+            yield _report_coincidence(rule, one, other)
     for pair in pairs:
         for subject, finding in (
             ("inertial", _compare_inertials(model, rule, pair, shares=shares)),
@@ -320,6 +328,44 @@ def _compare_origins(model: Model, rule: Rule, pair: MirrorPair, *, pairs: Seque
         )
     at, related = (locate_origin_attribute(joint, "rpy") if off.turned else joint.axis_location for joint in both)
     return rule.finding("axis", at=at, related=[related], angle=math.degrees(off.angle), **data)
+
+
+def _report_slip(rule: Rule, slip: OriginSlip) -> Finding:
+    joint, twin = slip.joint, slip.twin
+    at, related = (locate_origin_attribute(one, "xyz") for one in (joint, twin))
+    attribute = joint.origin.get_attribute("xyz")
+    return rule.finding(
+        "slip",
+        at=at,
+        related=[related],
+        cause=slip.kind,
+        joint=joint.name,
+        twin=twin.name,
+        parent=joint.parent,
+        typed="0 0 0" if attribute is None else attribute.value,
+        expected=format_point(slip.expected, decimals=6),
+        distance=float(np.linalg.norm(np.array(joint.origin.xyz or (0, 0, 0)) - slip.expected)) * 1e3,
+        first=_describe_move(joint, twin, slip.expected),
+        second=_describe_move(twin, joint, slip.twin_expected),
+        between=_list_subjects(joint, twin),
+    )
+
+
+def _report_coincidence(rule: Rule, one: Joint, other: Joint) -> Finding:
+    at, related = (locate_origin_attribute(joint, "xyz") for joint in (one, other))
+    attribute = one.origin.get_attribute("xyz")
+    return rule.finding(
+        "coincident",
+        at=at,
+        related=[related],
+        joint=one.name,
+        twin=other.name,
+        one=one.child,
+        other=other.child,
+        parent=one.parent,
+        typed="" if attribute is None else attribute.value,
+        between=_list_subjects(one, other),
+    )
 
 
 def _describe_move(joint: Joint, twin: Joint, place: Array) -> str:

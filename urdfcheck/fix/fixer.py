@@ -18,6 +18,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Protocol, TypeVar
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Run
 from urdfcheck.core.findings import iter_occurrences
@@ -290,7 +291,17 @@ class _EditedRanges:
         return inside < len(insertions) and insertions[inside] < end
 
 
-def select_disjoint(changes: Iterable[_FixGroup]) -> list[_FixGroup]:
+class HasEdits(Protocol):
+    """Anything that consists of edits."""
+
+    @property
+    def edits(self) -> tuple[Edit, ...]: ...
+
+
+Change = TypeVar("Change", bound=HasEdits)
+
+
+def select_disjoint(changes: Iterable[Change]) -> list[Change]:
     """Return the changes that do not touch text that an earlier one changes."""
     taken = _EditedRanges()
     return [change for change in changes if taken.try_take(change.edits)]

@@ -29,7 +29,7 @@ from urdfcheck.policy.suppression import mark_suppressed
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit, UnitReport
 from urdfcheck.run.shared_findings import merge_across_models, merge_kinds, merge_macro_lines
-from urdfcheck.run.typed_places import locate_typed_numbers
+from urdfcheck.run.typed_places import locate_typed_values
 from urdfcheck.source.text.suppression_comments import IgnoreComment
 from urdfcheck.source.text.xml import Element
 
@@ -75,14 +75,15 @@ def finalize_unit_findings(
     ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any;
     ``texts``: its files by name.
     """
-    located = locate_typed_numbers(list(findings), root, texts or {})
+    located = locate_typed_values(list(findings), root, texts or {})
     # Before merging: of six links that one macro line makes, a single one may be suppressed.
     marked, needed = mark_suppressed(
         located, comments=comments, entries=policy.suppress, baseline_entries=unit.baseline_entries
     )
     merged = merge_macro_lines(merge_same_text(marked), root, texts or {})
     remaining = drop_superseded(merged, rules)
-    wanted, unrequested = split_unrequested(remaining, rules, unrequested=policy.unrequested, targets=policy.targets)
+    unasked = frozenset() if policy.pedantic else policy.unrequested
+    wanted, unrequested = split_unrequested(remaining, rules, unrequested=unasked, targets=policy.targets)
     safe = mark_unsafe_in_model(wanted, root)
     listed, unlisted = limit_number(sorted(safe, key=get_sort_key))
     skips = [

@@ -1,4 +1,4 @@
-"""Where the numbers of a finding were typed: a macro only hands on what a yaml file or a call gives it."""
+"""Where the numbers and names of a finding were typed: a macro only hands on what a yaml file or a call gives it."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from urdfcheck.source.text.handed_values import find_typed_value, read_numbers
 from urdfcheck.source.text.xml import Attribute, Element
 
 
-def locate_typed_numbers(findings: Sequence[Finding], root: Element | None, texts: Mapping[str, str]) -> list[Finding]:
-    """Move findings about numbers that a macro hands on, ``${mass}``, to the yaml value or the argument that has them.
+def locate_typed_values(findings: Sequence[Finding], root: Element | None, texts: Mapping[str, str]) -> list[Finding]:
+    """Move findings about numbers or names that a macro hands on, ``${mass}``, to the yaml value or the argument that has them.
 
     The text of the macro becomes the last step that brought the number in (``via``), so that a comment there still suppresses the
     finding. A finding stays where the macro computes a number or types one itself, or where it is not plain which of several
@@ -46,7 +46,8 @@ def _index_by_subject(root: Element, spans: Iterable[Span | None]) -> dict[str, 
 
 def _move(finding: Finding, attributes: Sequence[Attribute]) -> Finding:
     here = finding.location
-    places = _find_typed_numbers(attributes)
+    # A finding about an element that has a name is about the element; one about the name itself is about the name.
+    places = _find_typed_places(attributes, may_be_name="@" in here.subject)
     if here.span is None or not places:
         return finding
     first, last = places[0], places[-1]
@@ -60,22 +61,23 @@ def _move(finding: Finding, attributes: Sequence[Attribute]) -> Finding:
     )
 
 
-def _find_typed_numbers(attributes: Sequence[Attribute]) -> list[Span]:
-    """Return the places of the numbers of these attributes, in one file and in its order; none if one of them is elsewhere."""
+def _find_typed_places(attributes: Sequence[Attribute], *, may_be_name: bool) -> list[Span]:
+    """Return the places of the values of these attributes, in one file and in its order; none if one of them is elsewhere, or is
+    no number and may not be a name."""
     places: dict[Span, None] = {}
     for attribute in attributes:
         if attribute.literal and set(attribute.value.split()) <= {"0", "0.0"}:
             continue
-        place = None if attribute.literal else _find_typed_number(attribute)
+        place = None if attribute.literal else _find_typed_place(attribute, may_be_name=may_be_name)
         if place is None:
             return []
         places[place] = None
     return sorted(places) if len({place.file for place in places}) == 1 else []
 
 
-def _find_typed_number(attribute: Attribute) -> Span | None:
-    """Return the text that a reference stands for, if it is this number."""
-    typed = None if read_numbers(attribute.value) is None else find_typed_value(attribute)
+def _find_typed_place(attribute: Attribute, *, may_be_name: bool) -> Span | None:
+    """Return the place of the text that a reference stands for, if it is this number or name."""
+    typed = find_typed_value(attribute) if may_be_name or read_numbers(attribute.value) is not None else None
     return None if typed is None else typed.span
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from urdfcheck.source.package.file_kinds import is_srdf, is_xacro
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.text.root_attributes import read_root_attributes
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_links, has_only_macros, has_parts
 from urdfcheck.system.files import read_regular
@@ -47,13 +48,15 @@ class ModelFile:
         self.has_parts = has_parts(root)
         self.stands_alone = can_stand_alone(root)
         self.makes_robot = is_srdf(path) and has_links(root)
-        self._robot_name: str | None = _read_robot_name(root) if needs_tree else None
+        self._robot_name: str | None = (
+            _clean_robot_name("" if root is None else root.get("name")) if needs_tree else None
+        )
 
     @property
     def robot_name(self) -> str:
         """The name of the robot, with a NUL for each expression; empty if it has none."""
         if self._robot_name is None:
-            self._robot_name = _read_robot_name(self.root)
+            self._robot_name = _clean_robot_name(_read_root_attributes(self._source).get("name", ""))
         return self._robot_name
 
     @property
@@ -115,5 +118,12 @@ def _parse(source: SourceFile | None) -> Element | None:
         return None
 
 
-def _read_robot_name(root: Element | None) -> str:
-    return "" if root is None else EXPRESSION.sub("\0", root.get("name").strip())
+def _read_root_attributes(source: SourceFile | None) -> dict[str, str]:
+    try:
+        return {} if source is None else read_root_attributes(source)
+    except XmlError:
+        return {}
+
+
+def _clean_robot_name(name: str) -> str:
+    return EXPRESSION.sub("\0", name.strip())

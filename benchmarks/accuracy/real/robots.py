@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -43,7 +44,8 @@ def _iter_robots(folder: Path) -> Iterator[RealRobot]:
     listed = folder / "corpus.json"
     if not listed.is_file():
         for repository in sorted(path for path in folder.iterdir() if path.is_dir()):
-            yield RealRobot(name=repository.name.replace("__", "/", 1), entry=repository, expands=False)
+            # Neither an owner's nor a repository's name begins or ends with these.
+            yield RealRobot(name=re.sub(r"__|\+", "/", repository.name, count=1), entry=repository, expands=False)
         return
     for entry in json.loads(listed.read_text(encoding="utf-8")):
         yield RealRobot(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -32,6 +32,7 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
+    from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
 
 # Causes after which the file does not show which number is right, or whose numbers come from the mesh.
 _UNDECIDED_CAUSES = frozenset(
@@ -255,7 +256,11 @@ def propose_undo(model: Model, link: Link, *, is_habit: bool = False) -> Inertia
     change = build_inertial_repair(inertial, diagnosed.diagnosis.mended)
     if not change.text:
         return None
-    is_certain = (is_habit or is_evident(diagnosed.diagnosis)) and _has_same_mistake(model, inertial.element.span)
+    is_certain = (
+        (is_habit or is_evident(diagnosed.diagnosis))
+        and _has_same_mistake(model, inertial.element.span)
+        and not _contradicts_twins(model, diagnosed)
+    )
     return change if is_certain else replace(change, edits=())
 
 
@@ -298,6 +303,14 @@ def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     return change if _has_same_geometry(model, link.inertial.element.span) else replace(change, edits=())
 
 
+def _contradicts_twins(model: Model, diagnosed: DiagnosedInertial) -> bool:
+    """Whether undoing a mistake may make two parts differ that are drawn alike: the other does not have the mistake."""
+    diagnosis = diagnosed.diagnosis
+    if diagnosis.judged_by == "twin":
+        return False
+    return any(_identify_mistake(model, model.link_by_name[twin])[0] != diagnosis.cause for twin in diagnosed.twins)
+
+
 @fact
 def _has_same_mistake(model: Model, text: Span | None) -> bool:
     """Whether one mistake was found in all links whose inertials are one text."""
@@ -320,13 +333,13 @@ def _links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]
     return links
 
 
-def _identify_mistake(model: Model, link: Link) -> Hashable:
+def _identify_mistake(model: Model, link: Link) -> tuple[str | None, str]:
     from urdfcheck.model.inertials.inertia_diagnosis import (
         inertial_diagnoses,  # heavy, and needed for wrong inertials only
     )
 
     diagnosed = inertial_diagnoses(model).get(link.name)
-    return None if diagnosed is None else (diagnosed.diagnosis.cause, diagnosed.diagnosis.detail)
+    return (None, "") if diagnosed is None else (diagnosed.diagnosis.cause, diagnosed.diagnosis.detail)
 
 
 def _format_drawn_inertial(model: Model, link: Link) -> str | None:

@@ -52,20 +52,22 @@ def list_equal_parts(model: Model) -> tuple[tuple[Link, ...], ...]:
     :raises FactUnavailableError: when the tree is broken.
     """
     tree = model.tree
-    kinds: dict[object, list[tuple[Link, LinkSignature]]] = {}
+    kinds: dict[object, list[Link]] = {}
     for name in tree.order[1:]:
-        link, joint = model.link_by_name[name], tree.parent_joint[name]
-        shapes = link.collisions
-        if not shapes or any(s.kind not in _PRIMITIVES or not s.size or s.origin.matrix is None for s in shapes):
-            continue
-        signature = compute_link_signature(model, link)
-        if signature is not None and signature.mass > 0:
-            depth = sum(before.is_movable for before in tree.find_path_to(name))
-            key = joint.type, depth, _get_part_name(name), _list_drawn_names(model, link)
-            kinds.setdefault(key, []).append((link, signature))
+        link = model.link_by_name[name]
+        if link.collisions and all(s.kind in _PRIMITIVES and s.size for s in link.collisions):
+            kinds.setdefault((tree.parent_joint[name].type, _get_part_name(name)), []).append(link)
+    alike: dict[object, list[tuple[Link, LinkSignature]]] = {}
+    for kind, links in kinds.items():
+        for link in links if len(links) > 1 else ():
+            signature = compute_link_signature(model, link)
+            if signature is not None and signature.mass > 0:
+                depth = sum(joint.is_movable for joint in tree.find_path_to(link.name))
+                key = kind, depth, _list_drawn_names(model, link)
+                alike.setdefault(key, []).append((link, signature))
     groups = (
         tuple(members[i][0] for i in indices)
-        for members in kinds.values()
+        for members in alike.values()
         for indices in group_by_signature([signature for _, signature in members])
     )
     return tuple(group for group in groups if len(group) > 1)

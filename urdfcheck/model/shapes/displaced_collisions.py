@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import permutations, product
 from typing import TYPE_CHECKING
@@ -12,7 +12,7 @@ import numpy as np
 
 from urdfcheck.core import Edit, Located
 from urdfcheck.model.parts import Link, Shape
-from urdfcheck.model.repairs.edits import edit_literals
+from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 
@@ -44,6 +44,8 @@ class PlacedShape:
 
         The angle is the least one: a cylinder rotated about its axis is the same cylinder.
         """
+        if (self.pose == other.pose).all():
+            return 0.0, 0.0
         moved = float(np.linalg.norm(self.pose[:3, 3] - other.pose[:3, 3]))
         return moved, _measure_angle(self.shape, self.pose[:3, :3].T @ other.pose[:3, :3])
 
@@ -92,7 +94,7 @@ class DisplacedCollision:
             if source is not None and not source.literal:
                 return []
             wrong.append((target, wanted))
-        return edit_literals(wrong)
+        return edit_all_numbers(wrong)
 
 
 def list_displaced_collisions(
@@ -118,17 +120,26 @@ def list_displaced_collisions(
 
 def _group_by_shape(model: Model, link: Link) -> Iterator[tuple[list[PlacedShape], list[PlacedShape]]]:
     """Yield the visuals and the collisions of a link that are one shape in one size and have a known pose."""
-    groups: dict[object, tuple[list[PlacedShape], list[PlacedShape]]] = {}
+    if not link.visuals or not link.collisions:
+        return
+    groups: dict[object, tuple[list[Shape], list[Shape]]] = {}
     for shape in (*link.visuals, *link.collisions):
-        use, pose, kind = model.meshes.by_shape.get(id(shape)), shape.origin.matrix, shape.kind
-        if shape.size is None or pose is None or kind is None or (kind == "mesh" and use is None):
-            continue
-        if is_dummy_shape(shape):
+        use, kind, size = model.meshes.by_shape.get(id(shape)), shape.kind, shape.size
+        if size is None or (kind == "mesh" and use is None) or is_dummy_shape(shape):
             continue
         what = kind if use is None else use.resource.path or use.filename.value
-        placed = PlacedShape(shape, kind if use is None else use.name, pose)
-        groups.setdefault((what, shape.size), ([], []))[shape.role == "collision"].append(placed)
-    yield from (group for group in groups.values() if all(group))
+        groups.setdefault((what, size), ([], []))[shape.role == "collision"].append(shape)
+    for group in groups.values():
+        if all(group):
+            visuals, collisions = ([*_place_shapes(model, shapes)] for shapes in group)
+            yield visuals, collisions
+
+
+def _place_shapes(model: Model, shapes: Sequence[Shape]) -> Iterator[PlacedShape]:
+    for shape in shapes:
+        use, pose = model.meshes.by_shape.get(id(shape)), shape.origin.matrix
+        if pose is not None:
+            yield PlacedShape(shape, (shape.kind or "") if use is None else use.name, pose)
 
 
 def _measure_angle(shape: Shape, turn: Array) -> float:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 
 from urdfcheck.core import Location
@@ -86,6 +87,13 @@ def read_package_contents(package: Package) -> PackageContents:
         elif suffix in _NAMING_SUFFIXES and path.name not in {"package.xml", "setup.py"}:
             mentions += _iter_mentions(path)
     return PackageContents(tuple(mentions), tuple(meshes), complete)
+
+
+def mentions_package(package: Package, name: str) -> bool:
+    """Whether a file of a package names another package."""
+    files = islice(iter_package_files(package, package.path), _MOST_FILES)
+    naming = (p for p in files if p.suffix.lower() in _NAMING_SUFFIXES and p.name not in {"package.xml", "setup.py"})
+    return any(mention.package == name for path in naming for mention in _iter_mentions(path))
 
 
 def iter_package_mentions(package: Package) -> Iterator[PackageMention]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from urdfcheck.core import Span
 from urdfcheck.source.text.xml import Attribute, Definition, flatten_definitions
 
-# None of these patterns searches to the end of the text from each of many places: the next opening bracket ends the search.
+# The search does not go to the end of the text from each of many places: the next opening bracket ends it.
 EXPRESSION = re.compile(r"\$\{([^$}]*(?:\$(?!\{)[^$}]*)*)\}|\$\(eval\s([^$)]*(?:\$(?!\()[^$)]*)*)\)")
 _STRING = re.compile(r"'[^']*'|\"[^\"]*\"")
 _OPERATOR = re.compile(r"[-+*/%(]")

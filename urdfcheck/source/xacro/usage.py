@@ -29,6 +29,7 @@ _REQUIRED_BY_TAG: Mapping[str, frozenset[str]] = {
 # Elements of other parsers than URDF's: a tag inside them may mean something else.
 _FOREIGN_TAGS = frozenset({"gazebo", "transmission", "ros2_control", "sensor", "plugin", "mujoco", "cad"})
 
+# None of these patterns searches to the end of the text from each of many places: the next opening bracket ends the search.
 FORWARDED = re.compile(r"""(?<![^\s:="'])([^\s:="']+)\s*:?=\s*\^""")
 ARGUMENT = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 _CONDITIONS = {"xacro:if": "if", "xacro:unless": "unless"}
