@@ -407,6 +407,25 @@ def test_drawings_of_different_parts_are_compared(
         assert ("collision" in finding.message) == ("visual" not in one[1])
 
 
+@pytest.mark.parametrize(
+    ("six", "masses", "found"),
+    [
+        (("0.0151", "0.0313", "0.0459"), (3.0, 3.0), False),  # two plates of one outline, 4 and 8 mm thick
+        (("0.0151", "0.0313", "0.0459"), (3.0, 9.0), True),
+        (("0.0015", "0.0015", "0.0015"), (3.0, 9.0), False),
+        (("1e-5", "2e-5", "2e-5"), (3.0, 9.0), False),
+    ],
+)
+def test_what_two_parts_share_by_right_was_not_copied(
+    tmp_path: Path, six: tuple[str, str, str], masses: tuple[float, float], found: bool
+) -> None:
+    moments = dict(zip(("ixx", "iyy", "izz"), six, strict=True))
+    parts = zip(("lower", "upper"), masses, ("0.4 0.25 0.004", "0.4 0.25 0.008"), strict=True)
+    links = (link(name, inertial(mass, **moments), visual(box(size))) for name, mass, size in parts)
+    joints = (joint(f"j_{name}", "base", name, "continuous") for name in ("lower", "upper"))
+    assert bool(find(tmp_path, robot(link("base"), *links, *joints), "INR008")) == found
+
+
 def test_six_equal_numbers_were_not_copied(tmp_path: Path) -> None:
     text = make_thighs(("thigh", visual(LONG)), ("calf", visual(SHORT)))
     six = inertial(3.0, **dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "1e-6"))

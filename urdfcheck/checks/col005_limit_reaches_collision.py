@@ -42,7 +42,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _meets_another_limb(model: Model, reach: JointCollision) -> bool:
-    """Whether the other link moves by joints of its own, like the next leg, and not only with what carries both."""
+    """Whether the other link has its own joints, like the next leg, and not only with what carries both."""
     paths = [model.tree.find_path_to(name) for name in reach.links]
     return all(any(joint.is_movable for joint in path if joint not in other) for path, other in (paths, paths[::-1]))
 

@@ -35,6 +35,8 @@ class _InertiaSignature:
     declared: DeclaredTensor
     role: str
     """The shapes that it is known by: ``visual``, or ``collision`` of a link that draws nothing."""
+    mass: float
+    """kg, as declared."""
     inertia: Array
     """Of the declared mass distribution."""
     solid: Array
@@ -47,8 +49,10 @@ class _InertiaSignature:
         return min(_measure_distance(self.solid, other.solid), _measure_distance(self.hull, other.hull))
 
     def compare_moments(self, other: _InertiaSignature) -> float:
-        """Return the largest ratio of principal moments of the drawn parts at equal mass, as solids or hulls: the lesser."""
-        return min(_compare_moments(self.solid, other.solid), _compare_moments(self.hull, other.hull))
+        """Return the largest ratio of principal moments of the drawn parts at their masses, as solids or hulls: the lesser."""
+        weight = np.log(self.mass / other.mass)
+        pairs = ((self.solid, other.solid), (self.hull, other.hull))
+        return min(_compare_moments(first + weight, second) for first, second in pairs)
 
     @property
     def misfit(self) -> float:
@@ -72,7 +76,7 @@ def check(model: Model, rule: Rule, *, shape: float, moments: float) -> Iterator
 def _compare_shapes(
     rule: Rule, parts: Sequence[_InertiaSignature], shape: float, *, moments: float
 ) -> Iterator[Finding]:
-    """Report the links with one tensor whose shapes and moments at equal mass differ from the part that it fits best."""
+    """Report the links with one tensor whose shapes, and so moments, differ from those of the part that it fits best."""
     if not parts:
         return
     original = min(parts, key=lambda part: part.misfit)
@@ -122,6 +126,7 @@ def _compute_signature(model: Model, declared: DeclaredTensor) -> _InertiaSignat
     return _InertiaSignature(
         declared=declared,
         role=role,
+        mass=mass,
         inertia=_compute_log_eigenvalues(compute_mass_covariance(declared.tensor, mass)),
         solid=_compute_log_eigenvalues(drawn.solid.covariance),
         hull=_compute_log_eigenvalues(drawn.hull.covariance),
@@ -129,7 +134,7 @@ def _compute_signature(model: Model, declared: DeclaredTensor) -> _InertiaSignat
 
 
 def _says_nothing(declared: DeclaredTensor) -> bool:
-    """Whether equal tensors are no evidence of a copy: a multiple of the identity, or numbers of one digit."""
+    """Whether equal tensors prove no copy: a multiple of the identity, or numbers of one digit."""
     ixx, ixy, ixz, iyy, iyz, izz = declared.components
     is_isotropic = ixx == iyy == izz and not any((ixy, ixz, iyz))
     return is_isotropic or all(float(f"{value:.0e}") == value for value in declared.components)

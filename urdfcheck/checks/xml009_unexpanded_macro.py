@@ -7,7 +7,7 @@ from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_count, truncate_text
-from urdfcheck.source.launch.replaced_texts import find_replaced_texts
+from urdfcheck.source.launch.passed_arguments import find_replaced_texts
 from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, SUBSTITUTION, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
