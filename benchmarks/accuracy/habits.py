@@ -41,7 +41,6 @@ PROGRAM_KINDS = frozenset(
             "axes_permuted",
             "quarter_turn",
             "com_missing",
-            "rpy_missing",
             "rpy_twice",
         ),
         *("diagonal_first",),

@@ -142,6 +142,21 @@ def test_the_formula_of_another_solid_is_certain(tmp_path: Path) -> None:
     assert values == pytest.approx([across, across, along], rel=1e-4)
 
 
+def test_a_formula_says_nothing_about_the_centre_of_mass(tmp_path: Path) -> None:
+    moment = 0.4 * 0.6 * 0.033**2
+    six = f'ixx="{moment!r}" ixy="0" ixz="0" iyy="{moment!r}" iyz="0" izz="{moment!r}"'
+    numbers = f'<inertial><origin xyz="0 0 0.01"/><mass value="0.6"/><inertia {six}/></inertial>'
+    finding = one(tmp_path, make_drawn_arm(numbers, WHEEL))
+    assert finding.cause is not None
+    assert finding.cause.id == "wrong_formula"
+    assert "the COM is 10 mm off" in finding.message
+    assert finding.message.partition("undone")[2].startswith(
+        " (formula of another solid: a sphere of this radius), the tensor agrees;"
+    )
+    assert finding.fix is not None
+    assert not any("0.01" in edit.expected for edit in finding.fix.edits)
+
+
 def test_a_rounded_tensor_is_an_info_with_the_number_of_decimals(tmp_path: Path) -> None:
     numbers = (
         '<inertial><mass value="0.3"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="2e-4"/></inertial>'

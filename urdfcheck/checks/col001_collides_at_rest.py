@@ -168,7 +168,7 @@ def _build_displaced_finding(rule: Rule, restored: RestoredOrigin) -> Finding:
 def _group_by_shape(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> Iterator[list[tuple[CollisionPair, Contact]]]:
     """Group overlaps by a common shape, the deepest first.
 
-    The shape with most overlaps takes all of its own, then that with most of the rest. Of two shapes with one overlap, it is
+    The shape with most overlaps takes all its overlaps, then that with most of the rest. Of two shapes with one overlap, it is
     the one further from the root.
     """
     left = list(overlaps)

@@ -8,9 +8,14 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
+from urdfcheck.source.text.xml import Element
 
 _DRIVABLE = frozenset({"revolute", "continuous", "prismatic"})
 _SEPARATOR = re.compile(r"[\s,;]+")
+# Interfaces and transmissions of ros_control and pr2_mechanism that turn a joint's motor. Others only name joints:
+# franka_hw/FrankaModelInterface names the root and the tip of a chain.
+_COMMANDS = re.compile(r"(?:Position|Velocity|Effort|PosVel|PosVelAcc)JointInterface")
+_DRIVES = re.compile(r"(?:Simple|Differential|FourBarLinkage|Wrist|Gripper)\w*Transmission")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -53,6 +58,15 @@ def _collect_control_words(model: Model) -> set[str]:
     return words
 
 
+def _drives_joint(transmission: Element, joint: Element) -> bool:
+    """Whether a transmission connects a joint with a motor, by the joint's interfaces, or by its own type where none is named."""
+    interfaces = [e.text for e in joint.walk() if e.tag == "hardwareInterface"]
+    if interfaces:
+        return any(_COMMANDS.search(text) for text in interfaces)
+    types = [transmission.get("type"), *(e.text for e in transmission.find_children("type"))]
+    return any(_DRIVES.search(text) for text in types)
+
+
 def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
     commanded = [
         ("mimic", Severity.WARNING, "command interface", joint)
@@ -65,6 +79,7 @@ def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
         ("mimic-transmission", Severity.INFO, "transmission", joint)
         for transmission in model.robot.find_children("transmission")
         for joint in transmission.find_children("joint")
+        if _drives_joint(transmission, joint)
     ]
     for message, severity, what, element in commanded:
         joint = model.joint_by_name.get(element.get("name"))

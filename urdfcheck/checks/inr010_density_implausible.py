@@ -1,4 +1,4 @@
-"""INR010 reports links denser than any material or ten times as dense as others, and bodies lighter than air."""
+"""INR010 reports links denser than any material, and bodies lighter than air."""
 
 from __future__ import annotations
 
@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.merging import build_group_finding
-from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
-from urdfcheck.facts.inertials.materials import DENSEST, describe_density, format_density, guess_mass_unit
-from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round
+from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess_mass_unit
+from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
-from urdfcheck.model.inertials.mesh_density import compute_mesh_density, find_tenfold_density
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_rigid_bodies
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_links_volume
@@ -44,50 +41,12 @@ class _PaddedHull:
         return cls(hull.volume + hull.area * margin * measure_extent(points), hull.area)
 
 
-def check(
-    model: Model, rule: Rule, *, margin: float, least: float, thinnest: float, equal: float, evidence: int
-) -> Iterator[Finding]:
-    yield from _check_tenfold(model, rule, equal=equal, evidence=evidence)
+def check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: float) -> Iterator[Finding]:
     for part in enclosed_inertials(model):
-        if _has_placeholder_mass(model, part):
-            continue
         if has_drawn_shape(part.link) and part.mass_share >= NEGLIGIBLE_SHARE:
             yield from _check_too_dense(model, rule, part, margin=margin)
     for body in list_rigid_bodies(model):
         yield from _check_too_light(model, rule, body, least=least, thinnest=thinnest)
-
-
-def _has_placeholder_mass(model: Model, part: EnclosedInertial) -> bool:
-    """Whether the mass was typed only to have one, like the tensor beside it (INR007)."""
-    components = model.tensor_by_name[part.link.name].components
-    return is_round(part.mass) and describe_placeholder(part.mass, components) is not None
-
-
-def _check_tenfold(model: Model, rule: Rule, *, equal: float, evidence: int) -> Iterator[Finding]:
-    """Report links that are ten times as dense as others: one program wrote both, and one of the two with another decimal
-    point."""
-    if len(model.masses) < evidence:
-        return
-    densities = {
-        declared.link.name: (declared, density)
-        for declared in model.masses
-        if declared.mass > 0
-        and not has_unit_ambiguity(model, [declared.link.name])
-        and (density := compute_mesh_density(model, declared)) is not None
-    }
-    found = find_tenfold_density(densities, tolerance=equal, evidence=evidence)
-    if found is None:
-        return
-    yield build_group_finding(
-        rule,
-        "tenfold",
-        [declared.attribute for declared in found.high],
-        links=join_names(declared.link.name for declared in found.high),
-        others=join_names(declared.link.name for declared in found.low),
-        count=len(found.high),
-        high=format_density(10.0 * found.density),
-        low=describe_density(found.density),
-    )
 
 
 def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin: float) -> Iterator[Finding]:

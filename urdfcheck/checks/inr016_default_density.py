@@ -1,26 +1,33 @@
-"""INR016 reports robots whose links all have the default density of a CAD program."""
+"""INR016 reports links that all have the default density of a CAD program, and links of ten times the others' density."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_equivalent_density
+from urdfcheck.facts.inertials.materials import describe_density, format_density
 from urdfcheck.model import DeclaredMass, Model
-from urdfcheck.model.inertials.mesh_density import compute_mesh_density
+from urdfcheck.model.inertials.mesh_density import compute_mesh_density, find_tenfold_density
 from urdfcheck.model.shapes.solids import measure_link_solid
+from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity
 
 # kg/m³ of a part without a material -> the cause that names the programs.
 DEFAULTS = {1000.0: "unassigned", 7850.0: "steel"}
 
 
-def check(model: Model, rule: Rule, *, mesh_tol: float, solid_tol: float, fraction: float) -> Iterator[Finding]:
+def check(
+    model: Model, rule: Rule, *, mesh_tol: float, solid_tol: float, fraction: float, evidence: int
+) -> Iterator[Finding]:
     heavy = [declared for declared in model.masses if declared.mass > 0]
     measured = {
         declared.link.name: density
         for declared in heavy
         if (density := compute_mesh_density(model, declared)) is not None
     }
+    yield from _check_tenfold(model, rule, measured, tolerance=mesh_tol, evidence=evidence)
     for default, cause in DEFAULTS.items():
         densities: dict[str, float] = {}
         for declared in heavy:
@@ -48,6 +55,31 @@ def check(model: Model, rule: Rule, *, mesh_tol: float, solid_tol: float, fracti
             mass=sum(declared.mass for declared in heavy),
             links=[declared.link.name for declared in near],
         )
+
+
+def _check_tenfold(
+    model: Model, rule: Rule, measured: Mapping[str, float], *, tolerance: float, evidence: int
+) -> Iterator[Finding]:
+    """Report links that are ten times as dense as others: one program wrote both, and one of the two with another decimal
+    point."""
+    densities = {
+        name: (model.mass_by_name[name], density)
+        for name, density in measured.items()
+        if not has_unit_ambiguity(model, [name])
+    }
+    found = find_tenfold_density(densities, tolerance=tolerance, evidence=evidence)
+    if found is None:
+        return
+    yield build_group_finding(
+        rule,
+        "tenfold",
+        [declared.attribute for declared in found.high],
+        links=join_names(declared.link.name for declared in found.high),
+        others=join_names(declared.link.name for declared in found.low),
+        count=len(found.high),
+        high=format_density(10.0 * found.density),
+        low=describe_density(found.density),
+    )
 
 
 def _is_near(density: float | None, default: float, tolerance: float) -> bool:

@@ -36,7 +36,7 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
 
 def _are_stops(model: Model, joints: Sequence[Joint]) -> bool:
     """Whether these continuous joints are an arm's or a leg's: most rotating joints of the robot have such limits, and most of
-    the limits span less than a turn, as stops do; a wheel's are the exporter's ±π."""
+    the limits span less than a turn, like stops; a wheel's are the exporter's ±π."""
     rotating = [joint for joint in model.joints if joint.type in {"revolute", "continuous"} and joint.mimic is None]
     spans = [(j.get_limit_value("upper") or 0) - (j.get_limit_value("lower") or 0) for j in joints]
     stops = sum(0 < span < _TURN for span in spans)

@@ -24,7 +24,8 @@ _FRAME_SUFFIX = re.compile(r"_?(?:optical|frame|link|joint|parent)(?=_|$)")
 def check(model: Model, rule: Rule, *, angle_tol: float) -> Iterator[Finding]:
     tree = model.tree
     base = tree.parent_joint.get("base_link")
-    if base is not None and not {joint.parent for joint in tree.find_path_to("base_link")} <= _ABOVE_BASE:
+    above = {joint.parent for joint in tree.find_path_to("base_link")}
+    if base is not None and not above <= _ABOVE_BASE and not _is_dummy_root(model, base):
         yield rule.finding("base", at=base, parent=base.parent, root=tree.root)
     footprint = tree.parent_joint.get("base_footprint")
     if footprint is not None and any(joint.parent == "base_link" for joint in tree.find_path_to("base_footprint")):
@@ -33,6 +34,18 @@ def check(model: Model, rule: Rule, *, angle_tol: float) -> Iterator[Finding]:
     if tool is not None and tool.parent == "flange":
         yield from _check_tool_frame(tool, rule, angle_tol)
     yield from _check_optical_frames(model, rule, angle_tol)
+
+
+def _is_dummy_root(model: Model, joint: Joint) -> bool:
+    """Whether a fixed joint hangs on an empty root: KDL wants one above a link with inertia."""
+    root = model.link_by_name[joint.parent].element
+    is_empty = not any(root.find_child(tag) for tag in ("inertial", "visual", "collision"))
+    return (
+        is_empty
+        and joint.type == "fixed"
+        and joint.parent == model.tree.root
+        and not model.tree.child_joints[joint.parent][1:]
+    )
 
 
 def _check_tool_frame(joint: Joint, rule: Rule, tol: float) -> Iterator[Finding]:

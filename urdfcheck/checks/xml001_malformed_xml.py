@@ -21,6 +21,7 @@ _KINDS = (
 # urdfdom reads another name than programs that follow the declaration.
 _MISREAD = ("misdeclared", "undecoded")
 _REPAIR_OF_COMPANION = "fix the XML here or just before it, and save the file as UTF-8"
+_REPAIR_OF_EMPTY = "write its content, or delete the file"
 # How a file that was never XML begins, and the cause.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
 # We reject this, and ROS may read it.
@@ -72,8 +73,11 @@ def _check_companion_file(
     for problem in problems:
         if problem.kind not in _KINDS:
             continue
-        at, cause = problem.location, _classify_cause(_find_source_file(problem, files))
-        if problem.kind == _OUR_CHOICE and cause is None:
+        file = _find_source_file(problem, files)
+        at, cause = problem.location, _classify_cause(file)
+        if _choose_message(problem, file) == "empty":
+            yield rule.finding(message, at=at, error="it is empty", repair=_REPAIR_OF_EMPTY)
+        elif problem.kind == _OUR_CHOICE and cause is None:
             yield rule.finding("unread", at=at, severity=Severity.WARNING, error=problem.message)
         else:
             repair = problem.data.get("repair", _REPAIR_OF_COMPANION)

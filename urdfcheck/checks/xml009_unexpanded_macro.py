@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from pathlib import Path
 
-from urdfcheck.core import Finding, Location, Rule
+from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_count, truncate_text
+from urdfcheck.source.launch.replaced_texts import find_replaced_texts
 from urdfcheck.source.load import Source, has_unbound_xacro
-from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
+from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, SUBSTITUTION, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
-
-_SUBSTITUTION = re.compile(r"\$\{[^}]*\}?|\$\([^)]*\)?")
 
 # The reactions of Drake and Bullet to the file, by whether a number is missing in it.
 CONSEQUENCES = {
@@ -27,35 +26,63 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     if source.is_xacro:
         for element in iter_urdf_elements(root):
             for where, text, number in _find_unexpanded_xacro(element):
-                yield rule.finding("left", at=where, consequences=CONSEQUENCES[number], text=text)
+                yield rule.finding("left", at=where, consequences=CONSEQUENCES[number], text=_shorten_expression(text))
         return
     if has_unbound_xacro(source):
         return  # XML001: xacro cannot read it either
     left = [place for element in root.walk() for place in _find_unexpanded_xacro(element)]
     if left:
-        tags = sum(text.startswith("<") for _, text, _ in left)
-        counts = ((tags, "xacro element"), (len(left) - tags, "substitution"))
-        yield rule.finding(
+        yield _build_plain_finding(source, rule, left)
+
+
+def _build_plain_finding(source: Source, rule: Rule, left: list[tuple[Location, str, bool]]) -> Finding:
+    """Report all xacro of a plain URDF together; as a note if the launch files of its package replace all of it."""
+    replaced = find_replaced_texts(source.path, source.finder)
+    remaining = [place for place in left if not _is_replaced(place[1], replaced)]
+    tags = sum(text.startswith("<") for _, text, _ in remaining or left)
+    counts = ((tags, "xacro element"), (len(remaining or left) - tags, "substitution"))
+    held = " and ".join(format_count(count, what) for count, what in counts if count)
+    where, text, _ = (remaining or left)[0]
+    if remaining:
+        return rule.finding(
             "not_expanded",
-            at=left[0][0],
-            consequences=CONSEQUENCES[any(number for *_, number in left)],
-            text=left[0][1],
-            held=" and ".join(format_count(count, what) for count, what in counts if count),
+            at=where,
+            consequences=CONSEQUENCES[any(number for *_, number in remaining)],
+            text=_shorten_expression(text),
+            held=held,
         )
+    place = next(location for known, location in replaced.items() if known in text)
+    launch = Path(place.file).name
+    return rule.finding(
+        "replaced",
+        at=where,
+        related=[place],
+        severity=Severity.INFO,
+        text=_shorten_expression(text),
+        held=held,
+        launch=launch,
+    )
+
+
+def _is_replaced(text: str, replaced: Iterable[str]) -> bool:
+    """Whether nothing of xacro is left in a text after these replacements."""
+    for known in replaced:
+        text = text.replace(known, "")
+    return not text.startswith("<xacro:") and not is_unexpanded(text)
 
 
 def _find_unexpanded_xacro(element: Element) -> Iterator[tuple[Location, str, bool]]:
-    """Yield the places of xacro in one element, each with its text and whether a number should be there."""
+    """Yield the places of xacro in one element, each with its whole text and whether a number should be there."""
     numbers = NUMERIC_ATTRIBUTES.get(element.tag, {})
     if element.tag.startswith("xacro:"):
         yield element.location, f"<{element.tag}>", False
     for attribute in element.attributes.values():
         if is_unexpanded(attribute.value):
-            yield attribute.location, _shorten_expression(attribute.value), attribute.name in numbers
+            yield attribute.location, attribute.value, attribute.name in numbers
     if is_unexpanded(element.text):
-        yield element.location, _shorten_expression(element.text), False
+        yield element.location, element.text, False
 
 
 def _shorten_expression(text: str) -> str:
-    match = _SUBSTITUTION.search(text)
+    match = SUBSTITUTION.search(text)
     return truncate_text(match.group(0) if match else text.strip(), 60)

@@ -224,7 +224,7 @@ def resolve_config(
     pedantic = pedantic or overrides.pedantic
     policy = Policy(
         codes=codes - (overrides.ignore or frozenset()),
-        unrequested=frozenset() if pedantic else everything - requested,
+        unrequested=everything - requested,
         pedantic=pedantic,
         tier=overrides.tier or config.tier,
         options=options,

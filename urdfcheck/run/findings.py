@@ -82,7 +82,8 @@ def finalize_unit_findings(
     )
     merged = merge_macro_lines(merge_same_text(marked), root, texts or {})
     remaining = drop_superseded(merged, rules)
-    wanted, unrequested = split_unrequested(remaining, rules, unrequested=policy.unrequested, targets=policy.targets)
+    unasked = frozenset() if policy.pedantic else policy.unrequested
+    wanted, unrequested = split_unrequested(remaining, rules, unrequested=unasked, targets=policy.targets)
     safe = mark_unsafe_in_model(wanted, root)
     listed, unlisted = limit_number(sorted(safe, key=get_sort_key))
     skips = [

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.facts.file_habits import HABITS, Evidence, Habit
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
-from urdfcheck.facts.inertials.explanations import list_explanations
-from urdfcheck.facts.inertials.habits import HABITS, Evidence, Habit
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.inertial_fit import (
     CLOSED_MIXTURE,
@@ -38,6 +37,7 @@ from urdfcheck.facts.inertials.inertial_fit import (
     measure_inertial_mismatch,
 )
 from urdfcheck.facts.inertials.mistakes import EFFECT, Mistake, Suspect
+from urdfcheck.facts.inertials.mixing_mistakes import list_explanations
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools
@@ -338,12 +338,13 @@ def _rank_explanations(suspect: Suspect, habit: Habit | None = None) -> _Ranking
         mistakes = [_weigh_by_habit(mistake, habit) for mistake in mistakes]
     fit = measure_fit(reference, numbers, np.array([mistake.factor for mistake in mistakes]))
     for i, mistake in enumerate(mistakes):
-        if mistake.source_body is not None:
+        if mistake.id == "wrong_formula":  # its numbers were compared digit by digit, and it says nothing about the COM
+            fit.tensor_mismatch[i], fit.com_mismatch[i] = 0.0, fit.com_mismatch[0]
+        elif mistake.source_body is not None:
             body = mistake.source_body
             tensor_mismatch, com_mismatch = measure_inertial_mismatch(declared, body.com, body.covariance)
+            fit.tensor_mismatch[i] = tensor_mismatch
             # The COM may be that of the part nevertheless.
-            # A formula's numbers were compared digit by digit.
-            fit.tensor_mismatch[i] = 0.0 if mistake.id == "wrong_formula" else tensor_mismatch
             fit.com_mismatch[i] = min(com_mismatch, float(fit.com_mismatch[0]))
     scores = compute_log_likelihood(
         reference,

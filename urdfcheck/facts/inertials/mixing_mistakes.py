@@ -1,4 +1,4 @@
-"""Mistakes that mix the numbers, or lose some: undoing them depends on the part."""
+"""Mistakes that mix the numbers, or lose some: undoing them depends on the part. And the list of all explanations."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ import numpy as np
 
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_mass_covariance, compute_solid_inertia
-from urdfcheck.facts.inertials.inertial_fit import LOG_SQRT_2PI, Reference, compute_whitening
-from urdfcheck.facts.inertials.mistakes import EFFECT, LOG_PRIORS, Mistake, Suspect, make_mistake
+from urdfcheck.facts.inertials.inertial_fit import LOG_SQRT_2PI, InertialBatch, Reference, compute_whitening
+from urdfcheck.facts.inertials.mistakes import COMPONENT_INDICES, EFFECT, LOG_PRIORS, Mistake, Suspect, make_mistake
+from urdfcheck.facts.inertials.multiplying_mistakes import stack_multipliers
 from urdfcheck.facts.inertials.wrong_formulas import is_tensor_of, list_wrong_formulas, measure_decimal
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 _REVISION = 1.2
 # In a part of more pieces, nobody mistakes one for the whole.
 _MOST_PIECES = 6
+# The component at each of the nine places of the matrix, row by row.
+_TO_MATRIX = (0, 1, 2, 1, 3, 4, 2, 4, 5)
 # The products of a tensor with the other sign.
 _OTHER_SIGNS = 2.0 * np.eye(3) - 1.0
 # A number of fewer digits may be twice there by chance.
@@ -283,3 +286,19 @@ MIXING_MISTAKES: tuple[Callable[[Suspect], Corrected], ...] = (
     _undo_steiner_missing,
     _undo_other_body,
 )
+
+
+def list_explanations(suspect: Suspect) -> tuple[list[Mistake], InertialBatch]:
+    """List every mistake, "none" first, and the numbers without it."""
+    declared = suspect.declared
+    multiplying, mass, com, components = stack_multipliers()
+    typed = np.array([declared.tensor[place] for place in COMPONENT_INDICES])
+    multiplied = InertialBatch(
+        mass=mass * declared.mass,
+        com=com * declared.com,
+        tensor=(components @ typed)[:, _TO_MATRIX].reshape(-1, 3, 3),
+        rotation=np.broadcast_to(declared.rotation, (len(multiplying), 3, 3)),
+    )
+    others = [corrected for undo in MIXING_MISTAKES for corrected in undo(suspect)]
+    mistakes = [*multiplying, *(mistake for mistake, _ in others)]
+    return mistakes, multiplied.concatenate_with(InertialBatch.from_inertials([numbers for _, numbers in others]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import cache
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -211,3 +212,15 @@ MULTIPLYING_MISTAKES: tuple[Callable[[], Multiplied], ...] = (
     _undo_one_sign,
     _undo_decimal_point,
 )
+
+
+@cache
+def stack_multipliers() -> tuple[tuple[Mistake, ...], Array, Array, Array]:
+    """Return the multiplying mistakes, and what the mass (N,), the COM (N, 3) and the components (N, 6, 6) are multiplied by."""
+    pairs = [pair for undo in MULTIPLYING_MISTAKES for pair in undo()]
+    return (
+        tuple(mistake for mistake, _ in pairs),
+        np.array([multiplier.mass for _, multiplier in pairs]),
+        np.array([multiplier.com for _, multiplier in pairs]),
+        np.array([multiplier.components for _, multiplier in pairs]),
+    )

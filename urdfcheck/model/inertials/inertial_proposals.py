@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 _UNDECIDED_CAUSES = frozenset(
     {"other_mass", "one_piece", "shell", "bounding_box", "convex_hull", "com_missing", "mesh_scale"}
 )
-# Causes that are undone with numbers of the mesh: these need not lead to the numbers of a twin.
-_UNDONE_BY_MESH = frozenset({"steiner_missing", "row_major", "rpy_missing"})
 # The undone mistake must leave no more than this part of the mismatch, and no more than lumps of a third of the mass make.
 _REMAINING, _SOUND = 0.3, 0.75
 # The nearest possible tensor is offered as an edit without a cause where it changes less than mass properties are known by.
@@ -308,7 +306,7 @@ def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
 def _contradicts_twins(model: Model, diagnosed: DiagnosedInertial) -> bool:
     """Whether undoing a mistake may make two parts differ that are drawn alike: the other does not have the mistake."""
     diagnosis = diagnosed.diagnosis
-    if diagnosis.cause not in _UNDONE_BY_MESH or diagnosis.judged_by == "twin":
+    if diagnosis.judged_by == "twin":
         return False
     return any(_identify_mistake(model, model.link_by_name[twin])[0] != diagnosis.cause for twin in diagnosed.twins)
 

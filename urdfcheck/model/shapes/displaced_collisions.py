@@ -12,7 +12,7 @@ import numpy as np
 
 from urdfcheck.core import Edit, Located
 from urdfcheck.model.parts import Link, Shape
-from urdfcheck.model.repairs.edits import edit_literals
+from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 
@@ -94,7 +94,7 @@ class DisplacedCollision:
             if source is not None and not source.literal:
                 return []
             wrong.append((target, wanted))
-        return edit_literals(wrong)
+        return edit_all_numbers(wrong)
 
 
 def list_displaced_collisions(

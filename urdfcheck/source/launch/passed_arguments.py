@@ -69,7 +69,7 @@ def find_passed_arguments(
     folders = [folder for folder in (inner, outer) if folder is not None and finder.can_open(folder)]
     found: dict[str, PassedArgument] = {}
     visited: set[str] = set()
-    for files in (launches, *(_iter_launch_files(folder, finder) for folder in folders)):
+    for files in (launches, *(iter_launch_files(folder, finder) for folder in folders)):
         known: dict[str, PassedArgument] = {}
         for launch in files:
             place = os.path.realpath(launch)
@@ -102,7 +102,7 @@ def read_passed_arguments(launch: Path, model: str, finder: PackageFinder) -> li
     ]
 
 
-def _iter_launch_files(folder: Path, finder: PackageFinder) -> Iterator[Path]:
+def iter_launch_files(folder: Path, finder: PackageFinder) -> Iterator[Path]:
     """Yield the launch files below a folder, in the order of their paths."""
     files: list[Path] = []
     for place, names, inside in itertools.islice(walk(folder), MOST_FOLDERS):

@@ -56,6 +56,8 @@ TEXT_ATTRIBUTES: Mapping[str, frozenset[str]] = {
     "collision": frozenset({"name"}),
     "material": frozenset({"name"}),
 }
+# What xacro replaces: an expression, and the commands of xacro and roslaunch.
+SUBSTITUTION = re.compile(r"\$\{[^}]*\}?|\$\(\s*(?:anon|arg|cwd|dirname|env|eval|find|optenv)(?![\w-])[^)]*\)?")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 # Without these, the reference parser rejects the element.
 REQUIRED_ATTRIBUTES: Mapping[str, tuple[str, ...]] = {
@@ -169,5 +171,5 @@ def iter_misspelt_contents(robot: Element) -> Iterator[tuple[Element, Element]]:
 
 
 def is_unexpanded(text: str) -> bool:
-    """Whether a value still contains a substitution that only xacro resolves."""
-    return "${" in text or "$(" in text
+    """Whether a value still contains a substitution of xacro; another ``$(name)`` is the author's own placeholder."""
+    return "$" in text and SUBSTITUTION.search(text) is not None

@@ -11,12 +11,13 @@ import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-# What exporters and the conventions of a CAD program do to all links alike. The others are slips in one link.
+# What exporters and the conventions of a CAD program do to all links alike. The others are slips in one link. Not "rpy_missing":
+# undoing it borrows the axes from the mesh, so that many links with something else fit it a little better.
 HABITS = frozenset(
     {
         *("inertia_unit", "mass_unit", "com_unit", "units", "mesh_scale"),
         *("about_origin", "positive_notation", "steiner_twice", "products_sign", "axes_permuted", "quarter_turn"),
-        *("com_missing", "rpy_missing", "rpy_twice", "diagonal_first"),
+        *("com_missing", "rpy_twice", "diagonal_first"),
     }
 )
 # A habit is named when it beats "every link has its own mistake", and every other habit, by this many nats.
@@ -63,7 +64,7 @@ class Evidence:
     sound: float
     """How likely the numbers are as they are."""
     alternative: float
-    """Score, frequency included, of the best explanation that is no habit, "no mistake" among them."""
+    """Score, frequency included, of the best explanation that is not a habit, "no mistake" among them."""
 
     @property
     def best(self) -> float:
@@ -81,7 +82,7 @@ class Evidence:
         return abs(self.likelihoods.get(key, -math.inf) - self.sound) > _EFFECT
 
     def is_supporting(self, key: Key, share: float) -> bool:
-        """Whether the link rather has the mistake than any that is no habit."""
+        """Whether the link rather has the mistake than any that is not a habit."""
         with_habit = math.log(share) + self.likelihoods.get(key, -math.inf)
         return self.is_affected(key) and with_habit > math.log(1.0 - share) + self.alternative
 
