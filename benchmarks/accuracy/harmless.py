@@ -1,7 +1,7 @@
 """Edits that change nothing of published robots: ``python benchmarks/accuracy/harmless.py [--count 60]``.
 
-The robots are those of the folders that ``URDFCHECK_CORPUS`` names. After an edit nothing is reported at warning or above that
-was not reported before.
+The robots are those of the folders that ``URDFCHECK_CORPUS`` names. After an edit nothing is reported at warning or above about a
+link or joint of which no rule of that family reported anything before.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 
 import numpy as np
 from real.changes import read_robot
-from real.harmless_edits import EDITS, build_plain_robot, write_robot
+from real.harmless_edits import EDITS, RENAMED, build_plain_robot, write_robot
 from real.robots import RealRobot, check_robot, list_robots
 
 import urdfcheck
@@ -84,7 +84,9 @@ def try_edits(robot: RealRobot, edits: Iterable[str], seed: tuple[int, int]) -> 
     before = check_robot(file, {file.entry: write_robot(plain)})
     if before.failures or not before.models or before.models[0].status != "checked":
         return []
-    said, trials = count_subjects(before), []
+    said, trials = {(code[:3], element) for code, _, element in list_subjects(before)}, []
+    # A file-wide finding may be at another of its places: then there are not more of them.
+    known = Counter((code, message) for code, message, _ in list_subjects(before))
     for name in edits:
         edit, may_say = EDITS[name]
         rng = np.random.default_rng((*seed, *name.encode()))
@@ -93,27 +95,33 @@ def try_edits(robot: RealRobot, edits: Iterable[str], seed: tuple[int, int]) -> 
             trials.append(Trial(robot.name, name, is_made=False))
             continue
         after = check_robot(file, {file.entry: write_robot(edited)})
-        counts = count_subjects(after)
-        new = sorted(
-            f"{code} {message} ({said[code, message]} → {count}): {_describe(after, code, message)}"
-            for (code, message), count in counts.items()
-            if count > said[code, message] and not code.startswith(may_say)
+        subjects = list_subjects(after)
+        total = Counter((code, message) for code, message, _ in subjects)
+        counts = Counter(
+            (code, message)
+            for code, message, element in subjects
+            if (code[:3], element) not in said
+            and total[code, message] > known[code, message]
+            and not code.startswith(may_say)
         )
+        new = [
+            f"{code} {message} ({n}): {_describe(after, code, message)}"
+            for (code, message), n in sorted(counts.items())
+        ]
         new += [f"not checked any more: {after.failures or after.models}"] if _is_lost(after) else []
         trials.append(Trial(robot.name, name, is_made=True, new=tuple(new)))
     return trials
 
 
-def count_subjects(run: Run) -> Counter[tuple[str, str]]:
-    """Count the subjects of each rule and message at warning or above."""
-    subjects = {
-        (f.code, place.message_ids.get(subject, place.message_id), subject)
+def list_subjects(run: Run) -> set[tuple[str, str, str]]:
+    """List rule, message and element of what is reported at warning or above; a renamed element has its old name."""
+    return {
+        (f.code, place.message_ids.get(subject, place.message_id), subject.partition("]")[0].replace(RENAMED, ""))
         for f in run.active_findings
         if f.severity >= Severity.WARNING
         for place in f.list_occurrences()
         for subject in place.subjects
     }
-    return Counter((code, message) for code, message, _ in subjects)
 
 
 def _is_lost(run: Run) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +24,8 @@ LENGTHS = {"mm": 1e3, "cm": 1e2, "inches": 1 / 0.0254}
 RADII = {"g·m²": 1e3**0.5, "kg·cm²": 1e2, "kg·mm²": 1e3, "g·cm²": 1e7**0.5, "g·mm²": 1e9**0.5}
 # The shares of the robot's length between which 95 % of the COMs, and of the radii of gyration, of published robots are.
 _USUAL = {"com": (0.001, 0.19), "spread": (0.003, 0.27)}
+# Fewer links fit several units, or one by chance: the usual shares span more than two powers of ten.
+_LEAST_LINKS = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +61,10 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
                 grave.append(far)
             elif far.distance > whole * reach or is_beyond_own:
                 odd.append(far)
+        unit = _find_unit(message, [*grave, *odd], units, reach)
         for links, severity in ((grave, Severity.ERROR), (odd, None)):
             if links:
-                yield _build_finding(rule, message, links, units=units, reach=reach, severity=severity)
+                yield _build_finding(rule, message, links, unit=unit, reach=reach, severity=severity)
 
 
 def _measure_lengths(model: Model, name: str) -> tuple[float, float] | None:
@@ -86,24 +89,29 @@ def _is_unknown(model: Model, name: str, index: int) -> bool:
     return collect_body_corners(model, body) is None and shares is not None and shares[index] >= NEGLIGIBLE_SHARE
 
 
+def _find_unit(message: str, links: Sequence[_FarLink], units: Mapping[str, float], reach: float) -> str:
+    """Find the one unit that brings all links to where most published robots have theirs; empty where none or several do."""
+    low, high = _USUAL[message]
+    fitting = [u for u, factor in units.items() if all(low <= f.distance / factor / reach <= high for f in links)]
+    return fitting[0] if len(fitting) == 1 and len(links) >= _LEAST_LINKS else ""
+
+
 def _build_finding(
     rule: Rule,
     message: str,
     links: list[_FarLink],
     *,
-    units: Mapping[str, float],
+    unit: str,
     reach: float,
     severity: Severity | None,
 ) -> Finding:
     farthest = max(links, key=lambda far: far.distance)
-    low, high = _USUAL[message]
-    fitting = [u for u, factor in units.items() if all(low <= f.distance / factor / reach <= high for f in links)]
     places = [far.link.inertial.element for far in links if far.link.inertial is not None]
     return build_group_finding(
         rule,
         message,
         places,
-        cause="unit" if fitting else None,
+        cause="unit" if unit else None,
         severity=severity,
         confidence=Confidence.PROOF if severity is not None else None,
         link=farthest.link.name if len(links) == 1 else f"{len(links)} links",
@@ -114,5 +122,5 @@ def _build_finding(
         reach=format_length(reach),
         times=float(f"{farthest.distance / reach:.2g}"),
         own=format_length(farthest.own) if farthest.own > 0 else "0 mm",
-        units=" or ".join(fitting),
+        unit=unit,
     )

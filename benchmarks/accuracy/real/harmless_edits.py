@@ -24,6 +24,9 @@ from urdfcheck.source.text.xml import Element
 _DIGITS = 4
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
+# What renamed links and joints begin with.
+RENAMED = "unit_"
+
 Edit = Callable[[Robot, Rng], "Robot | None"]
 
 
@@ -99,9 +102,9 @@ def rename(robot: Robot, rng: Rng) -> Robot | None:
     for element in changed.iter():
         for name, value in element.attrib.items():
             if value in names and element is not changed and element.tag not in ("material", "visual", "collision"):
-                element.set(name, f"unit_{value}")
+                element.set(name, f"{RENAMED}{value}")
         if element.text is not None and element.text.strip() in names:
-            element.text = f"unit_{element.text.strip()}"
+            element.text = f"{RENAMED}{element.text.strip()}"
     return changed
 
 
@@ -153,7 +156,8 @@ EDITS: Mapping[str, tuple[Edit, tuple[str, ...]]] = {
     "inertial frames turned": (turn_inertial_frames, ()),
     # Another root: a base that is moved by a joint, and joints that carry the rest of the robot instead of the tool.
     "hung up at another link": (hang_up, ("NAM", "KIN008", "INR001", "DYN", *_ELSEWHERE)),
-    "elements in another order": (shuffle, ()),
+    # A material is defined before it is used.
+    "elements in another order": (shuffle, ("XML011",)),
     "more digits": (write_longer, ()),
     "renamed": (rename, _ELSEWHERE),
     "numbers as properties": (name_numbers, ()),

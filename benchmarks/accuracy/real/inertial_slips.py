@@ -42,7 +42,7 @@ def com_unit(part: Part, rng: Rng) -> Broken | None:
 def all_units(part: Part, rng: Rng) -> Broken | None:
     """Mass, COM and tensor in g and mm, or COM and tensor in kg and mm."""
     mass = float(rng.choice((1.0, 1e3)))
-    words = r"g·mm²" if mass > 1 else r"kg·mm²"
+    words = (r"(?<!k)g·mm²" if mass > 1 else r"kg·mm²") + r"|COM .*\bmm\b|in mm\b"
     return _named(part, lambda n: replace(n, mass=n.mass * mass, com=n.com * 1e3, six=n.six * mass * 1e6), words)
 
 
