@@ -131,9 +131,7 @@ def check_file(path: Path, habits: list[Habit]) -> list[Match]:
 def check_passages(passages: Iterable[Passage], habits: list[Habit]) -> list[Match]:
     """Return what should be written otherwise in passages of a file, in the order of its lines."""
     matches = [
-        match
-        for passage in passages
-        for match in (*find_habits(passage, habits), *find_long_sentences(passage))
+        match for passage in passages for match in (*find_habits(passage, habits), *find_long_sentences(passage))
     ]
     return sorted(matches, key=lambda match: match.line)
 
