@@ -6,6 +6,7 @@ import ast
 import subprocess
 import sys
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -59,12 +60,22 @@ def test_no_folder_holds_more_modules_than_one_can_survey() -> None:
     assert {name: count for name, count in size.items() if count > 14} == {}
 
 
+@cache
+def list_definitions() -> list[ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef]:
+    """All functions and classes of the package."""
+    return [
+        node
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
+    ]
+
+
 def test_functions_begin_with_a_verb() -> None:
     """At least 60 of 100 begin with a verb, and at most 45 have one word (properties and the checks of the rules included)."""
     names = [
         node.name.strip("_")
-        for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in list_definitions()
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and not node.name.startswith("__")
     ]
     one_word = sum("_" not in name for name in names) / len(names)
@@ -76,8 +87,7 @@ def test_functions_begin_with_a_verb() -> None:
 def test_exceptions_end_in_error_and_class_names_mean_one_thing() -> None:
     classes = [
         (node.name, {base.id for base in node.bases if isinstance(base, ast.Name)})
-        for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in list_definitions()
         if isinstance(node, ast.ClassDef)
     ]
     count = Counter(name.strip("_") for name, _ in classes)

@@ -25,10 +25,10 @@ FILLED_IN = {
 
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
-    """A copy of what a rule needs: the pages, the package, and the tests of the pages."""
-    ignore = shutil.ignore_patterns("__pycache__", "*.pyc")
+    """A copy of what a rule needs: the pages, the package, and the tests of the pages. What is compiled already is copied with
+    it, and holds as long as its source has the same time and size."""
     for folder in ("rules", "urdfcheck", "tests"):
-        shutil.copytree(REPOSITORY / folder, tmp_path / folder, ignore=ignore)
+        shutil.copytree(REPOSITORY / folder, tmp_path / folder)
     shutil.copy(REPOSITORY / "pyproject.toml", tmp_path)
     return tmp_path
 
@@ -63,7 +63,7 @@ def test_the_example_of_contributing_is_a_complete_rule(checkout: Path) -> None:
     (checkout / check_path).write_text(check[1], encoding="utf-8")
     done = run_page_tests(checkout, "NAM008")
     assert done.returncode == 0, done.stdout + done.stderr
-    (checkout / check_path).write_text(check[1].replace('endswith("_")', 'endswith("-")'), encoding="utf-8")
+    (checkout / check_path).write_text(check[1].replace('endswith("_")', 'endswith("--")'), encoding="utf-8")
     assert run_page_tests(checkout, "NAM008").returncode == 1
 
 

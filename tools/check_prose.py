@@ -16,7 +16,7 @@ import ast
 import bisect
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -125,10 +125,13 @@ def find_long_sentences(passage: Passage) -> Iterator[Match]:
 
 def check_file(path: Path, habits: list[Habit]) -> list[Match]:
     """Return what should be written otherwise in a file, in the order of its lines."""
+    return check_passages(read_passages(path), habits)
+
+
+def check_passages(passages: Iterable[Passage], habits: list[Habit]) -> list[Match]:
+    """Return what should be written otherwise in passages of a file, in the order of its lines."""
     matches = [
-        match
-        for passage in read_passages(path)
-        for match in (*find_habits(passage, habits), *find_long_sentences(passage))
+        match for passage in passages for match in (*find_habits(passage, habits), *find_long_sentences(passage))
     ]
     return sorted(matches, key=lambda match: match.line)
 

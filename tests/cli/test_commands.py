@@ -38,12 +38,14 @@ def test_clean_is_0(folder: Path) -> None:
     assert urdfcheck("sound.urdf", cwd=folder).returncode == cli.OK
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_finding_at_or_above_fail_on_is_1(folder: Path) -> None:
     assert urdfcheck("broken.urdf", cwd=folder).returncode == cli.FINDINGS
     assert urdfcheck("broken.urdf", "--fail-on", "never", cwd=folder).returncode == cli.OK
     assert urdfcheck("broken.urdf", "--ignore", "ALL", cwd=folder).returncode == cli.OK
 
 
+@pytest.mark.usefixtures("one_process")
 def test_fail_on_info_counts_every_finding(folder: Path) -> None:
     (folder / "noted.urdf").write_text(SOUND.replace('"base"/>', '"base"><visual><material name=""/></visual></link>'))
     select = ("--select", "XML012")
@@ -98,6 +100,7 @@ def test_a_report_that_cannot_be_written_is_2(folder: Path) -> None:
     assert (folder / "report.txt").is_file(), "it keeps no other report from being written"
 
 
+@pytest.mark.usefixtures("one_process")
 def test_several_outputs_at_once(folder: Path) -> None:
     done = urdfcheck(
         "broken.urdf", "--format", "json", "-o", "text=out/report.txt", "-o", "html=out/r.html", cwd=folder
@@ -108,6 +111,7 @@ def test_several_outputs_at_once(folder: Path) -> None:
     assert not list((folder / "out").glob(".*")), "no half-written file stays behind"
 
 
+@pytest.mark.usefixtures("one_process")
 def test_colours_only_where_asked_or_on_a_terminal(folder: Path) -> None:
     assert "\x1b[" not in urdfcheck("broken.urdf", cwd=folder).stdout
     assert "\x1b[" in urdfcheck("broken.urdf", "--color", "always", cwd=folder, TERM="xterm-256color").stdout
@@ -124,6 +128,7 @@ def test_output_is_the_same_for_any_number_of_jobs(folder: Path) -> None:
     assert report("1") == report("4")
 
 
+@pytest.mark.usefixtures("one_process")
 def test_fingerprints_do_not_depend_on_the_working_directory(folder: Path) -> None:
     (folder / "urdfcheck.toml").write_text("")
     (folder / "sub").mkdir()
@@ -135,6 +140,7 @@ def test_fingerprints_do_not_depend_on_the_working_directory(folder: Path) -> No
     assert prints("broken.urdf", folder) == prints("../broken.urdf", folder / "sub") != []
 
 
+@pytest.mark.usefixtures("one_process")
 def test_statistics_and_quiet_say_less_and_end_alike(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def told(option: str) -> str:
         assert cli.main([str(folder / "broken.urdf"), "--tier=source", option]) == cli.FINDINGS
@@ -237,6 +243,7 @@ def test_rule_lists_and_explains() -> None:
     assert explained.returncode == cli.OK
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_name_from_the_file_cannot_act_on_the_terminal(folder: Path) -> None:
     evil = BROKEN.replace('name="a"', 'name="&#x9b;31m&#x202e;evil"')
     (folder / "evil.urdf").write_text(evil)
@@ -246,6 +253,7 @@ def test_a_name_from_the_file_cannot_act_on_the_terminal(folder: Path) -> None:
     assert "\\x9b31m\\u202eevil" in out
 
 
+@pytest.mark.usefixtures("one_process")
 class TestConfiguration:
     def test_found_upwards_and_obeyed(self, folder: Path) -> None:
         (folder / "pyproject.toml").write_text('[tool.urdfcheck]\nignore = ["INR003"]\n')
@@ -336,6 +344,7 @@ def test_a_report_to_what_is_no_file_goes_into_it(tmp_path: Path) -> None:
     assert pipe.is_fifo()
 
 
+@pytest.mark.usefixtures("one_process")
 def test_an_argument_that_no_model_declares_is_told(tmp_path: Path) -> None:
     xacro = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}<link name="base"/></robot>'
     (tmp_path / "a.urdf.xacro").write_text(xacro.format('<xacro:arg name="length" default="1"/>'))
@@ -373,6 +382,7 @@ def test_a_misspelt_command_or_option_is_a_question(folder: Path, words: list[st
     assert says in done.stderr
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_path_is_no_misspelt_command(folder: Path) -> None:
     for name in ("rules", "chekc"):
         (folder / name).mkdir()
@@ -383,6 +393,7 @@ def test_a_path_is_no_misspelt_command(folder: Path) -> None:
         assert f"not checked: {missing}: does not exist" in done.stdout, "it resembles no command, or is a path"
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_cache_that_cannot_be_read_is_told_once_and_not_used(folder: Path) -> None:
     (folder / "file").write_text("")
     for words in ((".",), ("srdf", "broken.urdf"), ("audit", ".", "-o", "out")):
@@ -429,6 +440,7 @@ def test_what_is_wrong_with_an_option_is_told_by_every_command(folder: Path, com
         assert "did you mean 'gazebo'?" in done.stderr
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_diff_needs_no_right_to_write(folder: Path) -> None:
     """It only shows; --fix says that it cannot."""
     axis = '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="continuous"><parent link="a"/><child link="b"/>'

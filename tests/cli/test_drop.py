@@ -336,6 +336,7 @@ def test_the_command_tells_and_writes(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "SYM001" in page, "the whole report"
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_finding_of_it_can_fail_a_gate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("mujoco")
     page = (REPOSITORY / "rules" / "DYN005-drops-badly.md").read_text(encoding="utf-8")
@@ -353,6 +354,7 @@ def test_without_mujoco_it_says_what_to_install(
     assert "pip install 'urdfcheck[engines]'" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("one_process")
 def test_what_cannot_be_dropped_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("mujoco")
     path = tmp_path / "r.urdf"

@@ -19,7 +19,7 @@ from urdfcheck.cli.commands import init
 from urdfcheck.cli.commands.init import HOOKS, LOCAL_HOOKS, add_hooks
 from urdfcheck.policy import config
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("one_process")]
 
 ARM = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <xacro:if value="${'$(arg side)' == 'left'}"/><xacro:if value="${'$(arg side)' == 'right'}"/>

@@ -14,7 +14,11 @@ from conftest import command as urdfcheck
 from urdfcheck import cli
 from urdfcheck.cli.output_files import CheckedFolders
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform == "win32", reason="links need rights on Windows")]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.usefixtures("one_process"),
+    pytest.mark.skipif(sys.platform == "win32", reason="links need rights on Windows"),
+]
 
 SOUND = '<robot name="r"><link name="base"/></robot>'
 QUICK = ("--tier", "source")

@@ -11,7 +11,7 @@ from conftest import check
 
 from urdfcheck.cli import FAILED, NOTHING, OK, main
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("one_process")]
 
 
 def make_link(name: str, size: str = "", at: str = "0 0 0") -> str:

@@ -57,6 +57,7 @@ def test_a_model_comes_through_a_pipe(check: Check, tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["package.xml", "urdf"], "nothing is written"
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_xacro_is_expanded_with_its_arguments(check: Check) -> None:
     text = f'<robot name="r" {XMLNS}><xacro:arg name="n" default="1"/><link name="l${{1 + $(arg n)}}"/></robot>'
     done = check(text, "--format", "json", "--arg", "n:=4", "--tier", "source")
@@ -64,6 +65,7 @@ def test_a_xacro_is_expanded_with_its_arguments(check: Check) -> None:
     assert (model["path"], model["links"], model["args"]) == ("stdin.urdf.xacro", 1, {"n": "4"})
 
 
+@pytest.mark.usefixtures("one_process")
 def test_its_name_decides_what_it_finds(check: Check, tmp_path: Path) -> None:
     """Includes, packages and the configuration of the folder; not what lies at the name, if anything does."""
     (tmp_path / "urdf/urdfcheck.toml").write_text('ignore = ["NAM003"]\n[severity]\nKIN001 = "info"\n')
@@ -81,6 +83,7 @@ def test_its_name_decides_what_it_finds(check: Check, tmp_path: Path) -> None:
     assert (tmp_path / "urdf/robot.urdf.xacro").read_text() == SOUND
 
 
+@pytest.mark.usefixtures("one_process")
 @pytest.mark.parametrize("output_format", FORMATS)
 def test_every_format_reports_it(check: Check, output_format: str, tmp_path: Path) -> None:
     done = check(

@@ -69,6 +69,8 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
         stderr=subprocess.DEVNULL,
         text=True,
         cwd=folder,  # not where the command runs
+        # Its processes are forked from one that has Dask, instead of each loading it.
+        env={**os.environ, "DASK_DISTRIBUTED__WORKER__MULTIPROCESSING_METHOD": "forkserver"},
     )
     assert process.stdout is not None
     address, *pids = process.stdout.readline().split()

@@ -452,10 +452,15 @@ def test_links_to_sections_lead_there(browser: Any, tmp_path: Path) -> None:
     assert len(sections) >= 3
 
     def measure_distance(section: str) -> float:
-        """Pixels from the place below the bar to the section, or to where the end of the page lets it be."""
-        page.wait_for_timeout(300)
+        """Pixels from the place below the bar to the section, or to where the end of the page lets it be, once the page has not
+        moved for ten frames."""
         distance: float = page.evaluate(
-            """section => {
+            """async (section) => {
+              for (let [frames, before] = [0, ""]; frames < 10; ) {
+                await new Promise(requestAnimationFrame);
+                const now = `${scrollY} ${document.documentElement.scrollHeight}`;
+                [frames, before] = now === before ? [frames + 1, now] : [0, now];
+              }
               const wanted = parseFloat(getComputedStyle(document.documentElement).scrollPaddingTop);
               const end = document.documentElement.scrollHeight - innerHeight - scrollY;
               const target = document.querySelector(section);

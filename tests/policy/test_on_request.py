@@ -15,6 +15,8 @@ from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.policy.on_request import split_unrequested
 from urdfcheck.rules import describe_on_request, load_page, load_rules
 
+pytestmark = pytest.mark.usefixtures("one_process")
+
 # KIN008: KDL ignores the inertia of a root; it says so at every start. JNT014: rounding noise in an origin.
 ROBOT = robot(
     link("base", inertial(2, 0.1)),

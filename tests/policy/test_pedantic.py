@@ -17,6 +17,8 @@ from urdfcheck.policy.config import TARGETS
 from urdfcheck.policy.consumers import apply_severity_policy
 from urdfcheck.rules import describe_pedantic, load_page, load_rules
 
+pytestmark = pytest.mark.usefixtures("one_process")
+
 # JNT007: a joint without effort and without a motor, which is lowered and on request; KIN008 is on request.
 ROBOT = robot(
     link("base", inertial(2, 0.1)),

@@ -49,7 +49,7 @@ def measure_peak(folder: Path) -> int:
 
 
 def test_the_parent_keeps_a_file_of_many_models_once(tmp_path: Path) -> None:
-    size = 4 * 1024**2
+    size = 2 * 1024**2
     write_models(tmp_path / "few", 2, large=size, shared=True)
     write_models(tmp_path / "many", 10, large=size, shared=True)
     more = measure_peak(tmp_path / "many") - measure_peak(tmp_path / "few")

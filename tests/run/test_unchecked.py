@@ -363,6 +363,7 @@ def test_a_macro_file_that_the_semantic_description_of_a_checked_model_reads_is_
 # -- every command -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("one_process")
 @pytest.mark.parametrize(
     "words",
     [
@@ -392,6 +393,7 @@ def test_no_command_ends_with_0_unless_it_is_accepted(words: list[str], tmp_path
     assert "not checked" in accepted.stdout + accepted.stderr
 
 
+@pytest.mark.usefixtures("one_process")
 @pytest.mark.parametrize("name", ["srdf", "engines"])
 def test_a_command_about_one_model_fails_without_it(name: str, tmp_path: Path) -> None:
     write(tmp_path, CASES["XAC010"])
@@ -409,6 +411,7 @@ def test_from_python(tmp_path: Path) -> None:
         urdfcheck.check(tmp_path, unchecked="never")
 
 
+@pytest.mark.usefixtures("one_process")
 @pytest.mark.parametrize("name", ["srdf", "engines", "drop"])
 def test_a_command_for_one_model_accepts_that_it_is_not_checked(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

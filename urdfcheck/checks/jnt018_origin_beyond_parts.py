@@ -91,7 +91,7 @@ def _fits(far: FarOrigin, factor: float) -> bool:
 
 
 def _restore_by_twins(model: Model, found: Sequence[FarOrigin]) -> tuple[Joint, Array] | None:
-    """Return a joint like the only far one, and the xyz (3,) in m that has its numbers but for a unit or a decimal point."""
+    """Return a joint like the only far one, and the xyz (3,) in m that has its numbers except for a unit or a decimal point."""
     if len(found) != 1 or found[0].others is None:
         return None
     joint = found[0].joint

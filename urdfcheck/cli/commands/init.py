@@ -173,15 +173,15 @@ def main(words: Sequence[str]) -> int:
     folder = Path(options.folder)
     if not folder.is_dir():
         raise UrdfcheckError(f"{folder} is not a folder")
+    root = _find_repository(folder)
+    inside = Path(os.path.relpath(folder.resolve(), root)).as_posix()
+    _ensure_writable_name(inside)
 
     outcome = _expand_models(folder)
     if not outcome.models:
         say(f"no model was found in {folder}: there is nothing to set up")
         return NOTHING
     address, revision = find_install_origin()
-    root = _find_repository(folder)
-    inside = Path(os.path.relpath(folder.resolve(), root)).as_posix()
-    _ensure_writable_name(inside)
     install = f"git+{address}@{revision}" if address else UNKNOWN
     action = _format_github_action(address, revision)
     needing = _collect_needed_arguments(outcome, folder)
