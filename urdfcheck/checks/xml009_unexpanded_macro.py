@@ -7,7 +7,6 @@ from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_count, truncate_text
-from urdfcheck.source.launch.passed_arguments import find_replaced_texts
 from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, SUBSTITUTION, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
@@ -37,6 +36,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 
 def _build_plain_finding(source: Source, rule: Rule, left: list[tuple[Location, str, bool]]) -> Finding:
     """Report all xacro of a plain URDF together; as a note if the launch files of its package replace all of it."""
+    from urdfcheck.source.launch.passed_arguments import find_replaced_texts  # few models need it
+
     replaced = find_replaced_texts(source.path, source.finder)
     remaining = [place for place in left if not _is_replaced(place[1], replaced)]
     tags = sum(text.startswith("<") for _, text, _ in remaining or left)
