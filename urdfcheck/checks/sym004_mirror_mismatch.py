@@ -34,8 +34,14 @@ from urdfcheck.model.likeness.mirrored_joints import (
     group_by_chain,
     is_shifted,
 )
-from urdfcheck.model.likeness.origin_slips import OriginSlip, find_origin_slips, iter_coincident_twins
-from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, make_attribute_edits
+from urdfcheck.model.likeness.origin_slips import (
+    OddSign,
+    OriginSlip,
+    find_origin_slips,
+    iter_coincident_twins,
+    iter_odd_signs,
+)
+from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_all_numbers, make_attribute_edits
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.source.text.values import read_attribute_number
 
@@ -65,9 +71,14 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
     pairs, shares = mirror_pairs(model), _Shares(differ, note)
     yield from _compare_limits(model, rule, pairs, shares=shares)
     reported: dict[str, set[str]] = {"inertial": set(), "dynamics": set(), "place": set()}
+    for odd in iter_odd_signs(model):
+        if odd.joint.child not in reported["place"]:
+            reported["place"].add(odd.joint.child)
+            yield _report_odd_sign(rule, odd)
     for slip in find_origin_slips(model):
-        reported["place"] |= {slip.joint.child, slip.twin.child}
-        yield _report_slip(rule, slip)
+        if not reported["place"] & {slip.joint.child, slip.twin.child}:
+            reported["place"] |= {slip.joint.child, slip.twin.child}
+            yield _report_slip(rule, slip)
     for one, other in iter_coincident_twins(model):
         if not reported["place"] & {one.child, other.child}:
             reported["place"] |= {one.child, other.child}
@@ -348,6 +359,29 @@ def _report_slip(rule: Rule, slip: OriginSlip) -> Finding:
         first=_describe_move(joint, twin, slip.expected),
         second=_describe_move(twin, joint, slip.twin_expected),
         between=_list_subjects(joint, twin),
+    )
+
+
+def _report_odd_sign(rule: Rule, odd: OddSign) -> Finding:
+    joint, like = odd.joint, odd.others[0]
+    places = [one.axis_location if odd.is_axis else locate_origin_attribute(one, "xyz") for one in (joint, *odd.others)]
+    attributes = [
+        (None if one.axis_element is None else one.axis_element.attributes.get("xyz"))
+        if odd.is_axis
+        else one.origin.get_attribute("xyz")
+        for one in (joint, like)
+    ]
+    typed, expected = ("" if attribute is None else attribute.value for attribute in attributes)
+    return rule.finding(
+        "reversed" if odd.is_axis else "sign",
+        at=places[0],
+        related=places[1:],
+        edits=edit_all_numbers([(attributes[0], expected)]) if attributes[0] is not None and expected else [],
+        joint=joint.name,
+        twin=like.name,
+        like=join_names(one.name for one in odd.others),
+        typed=typed,
+        expected=expected,
     )
 
 
