@@ -249,7 +249,16 @@ def test_both_readings_of_colladas_unit_must_agree(tmp_path: Path, unit: float, 
 
 @pytest.mark.parametrize(
     ("moment", "told"),
-    [(5e-05, True), (0.0002, True), (0.0005, False), (0.0003, False), (0.001, True), (0.0011, False), (1.0, True)],
+    [
+        (5e-05, True),
+        (0.0002, True),
+        (0.0005, False),
+        (0.0003, False),
+        (0.001, True),
+        (0.0011, True),
+        (0.00113, False),
+        (1.0, True),
+    ],
 )
 def test_a_round_tensor_is_told_when_it_is_far_from_the_shape(tmp_path: Path, moment: float, told: bool) -> None:
     # 0.6 kg that fill this box have 0.00026, 0.00058 and 0.00068 kg m².

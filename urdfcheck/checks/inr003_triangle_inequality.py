@@ -51,6 +51,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         else:
             message = "violated"
         repair = propose_repair(model, declared.link)
+        is_filled = repair.cause == "products_filled"
         yield rule.finding(
             message,
             at=declared.element,
@@ -59,9 +60,8 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             found=repair.message,
             remedy=repair.remedy,
             detail=repair.detail,
-            reason=repair.detail
-            if repair.cause == "products_filled"
-            else f"moments A + B < C by {data['percent']:.3g} %",
+            claim="impossible inertia" if is_filled else "breaks the triangle inequality",
+            reason=repair.detail if is_filled else f"by {data['percent']:.3g} %",
             **data,
         )
     if helpers:

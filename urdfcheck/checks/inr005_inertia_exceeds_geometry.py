@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import merge_identical
+from urdfcheck.facts.inertials.diagnosis import VAST
 from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import list_half_units
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
@@ -21,6 +22,10 @@ from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
+
+
+# A part that is not drawn may be larger than what it is fixed to, but not ten times: variances, (10)².
+_OTHER_PART = 100.0
 
 
 def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
@@ -38,12 +43,13 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         excess, spread = min(
             _compute_excess(part, declared, points, ratio=ratio, margin=margin) for points in part.readings
         )
-        if not ratio < excess < np.inf:
+        if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
             continue
         repair, computed, explained = _propose(model, part)
         yield rule.finding(
             "exceeds",
             at=declared.element,
+            severity=Severity.ERROR if excess >= VAST and part.has_own_geometry else None,
             edits=() if repair is None else repair.edits,
             computed=computed,
             explained=explained,

@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 # Tensors that agree in this many digits were copied.
 _DIGITS = 9
 _ROLES = ("visual", "collision")
+# A copied COM may have been rounded, or come from a later export of the part, by this part of its distance from the origin.
+_SAME_COM = 0.002
+# A number of fewer digits may be twice there by chance.
+_TELLING_DIGITS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -71,6 +75,55 @@ def check(model: Model, rule: Rule, *, shape: float, moments: float) -> Iterator
             for role in _ROLES:  # a drawing is not compared with a collision shape
                 alike = [part for part in parts if part.role == role]
                 yield from _compare_shapes(rule, alike, shape, moments=moments)
+    yield from _check_masses(model, rule, shape)
+
+
+def _check_masses(model: Model, rule: Rule, shape: float) -> Iterator[Finding]:
+    """Report links of different shape with the mass and the COM of one part, and each with its own tensor."""
+    groups: dict[str, list[DeclaredTensor]] = {}
+    for declared in model.tensors:
+        mass, com = declared.inertial.mass, declared.inertial.origin.xyz
+        if (
+            mass is not None
+            and com is not None
+            and _has_telling_digits(mass)
+            and sum(map(_has_telling_digits, com)) > 1
+        ):
+            groups.setdefault(f"{mass:.{_DIGITS}g}", []).append(declared)
+    for tensors in groups.values():
+        parts = [part for one in tensors if (part := _compute_signature(model, one, is_tensor=False)) is not None]
+        for role in _ROLES:
+            yield from _compare_masses(rule, [part for part in parts if part.role == role], shape)
+
+
+def _compare_masses(rule: Rule, parts: Sequence[_InertiaSignature], shape: float) -> Iterator[Finding]:
+    for i, part in enumerate(parts):
+        for other in parts[:i]:
+            names = [remove_places(one.declared.link.name) for one in (part, other)]
+            same = np.allclose(np.abs(part.declared.components), np.abs(other.declared.components), rtol=1e-6, atol=0.0)
+            if names[0] == names[1] or same or not part.measure_shape_distance(other) > shape:
+                continue
+            com, other_com = (np.abs(one.declared.inertial.origin.xyz or ()) for one in (part, other))
+            if float(np.linalg.norm(com - other_com)) > _SAME_COM * float(np.linalg.norm(com)):
+                continue
+            finding = rule.finding(
+                "mass",
+                at=part.declared.inertial.element,
+                related=[other.declared.inertial.element],
+                links=part.declared.link.name,
+                original=other.declared.link.name,
+                role=part.role,
+                mass=f"{part.declared.inertial.mass:g}",
+                size=_format_equivalent_box(part),
+                original_size=_format_equivalent_box(other),
+            )
+            subjects = (part.declared.element.subject, other.declared.element.subject)
+            yield replace(finding, subjects=subjects)
+
+
+def _has_telling_digits(value: float) -> bool:
+    """Whether a number has so many digits that it is not twice there by chance."""
+    return abs(value - float(f"{value:.{_TELLING_DIGITS - 1}g}")) > 1e-9 * abs(value)
 
 
 def _compare_shapes(
@@ -110,13 +163,16 @@ def _compare_shapes(
     yield replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in wrong)))
 
 
-def _compute_signature(model: Model, declared: DeclaredTensor) -> _InertiaSignature | None:
+def _compute_signature(model: Model, declared: DeclaredTensor, *, is_tensor: bool = True) -> _InertiaSignature | None:
+    """Return what a link is compared by; None where it says nothing. ``is_tensor``: about its tensor, not its mass and COM."""
     link, mass = declared.link, declared.inertial.mass
     if mass is None or not mass > 0 or not has_drawn_shape(link) or is_point_mass(declared.inertial):
         return None
-    if _says_nothing(declared):
-        return None
-    if describe_placeholder(mass, declared.components) or find_filled_products(declared.components, declared.texts):
+    if is_tensor and (
+        _says_nothing(declared)
+        or describe_placeholder(mass, declared.components)
+        or find_filled_products(declared.components, declared.texts)
+    ):
         return None
     role = "visual" if any(not is_dummy_shape(shape) for shape in link.visuals) else "collision"
     drawn = measure_role_geometry(model, link, role)

@@ -10,13 +10,15 @@ import numpy as np
 from urdfcheck.core import Confidence, FactUnavailableError, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import format_length, join_names, join_numbers
-from urdfcheck.facts.inertials.diagnosis import EXACT, FAR
+from urdfcheck.facts.inertials.diagnosis import EXACT, FAR, VAST
 from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
+    compute_mass_covariance,
     compute_principal_moments,
     compute_solid_inertia,
     list_half_units,
 )
+from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_proposals import (
@@ -32,9 +34,12 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.xml import Attribute
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 
+    Moments = NDArray[np.floating[Any]]
 
 # A part of a rigid body that is lighter than this share of it hardly changes how the body moves.
 LIGHT = 0.05
@@ -49,6 +54,8 @@ AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 DIGITS = 0.01
 # A tenth of a radius of gyration, or of a second moment, is worth saying; so are moments that differ by a third in size.
 NOTABLE, SIMILAR = 0.1, 1.33
+# All second moments below this part of the drawn part's are those of a smaller part.
+_MUCH_LESS = 0.25
 # A tensor so many times farther off than its principal moments is about other axes.
 _ROTATED = 1.5
 # Causes that make a tensor too large or too small as a whole.
@@ -132,6 +139,8 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             if diagnosis.com_mismatch <= far and _is_rounded_uniform(model, tensor, judged):
                 continue
             if diagnosis.min_moment_ratio > concentrated or _is_light(model, tensor.link):
+                if _is_too_dense(model, tensor.link, judged):
+                    continue
                 doubtful.append(tensor)
             else:
                 yield _build_mismatch_finding(model, rule, judged, tensor=tensor)
@@ -166,6 +175,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
     repairs = [propose_undo(model, link, is_habit=True) for link in links]
     complete = [repair for repair in repairs if repair is not None and repair.edits]
     cause, detail = judged[0].diagnosis.cause or "", judged[0].diagnosis.detail
+    is_vast = any(_is_vast(model, link, one) for link, one in zip(links, judged, strict=True))
     edits = {edit.span: edit for repair in complete for edit in repair.edits} if len(complete) == len(links) else {}
     return build_group_finding(
         rule,
@@ -173,7 +183,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         [model.tensor_by_name[link.name].element for link in links],
         cause=cause,
         edits=tuple(edits.values()),
-        severity=Severity.INFO if all(_is_light(model, link) for link in links) else None,
+        severity=Severity.ERROR if is_vast else Severity.INFO if all(_is_light(model, one) for one in links) else None,
         links=join_names(link.name for link in links),
         first=links[0].name,
         count=len(links),
@@ -224,6 +234,12 @@ def _is_possible(judged: DiagnosedInertial) -> bool:
     return validity.positive_definite and validity.triangle_inequality
 
 
+def _is_too_dense(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether no material explains the mass: INR010 reports the number that is wrong."""
+    drawn = measure_link_geometry(model, link)
+    return drawn is not None and drawn.hull is not None and judged.declared.mass > DENSEST * drawn.hull.volume
+
+
 def _is_rounded_uniform(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
     """Whether the tensor is that of the drawn part, rounded to the typed digits.
 
@@ -262,10 +278,18 @@ def _build_cause_finding(
         cause=cause,
         edits=() if mended is None else mended.edits,
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
-        severity=Severity.INFO if mild else None,
+        severity=Severity.ERROR if _is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit="" if mended is None else mended.words,
         **data,
     )
+
+
+def _is_vast(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the tensor is so large that no mass inside the drawn part comes near it, and that it rules the whole body."""
+    drawn, declared = measure_link_geometry(model, link), judged.declared
+    if judged.diagnosis.fits_geometry or drawn is None or _is_light(model, link):
+        return False
+    return float(np.trace(declared.tensor)) >= VAST * float(np.trace(compute_solid_inertia(drawn.solid, declared.mass)))
 
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
@@ -274,8 +298,29 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
         "disagrees",
         at=tensor.element,
         edit=f", or write {drawn}" if drawn else "",
+        unlike=_describe_other_shape(model, tensor.link, judged),
         **_collect_data(model, tensor.link, judged),
     )
+
+
+def _describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) -> str:
+    """Say for a headline of which part the tensor is, by the direction in which it misses the drawn one most."""
+    drawn, declared = measure_link_geometry(model, link), judged.declared
+    if drawn is None:
+        return "does not fit the drawn part"
+    moments, uniform = (
+        np.linalg.eigvalsh(t) for t in (declared.inertia, compute_solid_inertia(drawn.solid, declared.mass))
+    )
+    if moments.sum() > SIMILAR * uniform.sum():
+        return _compare_sizes(moments, uniform, "×", digits=2)
+    variances, axes = np.linalg.eigh(drawn.solid.covariance)  # along the drawn part's axes, the longest last
+    along = np.diag(axes.T @ compute_mass_covariance(declared.inertia, declared.mass) @ axes) / variances
+    if along.max() < _MUCH_LESS:
+        return "fits a far smaller part than the drawn one"
+    least = int(along.argmin())
+    is_rod = variances[1] < 0.5 * variances[2]
+    word = "thinner" if least == 0 else "shorter" if least == 2 and is_rod else "narrower"
+    return f"fits a far {word} part than the drawn one"
 
 
 def _collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_certain: bool = False) -> dict[str, Any]:
@@ -295,7 +340,9 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_cer
         "detail": diagnosis.detail,
         "mistake": describe_mistake(diagnosis.cause or "", diagnosis.detail),
         "why": SHORT_CAUSES.get(diagnosis.cause or "", "").format(detail=diagnosis.detail),
-        "fault": _describe_fault(diagnosis.cause or "", size=size, apart=apart, is_certain=is_certain),
+        "fault": _describe_fault(
+            diagnosis.cause or "", diagnosis.detail, size=size, apart=apart, is_certain=is_certain
+        ),
         "off": f", {apart} from the drawn part's" if apart else "",
         "twins": join_names(judged.twins),
         "mass": f"{declared.mass:g}",
@@ -314,19 +361,22 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_cer
     }
 
 
-def _describe_fault(cause: str, *, size: str, apart: str, is_certain: bool) -> str:
+def _describe_fault(cause: str, detail: str, *, size: str, apart: str, is_certain: bool) -> str:
     """Say for a headline what is wrong, with the number that shows it; ``apart``: how far the COM is from the drawn part's."""
     if cause == "com_unit" and apart:
         return f"COM {apart} off"
     if cause in SIZE_CAUSES and size:
         return f"inertia {size}"
-    return f"{'wrong' if is_certain else 'suspect'} {FAULTY_NUMBERS.get(cause, 'inertia')}"
+    faulty = "COM" if detail.startswith("com ") else FAULTY_NUMBERS.get(cause, "inertia")
+    return f"{'wrong' if is_certain else 'suspect'} {faulty}"
 
 
 def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None) -> str:
     """Describe how near the numbers are to those of the drawn part when the mistake is undone."""
     diagnosis = judged.diagnosis
     residual, mended = max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch), diagnosis.mended
+    if diagnosis.com_order:
+        return f"the tensor agrees, and the COM does with its x y z as {diagnosis.com_order}"
     if residual < EXACT:
         return f"the two agree to within {max(1.0, 100 * residual):.0f} %"
     if mended is None or drawn is None:
@@ -383,7 +433,7 @@ def _describe_mismatch(
     return " and ".join(differences) or "the inertial is only slightly off"
 
 
-def _compare_sizes(moments: Array, uniform: Array, times: str, *, digits: int) -> str:
+def _compare_sizes(moments: Moments, uniform: Moments, times: str, *, digits: int) -> str:
     """Say how much too large or too small principal moments (3,) are; nothing if they are ``SIMILAR`` in size."""
     ratio = float(moments.sum() / uniform.sum())
     if 1 / SIMILAR < ratio < SIMILAR:

@@ -11,17 +11,27 @@ import numpy as np
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
-from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess_mass_unit
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess_mass_unit, is_part_density
 from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.facts.mesh.measure import compute_convex_hull
-from urdfcheck.model import Model
+from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_rigid_bodies
 from urdfcheck.model.shapes.corners import collect_body_corners
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_links_volume
+from urdfcheck.model.shapes.visual_solid import (
+    has_drawn_shape,
+    has_unit_ambiguity,
+    measure_link_geometry,
+    measure_links_volume,
+)
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
+
+
+# The moments of a part with a hub or a motor in it, to those of its uniform solid.
+_LIKE_TENSOR = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,8 +75,33 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin
         volume=float(f"{volume * 1e6:.3g}"),
         around=part.geometry_phrase,
         density=describe_density(part.mass / volume),
-        **_guess_mass_unit(part.mass, (filled or volume) if len(part.readings) == 1 else 0.0),
+        **(
+            _find_slipped_mass(model, part.link, part.mass)
+            or _guess_mass_unit(part.mass, (filled or volume) if len(part.readings) == 1 else 0.0)
+        ),
     )
+
+
+def _find_slipped_mass(model: Model, link: Link, mass: float) -> dict[str, Any]:
+    """Return the data of the decimal point that explains the density: the mass without it is that of a part of an ordinary
+    material, whose tensor the link has; empty where none does."""
+    tensor, drawn = model.tensor_by_name.get(link.name), measure_link_geometry(model, link)
+    if tensor is None or drawn is None or not drawn.closed or has_unit_ambiguity(model, (link.name,)):
+        return {}
+    uniform = np.linalg.eigvalsh(compute_solid_inertia(drawn.solid, 1.0))
+    own_mass = np.linalg.eigvalsh(tensor.tensor) / uniform  # what the tensor says that the mass is, three times
+    for power in (1, 2, 3, 4):
+        slipped = mass * 10.0**-power
+        density = slipped / drawn.solid.volume
+        fits = np.abs(np.log(np.maximum(own_mass, 1e-300) / slipped)).max() < math.log(_LIKE_TENSOR)
+        if is_part_density(density) and fits:
+            return {
+                "cause": "decimal",
+                "factor": f"{10.0**-power:g}",
+                "slipped": f"{slipped:.4g}",
+                "plausible": describe_density(density),
+            }
+    return {}
 
 
 def _check_too_light(

@@ -12,6 +12,8 @@ import numpy as np
 from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.core.text import format_point, join_names, join_numbers
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.diagnosis import FAR
+from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs, measure_principal_deviation
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
@@ -43,6 +45,7 @@ from urdfcheck.model.likeness.origin_slips import (
 )
 from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_all_numbers, make_attribute_edits
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.values import read_attribute_number
 
 if TYPE_CHECKING:
@@ -51,6 +54,9 @@ if TYPE_CHECKING:
 
 # INR009 leaves this mistake to SYM004.
 UNMIRRORED = "unmirrored"
+# Between kg·m² and g·m², kg·cm², kg·mm², g·cm², g·mm²; twins agree to within 5 % otherwise.
+_UNIT_FACTORS = (10**3, 10**4, 10**6, 10**7, 10**9)
+_ONE_FACTOR = 0.05
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
@@ -151,10 +157,23 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     }
     shared = _has_shared_inertial(side)
     if wrong is None:
-        other_way = "the other way round" if shared else _describe_remedy(both[0])
-        return rule.finding("pair", **place, first=_describe_remedy(both[1]), second=other_way, **data)
-    message, edits = "like" if like else "inertial", () if shared else make_attribute_edits(list_inertial_changes(side))
-    return rule.finding(message, **place, edits=edits, remedy=_describe_remedy(side), like=join_names(like), **data)
+        repair = "export both again: neither COM is that of the part that it draws"
+        if deviation.com_offset <= note or not all(_has_com_elsewhere(model, one.link) for one in both):
+            other_way = "the other way round" if shared else _describe_remedy(both[0], note)
+            repair = f"correct the wrong one: {_describe_remedy(both[1], note)}, or {other_way}"
+        return rule.finding("pair", **place, repair=repair, **data)
+    edits = () if shared else make_attribute_edits(list_inertial_changes(side, note))
+    message, remedy = "like" if like else "inertial", _describe_remedy(side, note)
+    return rule.finding(message, **place, edits=edits, remedy=remedy, like=join_names(like), **data)
+
+
+def _has_com_elsewhere(model: Model, link: Link) -> bool:
+    """Whether the COM is so far from the drawn part's that its mirror image does not repair the twin."""
+    diagnosed, drawn = inertial_diagnoses(model).get(link.name), measure_link_geometry(model, link)
+    if diagnosed is None or drawn is None:
+        return False
+    _, com_mismatch = measure_inertial_mismatch(diagnosed.declared, drawn.solid.com, drawn.solid.covariance)
+    return com_mismatch > FAR
 
 
 def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
@@ -186,17 +205,30 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
     if deviation.spread > note:
         moments = _format_principal_moments(first), _format_principal_moments(second)
         differences.append(f"principal moments of ({moments[0]}) and ({moments[1]}) kg·m²")
+    factor = _find_unit_factor(first, second)
     return rule.finding(
         "moments",
         at=_locate_difference(model, other, deviation, note=note),
         related=[_locate_difference(model, one, deviation, note=note)],
         severity=shares.choose_severity(deviation.worst, pair),
+        cause="unit" if factor else None,
+        factor=f"{factor:,}",
+        wrong=(one if np.trace(first.tensor) > np.trace(second.tensor) else other).name,
         one=one.name,
         other=other.name,
         differences=" and ".join(differences),
         share=deviation.worst,
         between=_list_subjects(one, other),
     )
+
+
+def _find_unit_factor(first: DeclaredInertial, second: DeclaredInertial) -> int:
+    """Return the factor between two tensors of one shape and mass that a unit explains; 0 if none does."""
+    small, large = sorted((np.linalg.eigvalsh(numbers.tensor) for numbers in (first, second)), key=np.sum)
+    if not small[0] > 0.0 or not math.isclose(first.mass, second.mass, rel_tol=_ONE_FACTOR):
+        return 0
+    ratios = large / small
+    return next((factor for factor in _UNIT_FACTORS if np.abs(ratios / factor - 1.0).max() < _ONE_FACTOR), 0)
 
 
 def _format_principal_moments(numbers: DeclaredInertial) -> str:
@@ -207,9 +239,9 @@ def _locate_difference(model: Model, link: Link, deviation: InertialDeviation, *
     return locate_difference(model.tensor_by_name[link.name].inertial, deviation, note)
 
 
-def _describe_remedy(side: PairSide) -> str:
+def _describe_remedy(side: PairSide, note: float) -> str:
     return describe_remedy(
-        list_inertial_changes(side), side.link.name, side.twin.name, shared=_has_shared_inertial(side)
+        list_inertial_changes(side, note), side.link.name, side.twin.name, shared=_has_shared_inertial(side)
     )
 
 

@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import permutations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,7 +41,7 @@ from urdfcheck.facts.inertials.mistakes import EFFECT, Mistake, Suspect
 from urdfcheck.facts.inertials.mixing_mistakes import list_explanations
 
 if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array, Bools
+    from urdfcheck.facts.arrays import Array, Bools, Vec3
 
 # A cause is named when it beats every other explanation by this many nats (e⁵ = 150 : 1).
 MARGIN = 5.0
@@ -66,6 +67,8 @@ SIDE_MARGIN = 5.0
 _NOT_A_SPHERE = 0.05
 # Logarithm of how much rarer the mistake of another program is in a file with a habit: 1 in 20.
 _SECOND_HABIT = -3.0
+# Mistakes of the axes, which the COM may have in another way than the tensor.
+_OF_AXES = frozenset({"quarter_turn", "axes_permuted"})
 # A coordinate that is less than a third of a radius of gyration from zero says nothing about the number that it was.
 _NEAR_ZERO = 0.3
 
@@ -77,6 +80,13 @@ _FAMILIES = {"inertia_unit": "units", "positive_notation": "about_origin"}
 _COARSE = frozenset(
     {"inertia_unit", "mass_unit", "com_unit", "units", "mesh_scale", "com_missing", "diagonal_first", "row_major"}
 )
+# Units of mass and inertia: undoing them scales the tensor of one unit of mass.
+_UNITS = frozenset({"inertia_unit", "mass_unit", "units"})
+# Units that differ are told apart by the size alone: it shows one only if all moments of the part have one ratio, to 5 %.
+_ONE_RATIO = 0.1
+# A tensor so many times that of the part is wrong whatever is inside. Where a unit is wrong by the square of it, it no longer
+# counts what is left of the mismatch, nor whether the COM is that of a uniform part.
+VAST = 1e3
 # Mistakes that only scale a COM.
 _SCALED = frozenset({"com_unit", "decimal_point"})
 # Mistakes that lost the part's own numbers, or are not in them, so that undoing them does not lead to those of its twin.
@@ -123,6 +133,9 @@ class Diagnosis:
     """The reference that decides, ``mesh`` or ``twin``."""
     at_fault: bool
     """Whether this part, rather than its twin, is wrong."""
+    com_order: str = ""
+    """The link's coordinates that the COM has as x y z, such as ``y x -z``, where a mistake of the axes explains the tensor and
+    another one the COM."""
     evidence: Evidence | None = None
     """How well the mistakes of a whole file explain the numbers; None where they need no explanation."""
 
@@ -263,24 +276,46 @@ def _diagnose_against(
     tensor_mismatch, com_mismatch = float(fit.tensor_mismatch[none]), float(fit.com_mismatch[none])
     fits_geometry = bool(fit.inside[none])
     certain = named and len(ranking.contenders) == 1
+    mended, com_order = (ranking.numbers[best], "") if certain else (None, "")
+    mended_com_mismatch = float(fit.com_mismatch[best]) if named else com_mismatch
+    if mended is not None and ranking.best.id in _OF_AXES and fit.tensor_mismatch[best] < EXACT < mended_com_mismatch:
+        com, order = _reorder_com(declared, reference)
+        if com_order := order:
+            mended = replace(mended, com=com)
+            mended_com_mismatch = float(np.linalg.norm(reference.whitening @ (com - reference.com)))
     return Diagnosis(
         sound=not named and fits_geometry and _is_unremarkable(reference, tensor_mismatch, com_mismatch),
         cause=_name_cause(ranking.contenders) if named else None,
         detail=" or ".join(dict.fromkeys(m.detail for m in ranking.contenders if m.detail)) if named else "",
-        mended=ranking.numbers[best] if certain else None,
+        mended=mended,
         tensor_mismatch=tensor_mismatch,
         com_mismatch=com_mismatch,
         mended_tensor_mismatch=float(fit.tensor_mismatch[best]) if named else tensor_mismatch,
-        mended_com_mismatch=float(fit.com_mismatch[best]) if named else com_mismatch,
+        mended_com_mismatch=mended_com_mismatch,
         min_moment_ratio=compute_min_moment_ratio(declared, reference),
         margin=ranking.margin,
-        unique=certain and _is_only_exact_explanation(ranking),
+        unique=certain and not com_order and _is_only_exact_explanation(ranking),
+        com_order=com_order,
         ruled_out=_list_ruled_out(ranking, named=named),
         fits_geometry=fits_geometry,
         judged_by="mesh",
         at_fault=True,
         evidence=_collect_evidence(ranking) if habit is None else None,
     )
+
+
+def _reorder_com(declared: DeclaredInertial, reference: Reference) -> tuple[Vec3, str]:
+    """Return the COM with its coordinates in another order or with other signs, and the order in words, where these are the
+    reference's to within `UNIFORM`; otherwise the COM as it is, and nothing."""
+    com = declared.com
+    for order in permutations(range(3)):
+        signs = np.where(reference.com * com[list(order)] < 0.0, -1.0, 1.0)
+        reordered = signs * com[list(order)]
+        if float(np.linalg.norm(reference.whitening @ (reordered - reference.com))) < UNIFORM:
+            return reordered, " ".join(
+                f"{'-' if sign < 0 else ''}{'xyz'[i]}" for i, sign in zip(order, signs, strict=True)
+            )
+    return com, ""
 
 
 def _collect_evidence(ranking: _Ranking) -> Evidence:
@@ -375,14 +410,20 @@ def _weigh_by_habit(mistake: Mistake, habit: Habit) -> Mistake:
 def _get_com_tolerance(mistake: Mistake) -> float:
     """Return how far (radii of gyration) the COM may be from the reference's when the mistake is undone.
 
-    Where the COM is multiplied and nothing else, by so little that many a COM outside the part gets near by chance, it has to
-    agree: an inch, a centimetre, and closer still for a decimal point. Of millimetres one in a thousand does in each direction.
+    Where the COM, or one of its coordinates, is multiplied and nothing else, by so little that many a COM outside the part gets
+    near by chance, it has to agree: an inch, a centimetre, and closer still for a decimal point. Of millimetres one in a
+    thousand does in each direction.
     """
     if mistake.id == "com_unit" and mistake.detail != "mm":
         return COM_NEAR
-    if mistake.id == "decimal_point" and mistake.detail.startswith("com ") and mistake.detail.count(" ") == 1:
+    if mistake.id == "decimal_point" and mistake.detail.startswith("com "):
         return COM_FITS
     return math.inf
+
+
+def _is_whole_com(mistake: Mistake) -> bool:
+    """Whether a lost decimal point is that of all three coordinates: ``com 0.1``, not ``com x 0.1``."""
+    return mistake.detail.startswith("com ") and mistake.detail.count(" ") == 1
 
 
 def _is_meaningless_scaling(
@@ -405,6 +446,8 @@ def _can_be_named(
         return False
     if ranking.best.id in _PRECISE and len({_name_changed_number(mistake) for mistake in ranking.contenders}) > 1:
         return False
+    if ranking.best.id in _UNITS and not _shows_unit(declared, reference, ranking):
+        return False
     least = TWIN_LIKE if reference.twin is not None else EFFECT
     if habit is not None and ranking.best.id == habit.id:
         least = min(least, EXACT)
@@ -412,6 +455,22 @@ def _can_be_named(
         _is_convincing(ranking, reference, is_habit=habit is not None and ranking.best.id == habit.id)
         and _measure_effect(declared, ranking.numbers[0], ranking.best.factor) > least
     )
+
+
+def _shows_unit(declared: DeclaredInertial, reference: Reference, ranking: _Ranking) -> bool:
+    """Whether the numbers are those of the part in another unit: not one number in place of three moments, which no unit makes
+    of a part that is not round, and not a size that several units explain where the moments have no common ratio."""
+    tensor = declared.tensor
+    is_identity = bool((tensor == tensor[0, 0] * np.eye(3)).all())
+    if is_identity and float(ranking.fit.tensor_mismatch[0]) > EFFECT:
+        return False
+    contenders = np.flatnonzero((ranking.leads <= MARGIN) & [m.id in _UNITS for m in ranking.mistakes])
+    sizes = np.trace(ranking.numbers.tensor[contenders], axis1=1, axis2=2) / ranking.numbers.mass[contenders]
+    if sizes.max() < (1.0 + _ONE_RATIO) * sizes.min():
+        return True
+    white = reference.whitening
+    ratios = np.linalg.eigvalsh(white @ compute_mass_covariance(declared.inertia, declared.mass) @ white)
+    return bool(ratios[0] > 0.0 and ratios[-1] < (1.0 + _ONE_RATIO) * ratios[0])
 
 
 def _is_convincing(ranking: _Ranking, reference: Reference, *, is_habit: bool = False) -> bool:
@@ -431,7 +490,9 @@ def _is_convincing(ranking: _Ranking, reference: Reference, *, is_habit: bool = 
         return worst < EXACT
     if best.id == "decimal_point" and best.detail.startswith(("mass ", "tensor ")):
         return worst < EFFECT  # a ratio of mass and tensor near ten may be a changed mass or a motor
-    if best.borrowed == (0, 0):
+    sizes = np.trace(ranking.numbers.tensor[[none, 0]], axis1=1, axis2=2) / ranking.numbers.mass[[none, 0]]
+    is_vast = best.id in _UNITS and sizes[0] >= VAST**2 * sizes[1]
+    if best.borrowed == (0, 0) and not is_vast:
         # A part with the COM (or the tensor) of its uniform solid has uniform density: the other has to agree as well.
         if float(fit.com_mismatch[none]) < UNIFORM and tensor_mismatch > 2 * EFFECT:
             return False
@@ -439,8 +500,8 @@ def _is_convincing(ranking: _Ranking, reference: Reference, *, is_habit: bool = 
             return False
     if reference.mixture is OPEN_MIXTURE and best.id not in _COARSE and not is_habit:
         return False
-    one_number = best.id == "decimal_point" and math.isinf(_get_com_tolerance(best))
-    return worst < (FAR if is_habit else NEAR / 2 if one_number else NEAR)
+    one_number = best.id == "decimal_point" and not _is_whole_com(best)
+    return worst < (FAR if is_habit or is_vast else NEAR / 2 if one_number else NEAR)
 
 
 def _measure_effect(declared: DeclaredInertial, mended: DeclaredInertial, factor: float) -> float:

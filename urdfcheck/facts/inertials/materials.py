@@ -54,8 +54,13 @@ def guess_mass_unit(density: float) -> tuple[str, float] | None:
     """Return the one unit of mass that explains an impossible density (kg/m³) if it was read as kilograms, and the density in
     that unit; None if no unit does, or several do."""
     readings = [(unit, density * kilograms) for unit, kilograms in MASS_UNITS.items()]
-    plausible = [(unit, reading) for unit, reading in readings if _PART_DENSITIES[0] <= reading <= _PART_DENSITIES[1]]
+    plausible = [(unit, reading) for unit, reading in readings if is_part_density(reading)]
     return plausible[0] if len(plausible) == 1 else None
+
+
+def is_part_density(density: float) -> bool:
+    """Whether a whole part may have a density (kg/m³)."""
+    return _PART_DENSITIES[0] <= density <= _PART_DENSITIES[1]
 
 
 def _name_material(density: float) -> str:

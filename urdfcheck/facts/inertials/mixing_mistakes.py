@@ -30,6 +30,8 @@ _TO_MATRIX = (0, 1, 2, 1, 3, 4, 2, 4, 5)
 _OTHER_SIGNS = 2.0 * np.eye(3) - 1.0
 # A number of fewer digits may be twice there by chance.
 _TELLING_DIGITS = 4
+# Products below this part of the largest moment do not show on which side of a mirror a part is.
+_NO_PRODUCT = 0.02
 # Half a unit of the last decimal, and what tessellation adds. Rounding that changes no moment by this part is not worth saying.
 _HALF, _LOST = 0.51, 1.0 / 3.0
 
@@ -78,11 +80,16 @@ def _list_quarter_turns() -> tuple[tuple[str, Mat3], ...]:
 
 
 def _undo_unmirrored(suspect: Suspect) -> Corrected:
+    """Without a twin, only where the tensor shows it: the sign of one coordinate of the COM is a smaller mistake."""
     declared = suspect.declared
     prior = "unmirrored" if suspect.reference.twin is None else "unmirrored (has a twin)"
+    largest = float(np.abs(declared.tensor).max())
     for i, axis in enumerate("xyz"):
         mirror = np.eye(3)
         mirror[i, i] = -1.0
+        changed = np.abs(declared.inertia - mirror @ declared.inertia @ mirror).max()
+        if suspect.reference.twin is None and changed <= _NO_PRODUCT * largest:
+            continue
         mirrored = DeclaredInertial(
             mass=declared.mass,
             com=mirror @ declared.com,

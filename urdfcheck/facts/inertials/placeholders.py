@@ -7,6 +7,8 @@ from collections.abc import Sequence
 
 # First digits of placeholders: the steps of a 1-2-5 series.
 _ROUND = (1.0, 2.0, 5.0)
+# Nobody computes a multiple of the identity of so few digits, except for a ball or a cube.
+_FEW_DIGITS = 2
 # The radius of gyration below which a tensor describes a point mass (see `urdfcheck.model.rigid_bodies.POINT_RADIUS`).
 _POINT = 1e-6
 
@@ -15,9 +17,9 @@ def describe_placeholder(mass: float, components: Sequence[float]) -> str | None
     """Describe why a tensor (``components``: ``ixx ixy ixz iyy iyz izz`` in kg m², of a body of ``mass`` in kg) looks typed
     rather than computed; None if it does not.
 
-    A placeholder is a multiple of the identity whose factor has the single digit 1, 2 or 5, or a diagonal of powers of ten. A
-    sphere or a cube can have the former, so the caller compares it with what is drawn. Point masses (radius of gyration up to
-    1e-6 m) do not count.
+    A placeholder is a multiple of the identity whose factor has one or two digits, or a diagonal of powers of ten. A sphere or a
+    cube can have the former, so the caller compares it with what is drawn. Point masses (radius of gyration up to 1e-6 m) do
+    not count.
     """
     ixx, ixy, ixz, iyy, iyz, izz = components
     moments = (ixx, iyy, izz)
@@ -25,7 +27,7 @@ def describe_placeholder(mass: float, components: Sequence[float]) -> str | None
         return None
     if max(moments) <= mass * _POINT**2:
         return None
-    if ixx == iyy == izz and is_round(ixx):
+    if ixx == iyy == izz and float(f"{ixx:.{_FEW_DIGITS - 1}e}") == ixx:
         return f"{ixx:g} × identity"
     if all(_extract_significand(m) == 1.0 for m in moments):
         return f"powers of ten ({ixx:g}, {iyy:g}, {izz:g})"

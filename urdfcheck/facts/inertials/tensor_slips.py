@@ -29,6 +29,8 @@ _MOMENTS, _PRODUCTS = (0, 3, 5), (1, 2, 4)
 _TELLING_DIGITS = 4
 # The other signs of the products must bring them so much nearer to the drawn part's.
 _NEARER = 0.5
+# The moments of a part with a motor inside, relative to each other, are within this factor of those of its drawing.
+_ALIKE = 2.0
 # A smallest second moment by this part of the largest survives rounding to six digits.
 THICKNESS = 1e-5
 
@@ -38,7 +40,7 @@ class TensorSlip:
     """A mistake that the numbers show."""
 
     id: str
-    """``products_filled`` | ``slot_repeated`` | ``products_sign`` | ``one_sign``."""
+    """``products_filled`` | ``slot_repeated`` | ``products_sign`` | ``one_sign`` | ``decimal``."""
     detail: str
     """Which numbers, in words."""
     components: tuple[float, ...] | None
@@ -98,6 +100,26 @@ def find_wrong_signs(components: Sequence[float], drawn: Mat3 | None) -> TensorS
         components=_replace_products(components, typed * best),
         residual=(distances[0] / size, min(distances) / size),
     )
+
+
+def find_slipped_moment(components: Sequence[float], drawn: Mat3) -> TensorSlip | None:
+    """Find the one moment whose decimal point or exponent makes the tensor impossible.
+
+    ``drawn`` (3, 3): the tensor of the drawn part, or of what replaces it, in the same axes: with the moment multiplied by a
+    power of ten, all three must be within `_ALIKE` of it up to one factor, and no other moment may fit too.
+    """
+    slips = []
+    for i in _MOMENTS:
+        if float(f"{components[i]:.1e}") == components[i]:
+            continue  # a number of one or two digits was guessed, not mistyped
+        for power in (1, -1, 2, -2):
+            moved = tuple(v * 10.0**power if i == j else v for j, v in enumerate(components))
+            if min(moved[j] for j in _MOMENTS) <= 0.0 or not _is_possible(moved):
+                continue
+            ratios = [moved[j] / float(drawn[k, k]) for k, j in enumerate(_MOMENTS)]
+            if max(ratios) < _ALIKE * min(ratios):
+                slips.append(TensorSlip(id="decimal", detail=f"{NAMES[i]} {10.0**power:g}", components=moved))
+    return slips[0] if len(slips) == 1 else None
 
 
 def find_nearest_tensor(

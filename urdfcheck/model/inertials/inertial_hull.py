@@ -41,6 +41,8 @@ class EnclosedInertial:
     """The corners (K, 3) of all that the link and the links fixed to it draw or collide with: as RViz draws it, and without
     COLLADA's ``<unit>`` and with its ``<up_axis>`` where that makes a difference.
     """
+    has_own_geometry: bool
+    """Whether the geometry is that of this mass: its link draws something, or nothing else in the body that does has a mass."""
     is_single_link: bool
     """Whether no other link is fixed to this one."""
     mass_share: float
@@ -69,6 +71,7 @@ def _generate_enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
         if not readings:
             continue
         shares = compute_body_shares(model, body.links)
+        drawing = {name for name in body.links if has_drawn_shape(model.link_by_name[name])}
         for name in body.links:
             link, frame = model.link_by_name[name], model.frames[name]
             inertial = link.inertial
@@ -90,6 +93,7 @@ def _generate_enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
                 com=com,
                 covariance=covariance,
                 readings=readings,
+                has_own_geometry=name in drawing or not drawing & shares.keys(),
                 is_single_link=len(body.links) == 1,
                 mass_share=mass_share,
                 moment_share=moment_share,

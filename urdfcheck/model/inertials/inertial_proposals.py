@@ -10,6 +10,7 @@ import numpy as np
 
 from urdfcheck.core import Edit, Span
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import (
     build_inertia_tensor,
     check_inertia_validity,
@@ -21,16 +22,17 @@ from urdfcheck.facts.inertials.tensor_slips import (
     find_filled_products,
     find_nearest_tensor,
     find_repeated_slot,
+    find_slipped_moment,
     find_wrong_signs,
 )
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry, measure_role_geometry
 
 if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array
+    from urdfcheck.facts.arrays import Array, Mat3
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
     from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
 
@@ -40,6 +42,8 @@ _UNDECIDED_CAUSES = frozenset(
 )
 # The undone mistake must leave no more than this part of the mismatch, and no more than lumps of a third of the mass make.
 _REMAINING, _SOUND = 0.3, 0.75
+# A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size.
+_FAR_COM = 0.1
 # The nearest possible tensor is offered as an edit without a cause where it changes less than mass properties are known by.
 _NEGLIGIBLE_CHANGE = 5e-3
 # Where the nearest possible tensor changes more, nothing can be learned from the author's numbers.
@@ -59,12 +63,18 @@ _MORE_DIGITS = 2
 _NEAR_PRODUCTS = 0.5
 
 # Causes of INR009 that the pages of INR003 and INR004 have as well, with their ids there.
-_SHARED_CAUSES = {"products_sign": "products_sign", "one_sign": "one_sign", "rounded": "digits"}
+_SHARED_CAUSES = {
+    "products_sign": "products_sign",
+    "one_sign": "one_sign",
+    "rounded": "digits",
+    "decimal_point": "decimal",
+}
 # When the repair of a slip that the numbers show is right.
 _SLIP_CONDITIONS = {
     "products_filled": "the products are placeholders",
     "products_sign": "their signs are wrong",
     "one_sign": "its sign is wrong",
+    "decimal": "its decimal point or exponent is wrong",
 }
 # Mistakes whose names say too little in a headline; the others are named by their ids.
 _MISTAKE_NAMES = {
@@ -137,6 +147,10 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     slip = None if typed.explained_by_rounding else _find_sign_slip(model, declared)
     if slip is not None:
         return _propose_signs(model, link, slip)
+    slipped = None if typed.explained_by_rounding else _find_slipped_moment(model, declared)
+    if slipped is not None:
+        claim = "with {detail} times what is written, the tensor is possible, and its moments are like the drawn part's"
+        return replace(_propose_slip(link, slipped, claim), edits=())
     repeated = find_repeated_slot(declared.texts)
     if repeated is not None:
         return InertialProposal(
@@ -180,12 +194,25 @@ def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None
 
 
 def _find_sign_slip(model: Model, declared: DeclaredTensor) -> TensorSlip | None:
+    return find_wrong_signs(declared.components, _compute_drawn_tensor(model, declared))
+
+
+def _find_slipped_moment(model: Model, declared: DeclaredTensor) -> TensorSlip | None:
+    drawn = _compute_drawn_tensor(model, declared)
+    return (
+        None if drawn is None or not drawn.diagonal().min() > 0.0 else find_slipped_moment(declared.components, drawn)
+    )
+
+
+def _compute_drawn_tensor(model: Model, declared: DeclaredTensor) -> Mat3 | None:
+    """Compute the tensor (3, 3) of what the link draws, at its mass and in the axes of its inertial."""
     inertial, drawn = declared.inertial, measure_link_geometry(model, declared.link)
-    matrix, expected = inertial.origin.matrix, None
-    if drawn is not None and matrix is not None and inertial.mass is not None and inertial.mass > 0:
-        rotation = matrix[:3, :3]
-        expected = rotation.T @ compute_solid_inertia(drawn.solid, inertial.mass) @ rotation
-    return find_wrong_signs(declared.components, expected)
+    matrix = inertial.origin.matrix
+    if drawn is None or matrix is None or inertial.mass is None or not inertial.mass > 0:
+        return None
+    rotation = matrix[:3, :3]
+    tensor: Mat3 = rotation.T @ compute_solid_inertia(drawn.solid, inertial.mass) @ rotation
+    return tensor
 
 
 def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialProposal:
@@ -254,14 +281,25 @@ def propose_undo(model: Model, link: Link, *, is_habit: bool = False) -> Inertia
     if diagnosed is None or inertial is None or diagnosed.diagnosis.mended is None:
         return None
     change = build_inertial_repair(inertial, diagnosed.diagnosis.mended)
-    if not change.text:
+    if not change.text or _leaves_com_off(model, link, diagnosed):
         return None
     is_certain = (
-        (is_habit or is_evident(diagnosed.diagnosis))
+        not diagnosed.diagnosis.com_order  # two mistakes, and only the numbers of one of them are proven
+        and (is_habit or is_evident(diagnosed.diagnosis))
         and _has_same_mistake(model, inertial.element.span)
         and not _contradicts_twins(model, diagnosed)
     )
     return change if is_certain else replace(change, edits=())
+
+
+def _leaves_com_off(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
+    """Whether a repair moves the COM to a place that is far from the drawn part's, and not much nearer than before."""
+    drawn, mended = measure_link_geometry(model, link), diagnosed.diagnosis.mended
+    if drawn is None or mended is None or diagnosed.diagnosis.judged_by != "mesh":
+        return False
+    before, after = (float(np.linalg.norm(com - drawn.solid.com)) for com in (diagnosed.declared.com, mended.com))
+    is_moved = float(np.linalg.norm(mended.com - diagnosed.declared.com)) > 0.0
+    return is_moved and after > _FAR_COM * max(before, measure_extent(drawn.points))
 
 
 def is_evident(diagnosis: Diagnosis) -> bool:
@@ -283,24 +321,37 @@ def is_evident(diagnosis: Diagnosis) -> bool:
 def describe_drawn_inertial(model: Model, link: Link) -> str:
     """Describe the inertia of what the link draws, at its mass and uniform density. It is advice: the density is not known.
 
-    Empty when that is not known, or written already.
+    For an open mesh, the tensor is that of its convex hull or of the collision shape, and the COM is left out. Empty when that is
+    not known, or written already.
     """
-    change = _compute_from_geometry(model, link)
-    return (
-        f"{change.text} (the drawn part at this mass and uniform density)" if change is not None and change.text else ""
-    )
+    change, drawn = _compute_from_geometry(model, link), measure_link_geometry(model, link)
+    if change is None or drawn is None or not change.text:
+        return ""
+    body, why = "the drawn part" if drawn.closed else "the convex hull of the open mesh", ""
+    if drawn.closed and _is_collision_stand_in(model, link):
+        body, why = "the collision shape", "; the visual mesh is open"
+    return f"{change.text} ({body} at this mass and uniform density{why})"
+
+
+def _is_collision_stand_in(model: Model, link: Link) -> bool:
+    """Whether the collision shapes replace an open visual mesh."""
+    visible = measure_role_geometry(model, link, "visual")
+    return visible is not None and not visible.closed
 
 
 def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     """Propose the inertia of what the link draws, at its declared mass and uniform density, in place of a placeholder.
 
     None when that is not known, or there is no mass. Without edits where a macro wrote the same text for links that draw or
-    weigh something else.
+    weigh something else, and where a hull or a collision shape replaces an open mesh.
     """
     change = _compute_from_geometry(model, link)
     if change is None or link.inertial is None:
         return None
-    return change if _has_same_geometry(model, link.inertial.element.span) else replace(change, edits=())
+    drawn = measure_link_geometry(model, link)
+    is_exact = drawn is not None and drawn.closed and not _is_collision_stand_in(model, link)
+    is_same = _has_same_geometry(model, link.inertial.element.span)
+    return change if is_exact and is_same else replace(change, edits=())
 
 
 def _contradicts_twins(model: Model, diagnosed: DiagnosedInertial) -> bool:
@@ -359,7 +410,8 @@ def _compute_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     tensor = rotation.T @ compute_solid_inertia(drawn.solid, inertial.mass) @ rotation
     own = None if matrix is None else matrix[:3, 3]
     # A COM that was typed is not part of the placeholder. What a mesh leaves of a zero is not a number to write.
-    com = own if own is not None and own.any() else _drop_noise(drawn.solid.com, size**0.5)
+    is_exact = drawn.closed and not _is_collision_stand_in(model, link)
+    com = own if own is not None and (own.any() or not is_exact) else _drop_noise(drawn.solid.com, size**0.5)
     tensor = _drop_noise(tensor, float(np.abs(tensor).max()))
     return build_inertial_repair(
         inertial, DeclaredInertial(mass=inertial.mass, com=com, tensor=tensor, rotation=rotation), _GUESSED_DIGITS

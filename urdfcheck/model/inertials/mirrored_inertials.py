@@ -196,18 +196,48 @@ def _is_derived_from(side: PairSide, source: DeclaredInertial, threshold: float)
     return all(share <= COPIED for wrong, share in parts if wrong > threshold)
 
 
-def list_inertial_changes(side: PairSide) -> list[AttributeChange]:
-    """List what changes in the text of the side's inertial if its twin is right."""
+def list_inertial_changes(side: PairSide, threshold: float = 0.0) -> list[AttributeChange]:
+    """List what changes in the text of the side's inertial if its twin is right.
+
+    Numbers that differ by rounding stay as they are, where the sides then agree to within ``threshold``.
+    """
+    kept = _keep_near_numbers(side)
+    deviation = measure_deviation(kept, side.expected)
+    return _list_changes(side, kept if deviation.worst <= threshold else side.expected)
+
+
+def _keep_near_numbers(side: PairSide) -> DeclaredInertial:
+    """Return the expected numbers, with the side's own ones where these differ by no more than rounding, up to their sign."""
+    actual, expected, turn = side.actual, side.expected, side.actual.rotation
+    typed = turn.T @ expected.inertia @ turn
+    reach = COPIED * max(float(np.linalg.norm(actual.com)), math.sqrt(float(np.trace(actual.tensor)) / actual.mass))
+    return DeclaredInertial(
+        mass=actual.mass if abs(actual.mass - expected.mass) <= COPIED * expected.mass else expected.mass,
+        com=_keep_near(actual.com, expected.com, 0.01 * reach),
+        tensor=_keep_near(actual.tensor, typed, 0.01 * COPIED * float(np.abs(typed).max())),
+        rotation=turn,
+    )
+
+
+def _keep_near(actual: Array, expected: Array, least: float) -> Array:
+    """Return the expected numbers, with the digits of ``actual`` where the magnitudes agree; below ``least`` all agree."""
+    near = np.abs(np.abs(actual) - np.abs(expected)) <= np.maximum(COPIED * np.abs(expected), least)
+    signed = np.where(np.abs(expected) <= least, actual, np.copysign(actual, expected))
+    kept: Array = np.where(near, signed, expected)
+    return kept
+
+
+def _list_changes(side: PairSide, wanted: DeclaredInertial) -> list[AttributeChange]:
     inertial, turn = side.link.inertial, side.actual.rotation
     if inertial is None:
         return []
     changes: list[AttributeChange] = []
-    if not _is_same_number(side.actual.mass, side.expected.mass):
-        changes.append(_write_change(inertial.mass_attribute, "mass", [side.expected.mass]))
-    com = _clear_rounding(side.expected.com)
-    if not all(map(_is_same_number, side.actual.com.tolist(), com)):
+    if not _is_same_number(side.actual.mass, wanted.mass):
+        changes.append(_write_change(inertial.mass_attribute, "mass", [wanted.mass]))
+    com = _clear_rounding(wanted.com)
+    if not all(map(_is_same_number, _clear_rounding(side.actual.com), com)):
         changes.append(_write_change(inertial.origin.get_attribute("xyz"), "xyz", com))
-    tensor = _clear_rounding(np.array(list_inertia_components(turn.T @ side.expected.inertia @ turn)))
+    tensor = _clear_rounding(np.array(list_inertia_components(turn.T @ wanted.inertia @ turn)))
     element = inertial.tensor_element
     for name, old, new in zip(TENSOR_NAMES, list_inertia_components(side.actual.tensor), tensor, strict=True):
         if not _is_same_number(old, new):
