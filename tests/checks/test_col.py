@@ -155,8 +155,8 @@ def telescope(axis: str = "0 0 1", kind: str = "prismatic") -> str:
         (telescope("1 0 0"), "overlap", Severity.WARNING),
         (telescope(kind="revolute"), "overlap", Severity.WARNING),
         (jaws(), "overlap", Severity.WARNING),
-        (folded(gap=-0.00015), "slight", Severity.INFO),
-        (folded(gap=-0.0003), "overlap", Severity.WARNING),
+        (folded(gap=-0.0009), "slight", Severity.INFO),
+        (folded(gap=-0.0011), "overlap", Severity.WARNING),
         (folded(scale=0.01, gap=-0.01), "overlap", Severity.WARNING),  # 0.1 mm, and much of the shape
     ],
 )

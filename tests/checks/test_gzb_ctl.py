@@ -84,6 +84,19 @@ MANIFEST = '<package format="3"><name>p</name><version>1.0.0</version><descripti
         ("<buildtool_depend>catkin</buildtool_depend>", "", ("moveit",), Severity.INFO),
         (None, "", (), Severity.INFO),
         (None, '<ros2_control name="c" type="system"/>', (), Severity.WARNING),
+        ("<buildtool_depend>ament_cmake</buildtool_depend><depend>gazebo_ros</depend>", "", (), Severity.INFO),
+        (
+            "<buildtool_depend>ament_cmake</buildtool_depend><depend>gazebo_ros</depend>",
+            "",
+            ("gazebo",),
+            Severity.WARNING,
+        ),
+        (
+            "<buildtool_depend>ament_cmake</buildtool_depend><depend>gazebo_ros</depend><depend>ros_gz_sim</depend>",
+            "",
+            (),
+            Severity.WARNING,
+        ),
     ],
 )
 def test_a_plugin_of_classic_matters_to_robots_of_ros_2(
@@ -304,6 +317,22 @@ NEW = '<gazebo><plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"
 )
 def test_sensors(tmp_path: Path, body: str, expected: list[str]) -> None:
     assert messages(tmp_path, MERGED + body, "GZB004") == expected
+
+
+@pytest.mark.parametrize(
+    ("kind", "optical", "meant"),
+    [
+        ("camera", "eye_optical_frame", "eye_optical_frame"),
+        ("gpu_lidar", "eye_optical_frame", "tip"),
+        ("camera", "eye", "tip"),
+    ],
+)
+def test_the_frame_of_a_camera_is_its_optical_frame(tmp_path: Path, kind: str, optical: str, meant: str) -> None:
+    eye = f'<link name="{optical}"/><joint name="o" type="fixed"><parent link="tip"/><child link="{optical}"/></joint>'
+    body = block("tip", sensor(kind, RATE + "<gz_frame_id>tip_link</gz_frame_id>"))
+    (finding,) = find(tmp_path, robot(MERGED, eye, body), "GZB004")
+    assert finding.fix is not None
+    assert finding.fix.title == f"write {meant}"
 
 
 def test_sensors_of_one_name_on_two_bodies(tmp_path: Path) -> None:

@@ -186,7 +186,7 @@ def impossible(mass: str, small: str, large: str) -> str:
     [
         (impossible("0.1", "0.01", "0.1"), "fused", Severity.ERROR),
         (impossible("0.1", "1", "9"), "violated", Severity.ERROR),
-        (impossible("0.0005", "1e-5", "1e-4"), "helper", Severity.INFO),
+        (impossible("0.0005", "1e-5", "1e-4"), "helper", Severity.WARNING),
         (impossible("0.0005", "0.01", "0.1"), "fused", Severity.ERROR),
         (impossible("0.1", "1e-5", "1e-4"), "fused", Severity.ERROR),
     ],
@@ -359,11 +359,11 @@ def test_an_askew_rod_that_was_rounded_needs_more_digits(tmp_path: Path) -> None
     ("mass", "size", "message"),
     [("0.0005", "1e-5", "helper"), ("0.1", "1e-5", "negative_sign"), ("0.1", "9", "negative_sign")],
 )
-def test_a_negative_moment_on_a_helper_link_is_an_info(tmp_path: Path, mass: str, size: str, message: str) -> None:
+def test_a_negative_moment_on_a_helper_link_is_a_warning(tmp_path: Path, mass: str, size: str, message: str) -> None:
     cover = inertial(mass, ixx=size, iyy="-" + size, izz=size)
     (finding,) = find(tmp_path, make_arm(SOUND, more=fixed("cover", cover)), "INR004")
     assert finding.message_id == message
-    assert (finding.severity == Severity.INFO) == (message == "helper")
+    assert (finding.severity == Severity.WARNING) == (message == "helper")
     assert ("merged with arm" in finding.message) == (mass == "0.1" and size == "1e-5")
 
 
@@ -600,7 +600,7 @@ def tiny(value: str, mass: str = "1e-6") -> str:
 def test_all_links_that_are_too_small_for_mujoco_are_one_finding(tmp_path: Path) -> None:
     text = make_arm(SOUND, base=tiny("2e-15"), more=fixed("tip", tiny("1e-15")) + fixed("cap", tiny("1.1e-14")))
     (finding,) = find(tmp_path, text, "INR017")
-    assert finding.severity == Severity.INFO
+    assert finding.severity == Severity.WARNING
     assert finding.subjects == ("link[tip]/inertial/inertia", "link[base]/inertial/inertia")
     assert "1 other link (base)" in finding.message
 

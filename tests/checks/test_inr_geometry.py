@@ -14,6 +14,7 @@ from builders import box, collision, find, inertial, joint, link, robot, visual
 from castings import CASTING, DeclaredInertial, edited, format_inertial, geometry, uniform, write_stl
 from numpy.typing import NDArray
 
+from urdfcheck.core import Severity
 from urdfcheck.facts.inertials.hull_bounds import measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
 from urdfcheck.facts.mesh.measure import compute_convex_hull
@@ -279,7 +280,7 @@ def test_all_links_with_one_placeholder_are_one_finding(tmp_path: Path) -> None:
     fingers = [Part(size=(0.02, 0.02, 0.04), mass=m, tensor=0.001 * np.eye(3)).xml(f"f{m}") for m in masses]
     (finding,) = find(tmp_path, make_chain('<link name="base"/>', *fingers), CODES)
     assert (finding.code, len(finding.subjects), len(finding.related)) == ("INR007", 3, 2)
-    assert finding.headline == "3 links have a placeholder inertia (f0.011: 1,400× too large)"
+    assert finding.headline == "3 links have a placeholder inertia (f0.011: 550× too large)"
     assert finding.fix is not None
     assert [(e.expected, float(e.replacement)) for e in finding.fix.edits] == [
         ("0.001", pytest.approx(mass * i / 12, rel=1e-3)) for mass in masses for i in (0.002, 0.002, 0.0008)
@@ -293,6 +294,17 @@ def test_a_round_mass_decides_no_inertia(tmp_path: Path, mass: float, edits: int
     (finding,) = find(tmp_path, make_arm(finger), CODES)
     assert finding.fix is not None
     assert (finding.code, len(finding.fix.edits)) == ("INR007", edits)
+
+
+def test_a_rod_that_is_wrong_about_its_own_length_only_is_an_info(tmp_path: Path) -> None:
+    """Its moments are 3e-4, 3e-4 and 6e-6: 2e-4 times the identity is near the two that matter."""
+    rod = Part(size=(0.01, 0.01, 0.1), mass=0.36, tensor=2e-4 * np.eye(3))
+    (finding,) = find(tmp_path, make_chain('<link name="base"/>', rod.xml("rod")), {"INR007"})
+    assert finding.severity == Severity.INFO
+    both = [rod.xml("rod"), Part(size=(0.01, 0.01, 0.1), mass=0.036, tensor=2e-4 * np.eye(3)).xml("light")]
+    (finding,) = find(tmp_path, make_chain('<link name="base"/>', *both), {"INR007"})
+    assert finding.severity == Severity.WARNING
+    assert finding.headline == "2 links have a placeholder inertia (light: 6.6× too large)"
 
 
 def test_a_placeholder_that_happens_to_be_near_is_one_as_well(tmp_path: Path) -> None:
@@ -393,6 +405,25 @@ def test_drawings_of_different_parts_are_compared(
     for finding in findings:
         assert ("visual" in finding.message) == ("visual" in one[1])
         assert ("collision" in finding.message) == ("visual" not in one[1])
+
+
+@pytest.mark.parametrize(
+    ("six", "masses", "found"),
+    [
+        (("0.0151", "0.0313", "0.0459"), (3.0, 3.0), False),  # two plates of one outline, 4 and 8 mm thick
+        (("0.0151", "0.0313", "0.0459"), (3.0, 9.0), True),
+        (("0.0015", "0.0015", "0.0015"), (3.0, 9.0), False),
+        (("1e-5", "2e-5", "2e-5"), (3.0, 9.0), False),
+    ],
+)
+def test_what_two_parts_share_by_right_was_not_copied(
+    tmp_path: Path, six: tuple[str, str, str], masses: tuple[float, float], found: bool
+) -> None:
+    moments = dict(zip(("ixx", "iyy", "izz"), six, strict=True))
+    parts = zip(("lower", "upper"), masses, ("0.4 0.25 0.004", "0.4 0.25 0.008"), strict=True)
+    links = (link(name, inertial(mass, **moments), visual(box(size))) for name, mass, size in parts)
+    joints = (joint(f"j_{name}", "base", name, "continuous") for name in ("lower", "upper"))
+    assert bool(find(tmp_path, robot(link("base"), *links, *joints), "INR008")) == found
 
 
 def test_six_equal_numbers_were_not_copied(tmp_path: Path) -> None:

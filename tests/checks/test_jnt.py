@@ -172,9 +172,9 @@ def test_zero_effort_matters_to_gazebo(tmp_path: Path, targets: tuple[str, ...],
     ("limit", "kind", "found"),
     [
         ('lower="0" upper="0" effort="0" velocity="0"', "revolute", ["JNT005 equal"]),
-        ('lower="-1" upper="1" effort="0" velocity="0"', "revolute", ["JNT007 both-zero"]),
-        ('effort="0" velocity="0"', "continuous", ["JNT007 both-zero"]),
-        ('lower="0" upper="0" effort="0" velocity="0"', "continuous", ["JNT007 both-zero"]),
+        ('lower="-1" upper="1" effort="0" velocity="0"', "revolute", ["JNT007 effort-unused"]),
+        ('effort="0" velocity="0"', "continuous", ["JNT007 effort-unused"]),
+        ('lower="0" upper="0" effort="0" velocity="0"', "continuous", ["JNT007 effort-unused"]),
         ('lower="0" upper="0" effort="1" velocity="0"', "revolute", ["JNT005 equal", "JNT007 velocity-zero"]),
         ('lower="-1" upper="1" effort="1e7" velocity="1"', "revolute", ["JNT007 effort-absurd"]),
         ('lower="-1" upper="1" effort="99999" velocity="9999"', "revolute", []),
@@ -184,7 +184,8 @@ def test_zero_effort_matters_to_gazebo(tmp_path: Path, targets: tuple[str, ...],
 def test_an_empty_limit_is_one_defect(tmp_path: Path, limit: str, kind: str, found: list[str]) -> None:
     run = check_text(tmp_path, make_three_links(make_joint(f"<limit {limit}/>", kind)), codes={"JNT005", "JNT007"})
     assert sorted(f"{f.code} {f.message_id}" for f in run.findings) == found
-    assert all(f.severity == Severity.WARNING for f in run.findings)
+    idle = {"effort-unused", "velocity-zero"}
+    assert all((f.severity == Severity.INFO) == (f.message_id in idle) for f in run.findings)
     if found == ["JNT005 equal"]:
         assert run.findings[0].message.endswith(". Effort and velocity are 0 too")
 
@@ -198,6 +199,31 @@ def test_an_empty_limit_is_reported_whatever_is_beside_it_and_selected(tmp_path:
     assert told == {("joint[j]/limit",): True, ("joint[k]/limit",): False}
     (alone,) = find(tmp_path, text, "JNT007")
     assert (alone.message_id, alone.subjects) == ("effort-unused", ("joint[j]/limit@effort",))
+
+
+def test_the_only_driven_joint_may_be_a_rocker(tmp_path: Path) -> None:
+    rocker = make_joint('<limit lower="-1" upper="1" effort="0" velocity="0"/>')
+    follower = make_joint(
+        '<limit lower="-1" upper="1" effort="0" velocity="0"/><mimic joint="j"/>', name="k", child="c"
+    )
+    (finding,) = find(tmp_path, make_three_links(rocker, follower), "JNT007")
+    assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
+
+
+@pytest.mark.parametrize(
+    ("name", "inner", "message"),
+    [
+        ("left_wheel", '<limit effort="1" velocity="1"/>', "wheel"),
+        ("left_wheel", "", "wheel-missing"),
+        ("wheel_steering", '<limit effort="1" velocity="1"/>', "locked"),
+        ("shoulder", '<limit effort="1" velocity="1"/>', "locked"),
+    ],
+)
+def test_a_wheel_without_a_range_is_made_continuous(tmp_path: Path, name: str, inner: str, message: str) -> None:
+    (finding,) = find(tmp_path, make_three_links(make_joint(inner, name=name)), "JNT004")
+    assert finding.message_id == message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith('write type="continuous"') == (name == "left_wheel")
 
 
 def test_a_followers_effort_may_be_zero(tmp_path: Path) -> None:

@@ -419,6 +419,11 @@ def test_the_edges_at_which_the_winding_changes_are_counted(tmp_path: Path) -> N
     assert {tuple(point) for line in finding.data["lines"] for point in line} == {(1, 0, 0), (0, 1, 0), (0, 0, 1)}
 
 
+def test_one_wrong_edge_is_no_part_of_the_surface(tmp_path: Path) -> None:
+    strip = CORNERS + "v 1 1 0\nf 1 2 3\nf 2 3 5\n"
+    assert not find_in_mesh(tmp_path, "MSH003", strip, shape("collision"))
+
+
 @pytest.mark.parametrize("content", [CLOSED, OPEN, INSIDE_OUT])
 def test_a_winding_that_is_the_same_everywhere_is_consistent(tmp_path: Path, content: str) -> None:
     assert not find_in_mesh(tmp_path, "MSH003", content, shape("collision"))

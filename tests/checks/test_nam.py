@@ -170,7 +170,8 @@ class TestNAM004:
             (("base_link", "leg", "base_footprint"), "footprint"),
             (("base_footprint", "base_link"), None),
             (("world", "odom", "base_footprint", "base_link"), None),
-            (("pedestal", "base_link"), "base"),
+            (("pedestal", "base_link"), None),  # an empty root above the base, for KDL
+            (("cell", "pedestal", "base_link"), "base"),
             (("pedestal", "arm_base_link"), None),
         ],
     )

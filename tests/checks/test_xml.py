@@ -93,6 +93,13 @@ class TestXML001:
             assert finding.location.span.file.endswith("package.xml")
             assert "urdfdom" not in finding.consequences
 
+    def test_an_empty_manifest_is_written_or_deleted(self, tmp_path: Path) -> None:
+        (tmp_path / "package.xml").touch()
+        (tmp_path / "r.urdf").write_text('<robot name="r"><link name="a"/></robot>')
+        (finding,) = check(tmp_path / "r.urdf", codes={"XML001"}).findings
+        assert finding.fix is not None
+        assert finding.fix.title == "write its content, or delete the file"
+
     def test_bytes_that_are_no_text(self, tmp_path: Path) -> None:
         path = tmp_path / "r.urdf"
         path.write_bytes(b'<robot name="r">\n<link name="caf\xe9"/></robot>')

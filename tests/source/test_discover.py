@@ -203,6 +203,25 @@ def test_a_xacro_that_is_included_is_no_model_of_its_own(workspace: Path) -> Non
     assert models(".") == ["pkg/other.xacro", "pkg/top.urdf.xacro"]
 
 
+def test_a_plain_part_with_a_name_is_checked_in_the_robot_that_includes_it(workspace: Path) -> None:
+    joint = '<joint name="j" type="fixed"><parent link="base_link"/><child link="imu"/></joint>'
+    part = f'<robot name="r"><link name="imu"/>{joint}</robot>'
+    whole = f'<robot name="r"><link name="imu"/><link name="base_link"/>{joint}</robot>'
+    write(
+        workspace,
+        {
+            "package.xml": manifest("pkg"),
+            "top.xacro": xacro('<link name="base_link"/>' + include("sensors.urdf") + include("whole.urdf")),
+            "sensors.urdf": part,
+            "alone.urdf": part,
+            "whole.urdf": whole,
+        },
+    )
+    assert models("sensors.urdf") == ["top.xacro"]
+    assert models("alone.urdf") == ["alone.urdf"]
+    assert models("whole.urdf") == ["whole.urdf"]
+
+
 def test_an_include_with_an_argument_in_its_path_may_mean_every_file_of_that_name(workspace: Path) -> None:
     write(
         workspace,

@@ -19,14 +19,17 @@ _SYMMETRIC = 0.01
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    reached = find_joint_collisions(model)
-    if reached:
+    everything = find_joint_collisions(model)
+    limbs = [reach for reach in everything if _meets_another_limb(model, reach)]
+    for message, reached in (("reached", [r for r in everything if r not in limbs]), ("limbs", limbs)):
+        if not reached:
+            continue
         joints_by_name = {reach.joint.name: reach.joint for reach in reached}
         first, *others = (
             joint.location if joint.limit is None else joint.limit.location for joint in joints_by_name.values()
         )
         yield rule.finding(
-            "reached",
+            message,
             at=first,
             related=others,
             reaches=join_names(map(_format_reached_collision, reached), _MOST_NAMED),
@@ -36,6 +39,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             collisions=list(map(_list_reached_collision, reached)),
         )
     ensure_all_shapes_read(self_collisions(model))
+
+
+def _meets_another_limb(model: Model, reach: JointCollision) -> bool:
+    """Whether the other link has its own joints, like the next leg, and not only with what carries both."""
+    paths = [model.tree.find_path_to(name) for name in reach.links]
+    return all(any(joint.is_movable for joint in path if joint not in other) for path, other in (paths, paths[::-1]))
 
 
 def _format_places(reached: Sequence[JointCollision]) -> str:

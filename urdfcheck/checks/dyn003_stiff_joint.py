@@ -11,7 +11,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.motion.joint_loads import list_implicit_joints, read_damping, summarize_mass_matrix
 
 
-def check(model: Model, rule: Rule, *, time_step: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, time_step: float, margin: float) -> Iterator[Finding]:
     implicit = list_implicit_joints(model)
     damped = [joint for joint in model.joints if read_damping(joint) > 0 and joint.name not in implicit]
     summary = summarize_mass_matrix(model) if damped else None
@@ -24,7 +24,7 @@ def check(model: Model, rule: Rule, *, time_step: float) -> Iterator[Finding]:
     steps = {joint.name: 2 * inertias[joint.name] / read_damping(joint) for joint in damped}
     groups: dict[tuple[float, bool], list[Joint]] = {}
     for joint in damped:
-        if steps[joint.name] < time_step:
+        if margin * steps[joint.name] < time_step:
             groups.setdefault((read_damping(joint), joint.type == "prismatic"), []).append(joint)
     # Joints with the same damping are one finding: it was written for all of them.
     for joints in groups.values():

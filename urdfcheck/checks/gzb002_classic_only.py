@@ -45,6 +45,11 @@ _REPLACEMENTS = {
 # <ros2_control> block, possibly in another file, and elements such as <robot_sim_type> belong to it.
 _SUCCEEDED = "gazebo_ros2_control"
 _CONTROL = {"filename": "gz_ros2_control-system", "name": "gz_ros2_control::GazeboSimROS2ControlPlugin"}
+# Packages of Gazebo Classic, and the beginnings of the names of those of its successor.
+_CLASSIC_PACKAGES = frozenset({
+    "gazebo_dev", "gazebo_plugins", "gazebo_ros", "gazebo_ros_control", "gazebo_ros_pkgs", "gazebo_ros2_control",
+})  # fmt: skip
+_NEW_PACKAGES = ("gz_", "ign_", "ros_gz", "ros_ign")
 _SENSORS = re.compile(r"camera|kinect|laser|ray|range|prosilica|velodyne")
 
 
@@ -61,13 +66,19 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             plugins.setdefault(match.group(1), []).append(filename)
     hardware = _list_hardware_plugins(model)
     if plugins:
-        is_migrated = _SUCCEEDED in plugins or _is_for_ros2(model)
+        is_migrated = (_SUCCEEDED in plugins or _is_for_ros2(model)) and not _is_for_classic(model)
         # The hardware of gazebo_ros2_control is part of the same migration.
         related = [plugin for _, plugin in hardware] if _SUCCEEDED in plugins else []
         yield _build_plugin_finding(rule, plugins, related=related, severity=None if is_migrated else Severity.INFO)
     if _SUCCEEDED not in plugins:
         for control, plugin in hardware:
-            yield rule.finding("hardware", at=plugin, plugin=plugin.text.strip(), control=control.get("name"))
+            yield rule.finding(
+                "hardware",
+                at=plugin,
+                severity=Severity.INFO if _is_for_classic(model) else None,
+                plugin=plugin.text.strip(),
+                control=control.get("name"),
+            )
 
 
 def _is_for_ros2(model: Model) -> bool:
@@ -80,6 +91,12 @@ def _is_for_ros2(model: Model) -> bool:
     return read_build_type(package.root).startswith("ament_") or any(
         name.startswith("ament_") for name in package.dependencies
     )
+
+
+def _is_for_classic(model: Model) -> bool:
+    """Whether the package depends on Gazebo Classic and not on its successor: the plugins are the right ones."""
+    needed = frozenset() if model.package is None else model.package.dependencies
+    return not needed.isdisjoint(_CLASSIC_PACKAGES) and not any(name.startswith(_NEW_PACKAGES) for name in needed)
 
 
 def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:

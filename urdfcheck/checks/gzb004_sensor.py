@@ -27,6 +27,7 @@ _FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_fr
 _EXTERNAL_FRAMES = frozenset({"world", "map", "odom", "earth", "ground_plane"})
 # Each unknown frame is compared with all links; more links than this were generated and not typed.
 _MOST_COMPARED = 1_000
+_CAMERA = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox")
 # Names of collisions that a message lists.
 _MOST_NAMED = 4
 _NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
@@ -124,7 +125,7 @@ def _check_frames(model: Model, rule: Rule, sensor: _GazeboSensor, *, folded: Ma
         if any(mark in frame for mark in ("/", "::", "$")):  # of another robot or namespace
             continue
         respelled = folded.get(frame.lower())
-        meant = respelled or _guess_frame(frame, sensor, model)
+        meant = respelled or _find_optical_frame(sensor, model) or _guess_frame(frame, sensor, model)
         yield rule.finding(
             "frame" if meant is not None else "frame-elsewhere",
             at=locate_content(element, model.source.files),
@@ -134,6 +135,22 @@ def _check_frames(model: Model, rule: Rule, sensor: _GazeboSensor, *, folded: Ma
             frame=frame,
             meant=meant or "",
         )
+
+
+def _find_optical_frame(sensor: _GazeboSensor, model: Model) -> str | None:
+    """Return the only optical frame on a camera's link or below it: pictures are stamped with that (REP 103)."""
+    if not _CAMERA.search(sensor.type) or sensor.reference not in model.link_by_name:
+        return None
+    try:
+        children = model.tree.child_joints
+    except FactUnavailableError:
+        return None
+    waiting, found = [sensor.reference], []
+    while waiting:
+        link = waiting.pop()
+        found += [link] if "optical" in link.lower() else []
+        waiting += [joint.child for joint in children.get(link, ()) if joint.type == "fixed"]
+    return found[0] if len(found) == 1 else None
 
 
 def _guess_frame(frame: str, sensor: _GazeboSensor, model: Model) -> str | None:

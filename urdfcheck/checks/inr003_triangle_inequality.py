@@ -71,7 +71,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             "helper",
             at=helpers[0].element,
             related=[declared.element for declared in helpers[1:]],
-            severity=Severity.INFO,
+            severity=Severity.WARNING,
             cause=None if slip is None else slip.id,
             detail="" if slip is None else slip.detail,
             links=join_names(declared.link.name for declared in helpers),

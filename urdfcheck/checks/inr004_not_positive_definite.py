@@ -83,7 +83,7 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
             "helper",
             at=helpers[0].element,
             related=[declared.element for declared in helpers[1:]],
-            severity=Severity.INFO,
+            severity=Severity.WARNING,
             links=join_names(declared.link.name for declared in helpers),
         )
 

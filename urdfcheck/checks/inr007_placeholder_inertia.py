@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Rule, Span
+from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round
@@ -40,7 +40,9 @@ class _Misfit(NamedTuple):
     """How far a tensor is from that of a uniform solid with the link's mass and drawn shape."""
 
     factor: float
-    """The largest factor between two of their principal moments."""
+    """The largest factor between two of their principal moments; of the two larger ones, if they differ at all."""
+    is_axial: bool
+    """Whether only the smallest moment differs: that of a rod about its own length."""
     expected: float
     """That moment of the solid in kg m²."""
 
@@ -62,7 +64,7 @@ class _PlaceholderInertial:
 
 def check(model: Model, rule: Rule, *, factor: float, fraction: float, spread: float) -> Iterator[Finding]:
     groups: dict[tuple[object, ...], list[_PlaceholderInertial]] = {}
-    for suspect in _iter_placeholders(model):
+    for suspect in _iter_placeholders(model, factor):
         span = suspect.declared.inertial.location.span
         groups.setdefault((suspect.declared.components, span and span.file), []).append(suspect)
     for group in groups.values():
@@ -80,7 +82,7 @@ def _count_masses(suspects: Iterable[_PlaceholderInertial]) -> int:
     return len({suspect.mass for suspect in suspects})
 
 
-def _iter_placeholders(model: Model) -> Iterator[_PlaceholderInertial]:
+def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderInertial]:
     for body in list_rigid_bodies(model):
         descriptions = {
             name: what
@@ -91,7 +93,9 @@ def _iter_placeholders(model: Model) -> Iterator[_PlaceholderInertial]:
         for name, description in descriptions.items():
             if name in shares and shares[name][1] >= NEGLIGIBLE_SHARE:
                 declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
-                yield _PlaceholderInertial(declared, mass, description, misfit=_measure_misfit(model, declared, mass))
+                yield _PlaceholderInertial(
+                    declared, mass, description, misfit=_measure_misfit(model, declared, mass, factor)
+                )
 
 
 def _describe_placeholder(model: Model, link: Link) -> str | None:
@@ -101,7 +105,7 @@ def _describe_placeholder(model: Model, link: Link) -> str | None:
     return describe_placeholder(mass.mass, declared.components)
 
 
-def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float) -> _Misfit | None:
+def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed: float) -> _Misfit | None:
     """Compare a tensor with the drawn part; if programs disagree about the size of a mesh (MSH008), return the better fit."""
     if not has_drawn_shape(declared.link):
         return None
@@ -110,17 +114,21 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float) -> _Mis
     for unit in units:
         drawn = measure_link_geometry(model, declared.link, apply_unit=unit)
         if drawn is not None:
-            misfits.append(_compare_moments(declared.tensor, compute_solid_inertia(drawn.solid, mass)))
+            misfits.append(_compare_moments(declared.tensor, compute_solid_inertia(drawn.solid, mass), allowed))
     return min((misfit for misfit in misfits if misfit is not None), default=None)
 
 
-def _compare_moments(declared: Array, solid: Array) -> _Misfit | None:
+def _compare_moments(declared: Array, solid: Array, allowed: float) -> _Misfit | None:
     """Compare the principal moments of two tensors (3, 3); None if a factor is not finite."""
     moments, expected = np.linalg.eigvalsh(declared), np.maximum(np.linalg.eigvalsh(solid), 1e-300)
     with np.errstate(over="ignore"):
         factors = np.maximum(moments / expected, expected / moments)
-    worst = int(factors.argmax())
-    return _Misfit(float(factors[worst]), float(expected[worst])) if np.isfinite(factors[worst]) else None
+    # A rod that is wrong about its own length only swings as it should.
+    is_axial = bool(factors[1:].max() <= allowed)
+    worst = 0 if is_axial and factors[0] > allowed else 1 + int(factors[1:].argmax())
+    if not np.isfinite(factors).all():
+        return None
+    return _Misfit(float(factors[worst]), is_axial=is_axial, expected=float(expected[worst]))
 
 
 def _build_tensor_finding(
@@ -128,7 +136,7 @@ def _build_tensor_finding(
 ) -> Finding:
     """Report together all links that were given one tensor."""
     every = [*known, *unknown]
-    worst = max(known, key=lambda suspect: suspect.factor, default=None)
+    worst = max(known, key=_rank_suspect, default=None)
     places = [suspect.declared.element for suspect in every]
     names = [suspect.declared.link.name for suspect in every]
     data: dict[str, Any] = {
@@ -150,6 +158,7 @@ def _build_tensor_finding(
             edits=_propose_edits(model, every),
             link=worst.declared.link.name,
             worst="" if len(names) == 1 else f"{worst.declared.link.name}: ",
+            severity=Severity.INFO if all(s.misfit is None or s.misfit.is_axial for s in known) else None,
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),
@@ -159,6 +168,10 @@ def _build_tensor_finding(
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
+
+
+def _rank_suspect(suspect: _PlaceholderInertial) -> tuple[bool, float]:
+    return suspect.misfit is not None and not suspect.misfit.is_axial, suspect.factor
 
 
 def _propose_edits(model: Model, suspects: Sequence[_PlaceholderInertial]) -> tuple[Edit, ...]:

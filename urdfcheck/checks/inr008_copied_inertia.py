@@ -35,6 +35,8 @@ class _InertiaSignature:
     declared: DeclaredTensor
     role: str
     """The shapes that it is known by: ``visual``, or ``collision`` of a link that draws nothing."""
+    mass: float
+    """kg, as declared."""
     inertia: Array
     """Of the declared mass distribution."""
     solid: Array
@@ -46,13 +48,19 @@ class _InertiaSignature:
         """Return the distance between the shapes, size included; 0 for equal, rotated or mirrored ones."""
         return min(_measure_distance(self.solid, other.solid), _measure_distance(self.hull, other.hull))
 
+    def compare_moments(self, other: _InertiaSignature) -> float:
+        """Return the largest ratio of principal moments of the drawn parts at their masses, as solids or hulls: the lesser."""
+        weight = np.log(self.mass / other.mass)
+        pairs = ((self.solid, other.solid), (self.hull, other.hull))
+        return min(_compare_moments(first + weight, second) for first, second in pairs)
+
     @property
     def misfit(self) -> float:
         """The distance of the tensor from the link's own shape."""
         return _measure_distance(self.inertia, self.solid)
 
 
-def check(model: Model, rule: Rule, *, shape: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, shape: float, moments: float) -> Iterator[Finding]:
     groups: dict[tuple[str, ...], list[DeclaredTensor]] = {}
     for declared in model.tensors:
         # A mirrored part has products of the other sign.
@@ -61,18 +69,25 @@ def check(model: Model, rule: Rule, *, shape: float) -> Iterator[Finding]:
         if len(tensors) > 1:
             parts = [part for declared in tensors if (part := _compute_signature(model, declared)) is not None]
             for role in _ROLES:  # a drawing is not compared with a collision shape
-                yield from _compare_shapes(rule, [part for part in parts if part.role == role], shape)
+                alike = [part for part in parts if part.role == role]
+                yield from _compare_shapes(rule, alike, shape, moments=moments)
 
 
-def _compare_shapes(rule: Rule, parts: Sequence[_InertiaSignature], shape: float) -> Iterator[Finding]:
-    """Report the links with one tensor whose shapes differ from that of the part that it fits best."""
+def _compare_shapes(
+    rule: Rule, parts: Sequence[_InertiaSignature], shape: float, *, moments: float
+) -> Iterator[Finding]:
+    """Report the links with one tensor whose shapes, and so moments, differ from those of the part that it fits best."""
     if not parts:
         return
     original = min(parts, key=lambda part: part.misfit)
     # One part on several sides may be drawn or simplified differently, and rightly shares its tensor.
     part_name = remove_places(original.declared.link.name)
     others = [part for part in parts if remove_places(part.declared.link.name) != part_name]
-    copies = [part for part in others if part.measure_shape_distance(original) > shape]
+    copies = [
+        part
+        for part in others
+        if part.measure_shape_distance(original) > shape and part.compare_moments(original) >= moments
+    ]
     if not copies:
         return
     # If the tensor fits no part well, or several, which of them is the copy is not known.
@@ -99,6 +114,8 @@ def _compute_signature(model: Model, declared: DeclaredTensor) -> _InertiaSignat
     link, mass = declared.link, declared.inertial.mass
     if mass is None or not mass > 0 or not has_drawn_shape(link) or is_point_mass(declared.inertial):
         return None
+    if _says_nothing(declared):
+        return None
     if describe_placeholder(mass, declared.components) or find_filled_products(declared.components, declared.texts):
         return None
     role = "visual" if any(not is_dummy_shape(shape) for shape in link.visuals) else "collision"
@@ -109,10 +126,18 @@ def _compute_signature(model: Model, declared: DeclaredTensor) -> _InertiaSignat
     return _InertiaSignature(
         declared=declared,
         role=role,
+        mass=mass,
         inertia=_compute_log_eigenvalues(compute_mass_covariance(declared.tensor, mass)),
         solid=_compute_log_eigenvalues(drawn.solid.covariance),
         hull=_compute_log_eigenvalues(drawn.hull.covariance),
     )
+
+
+def _says_nothing(declared: DeclaredTensor) -> bool:
+    """Whether equal tensors prove no copy: a multiple of the identity, or numbers of one digit."""
+    ixx, ixy, ixz, iyy, iyz, izz = declared.components
+    is_isotropic = ixx == iyy == izz and not any((ixy, ixz, iyz))
+    return is_isotropic or all(float(f"{value:.0e}") == value for value in declared.components)
 
 
 def _compute_log_eigenvalues(covariance: Array) -> Array:
@@ -124,6 +149,12 @@ def _compute_log_eigenvalues(covariance: Array) -> Array:
 
 def _measure_distance(first: Array, second: Array) -> float:
     return float(np.linalg.norm(first - second))
+
+
+def _compare_moments(first: Array, second: Array) -> float:
+    """Return the largest ratio of the principal moments that two sets of logarithms of second moments give, at least 1."""
+    moments = [np.sum(np.exp(values)) - np.exp(values) for values in (first, second)]
+    return float(np.exp(np.abs(np.log(moments[0] / moments[1])).max()))
 
 
 def _format_equivalent_box(part: _InertiaSignature) -> str:

@@ -62,7 +62,8 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
             elif far.distance > whole * reach or is_beyond_own:
                 odd.append(far)
         unit = _find_unit(message, [*grave, *odd], units, reach)
-        for links, severity in ((grave, Severity.ERROR), (odd, None)):
+        # The robot that includes a part may be longer than it.
+        for links, severity in ((grave, Severity.ERROR), ([] if model.source.is_part else odd, None)):
             if links:
                 yield _build_finding(rule, message, links, unit=unit, reach=reach, severity=severity)
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.model import Model
+from urdfcheck.model import Joint, Model
+from urdfcheck.model.ground.wheels import WHEEL_CARRIER_NAME, WHEEL_NAME
 from urdfcheck.source.text.grammar import is_attribute_missing
 
 
@@ -18,6 +19,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         limit = joint.limit
         if limit is None:
             instead = ", or make it continuous if it turns without end" if joint.type == "revolute" else ""
-            yield rule.finding("missing", at=joint, **data, instead=instead)
+            yield rule.finding("wheel-missing" if _is_wheel(joint) else "missing", at=joint, **data, instead=instead)
         elif is_attribute_missing(limit, "lower") and is_attribute_missing(limit, "upper"):
-            yield rule.finding("locked", at=limit, **data)
+            yield rule.finding("wheel" if _is_wheel(joint) else "locked", at=limit, **data)
+
+
+def _is_wheel(joint: Joint) -> bool:
+    """Whether a revolute joint is a wheel's, by its name or its child's, and not that of what carries the wheel."""
+    words = f"{joint.name} {joint.child}"
+    return joint.type == "revolute" and bool(WHEEL_NAME.search(words)) and not WHEEL_CARRIER_NAME.search(words)

@@ -46,13 +46,14 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
         yield _build_finding(rule, "effort-zero", "effort", with_motor)
     # If no joint has either, the fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all
     # four, and this finding gives way to it.
-    is_empty = len(without) == len(driven) and all(joint.name in still for joint in without)
-    message, severity = ("both-zero", None) if is_empty else ("effort-unused", Severity.INFO)
+    is_empty = len(without) == len(driven) > 1 and all(joint.name in still for joint in without)
+    message = "both-zero" if is_empty else "effort-unused"
     for is_locked in (True, False):
         if alike := [joint for joint in without if (joint.name in still and _is_locked(joint)) == is_locked]:
-            yield _build_finding(rule, message, "effort", alike, severity=severity)
+            yield _build_finding(rule, message, "effort", alike, severity=Severity.INFO)
     if slow := [joint for joint in driven if joint.name in still and joint not in without]:
-        yield _build_finding(rule, "velocity-zero", "velocity", slow)
+        is_odd = any((joint.get_limit_value("velocity") or 0.0) > 0 for joint in driven)
+        yield _build_finding(rule, "velocity-zero", "velocity", slow, severity=None if is_odd else Severity.INFO)
 
 
 def _is_locked(joint: Joint) -> bool:

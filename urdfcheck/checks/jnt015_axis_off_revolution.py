@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Location, Rule
+from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_point
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
 from urdfcheck.model import Inertial, Joint, Link, Model, Shape
-from urdfcheck.model.ground.wheels import WHEEL_NAME, rolling_wheels
+from urdfcheck.model.ground.wheels import WHEEL_CARRIER_NAME, WHEEL_NAME, rolling_wheels
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
@@ -24,12 +23,10 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
-# A part that carries a wheel is named after it and turns about another axis.
-_CARRIER = re.compile(
-    r"steer|swivel|rotation|holder|fork|mount|bracket|knuckle|arm|leg|rocker|bogie|susp|axle", re.IGNORECASE
-)
 # An axis counts as x, y or z, or as upright, to within a little more than a degree.
 _SQUARE = 0.02
+# kg m²: a wheel of 5 cm and 10 g has 1e-5 more about its axle than across it.
+_NEGLIGIBLE_MOMENT = 1e-5
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -75,7 +72,7 @@ def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterat
 
 def _is_named_wheel(joint: Joint) -> bool:
     words = f"{joint.name} {joint.child}"
-    return joint.type == "continuous" and bool(WHEEL_NAME.search(words)) and not _CARRIER.search(words)
+    return joint.type == "continuous" and bool(WHEEL_NAME.search(words)) and not WHEEL_CARRIER_NAME.search(words)
 
 
 def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccentric: float) -> Iterator[Finding]:
@@ -118,6 +115,7 @@ def _build_witness_finding(
     return rule.finding(
         "drawn" if inertial is None else "inertia" if others else "unsure",
         at=witness.location,
+        severity=Severity.INFO if inertial is not None and _is_negligible(inertial) else None,
         related=[wheel.joint.axis_location],
         edits=_swap_moments(inertial, witness.axis, wheel.axis) if inertial is not None and others else (),
         kind=witness.kind,
@@ -126,6 +124,14 @@ def _build_witness_finding(
         own=_format_axis(witness.axis),
         **wheel.names,
     )
+
+
+def _is_negligible(inertial: Inertial) -> bool:
+    """Whether the axis of an inertia tensor makes no difference to a vehicle."""
+    if inertial.tensor is None:
+        return False
+    moments = np.linalg.eigvalsh(inertial.tensor)
+    return float(moments[2] - moments[0]) < _NEGLIGIBLE_MOMENT
 
 
 def _build_axis_finding(

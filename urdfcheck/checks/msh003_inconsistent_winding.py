@@ -10,11 +10,14 @@ from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
 
+# A triangle inside a surface has three neighbours: fewer wrong edges are a slip of a corner, and turn no part of it over.
+_FEWEST_EDGES = 3
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     drawn: list[MeshUse] = []
     for uses, facts in model.meshes.list_measured():
-        if facts.winding_consistent:
+        if facts.winding_consistent or len(facts.flipped_lines) < _FEWEST_EDGES:
             continue
         if uses[0].shape.role != "collision":
             drawn.append(uses[0])

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 
 
-def check(model: Model, rule: Rule, *, triangles: int) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, triangles: int, slight: float) -> Iterator[Finding]:
     for uses, facts in model.meshes.list_measured():
         if uses[0].shape.role == "collision" and facts.n_triangles > triangles:
             yield rule.finding(
                 "heavy",
                 at=uses[0].filename,
+                severity=Severity.INFO if facts.n_triangles < slight * triangles else None,
                 related=[use.filename for use in uses[1:] if use.shape.role == "collision"],
                 link=uses[0].link.name,
                 mesh=uses[0].filename.value,

@@ -34,7 +34,14 @@ from urdfcheck.model.likeness.mirrored_joints import (
     group_by_chain,
     is_shifted,
 )
-from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, make_attribute_edits
+from urdfcheck.model.likeness.origin_slips import (
+    OddSign,
+    OriginSlip,
+    find_origin_slips,
+    iter_coincident_twins,
+    iter_odd_signs,
+)
+from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_all_numbers, make_attribute_edits
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.source.text.values import read_attribute_number
 
@@ -64,6 +71,18 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
     pairs, shares = mirror_pairs(model), _Shares(differ, note)
     yield from _compare_limits(model, rule, pairs, shares=shares)
     reported: dict[str, set[str]] = {"inertial": set(), "dynamics": set(), "place": set()}
+    for odd in iter_odd_signs(model):
+        if odd.joint.child not in reported["place"]:
+            reported["place"].add(odd.joint.child)
+            yield _report_odd_sign(rule, odd)
+    for slip in find_origin_slips(model):
+        if not reported["place"] & {slip.joint.child, slip.twin.child}:
+            reported["place"] |= {slip.joint.child, slip.twin.child}
+            yield _report_slip(rule, slip)
+    for one, other in iter_coincident_twins(model):
+        if not reported["place"] & {one.child, other.child}:
+            reported["place"] |= {one.child, other.child}
+            yield _report_coincidence(rule, one, other)
     for pair in pairs:
         for subject, finding in (
             ("inertial", _compare_inertials(model, rule, pair, shares=shares)),
@@ -320,6 +339,67 @@ def _compare_origins(model: Model, rule: Rule, pair: MirrorPair, *, pairs: Seque
         )
     at, related = (locate_origin_attribute(joint, "rpy") if off.turned else joint.axis_location for joint in both)
     return rule.finding("axis", at=at, related=[related], angle=math.degrees(off.angle), **data)
+
+
+def _report_slip(rule: Rule, slip: OriginSlip) -> Finding:
+    joint, twin = slip.joint, slip.twin
+    at, related = (locate_origin_attribute(one, "xyz") for one in (joint, twin))
+    attribute = joint.origin.get_attribute("xyz")
+    return rule.finding(
+        "slip",
+        at=at,
+        related=[related],
+        cause=slip.kind,
+        joint=joint.name,
+        twin=twin.name,
+        parent=joint.parent,
+        typed="0 0 0" if attribute is None else attribute.value,
+        expected=format_point(slip.expected, decimals=6),
+        distance=float(np.linalg.norm(np.array(joint.origin.xyz or (0, 0, 0)) - slip.expected)) * 1e3,
+        first=_describe_move(joint, twin, slip.expected),
+        second=_describe_move(twin, joint, slip.twin_expected),
+        between=_list_subjects(joint, twin),
+    )
+
+
+def _report_odd_sign(rule: Rule, odd: OddSign) -> Finding:
+    joint, like = odd.joint, odd.others[0]
+    places = [one.axis_location if odd.is_axis else locate_origin_attribute(one, "xyz") for one in (joint, *odd.others)]
+    attributes = [
+        (None if one.axis_element is None else one.axis_element.attributes.get("xyz"))
+        if odd.is_axis
+        else one.origin.get_attribute("xyz")
+        for one in (joint, like)
+    ]
+    typed, expected = ("" if attribute is None else attribute.value for attribute in attributes)
+    return rule.finding(
+        "reversed" if odd.is_axis else "sign",
+        at=places[0],
+        related=places[1:],
+        edits=edit_all_numbers([(attributes[0], expected)]) if attributes[0] is not None and expected else [],
+        joint=joint.name,
+        twin=like.name,
+        like=join_names(one.name for one in odd.others),
+        typed=typed,
+        expected=expected,
+    )
+
+
+def _report_coincidence(rule: Rule, one: Joint, other: Joint) -> Finding:
+    at, related = (locate_origin_attribute(joint, "xyz") for joint in (one, other))
+    attribute = one.origin.get_attribute("xyz")
+    return rule.finding(
+        "coincident",
+        at=at,
+        related=[related],
+        joint=one.name,
+        twin=other.name,
+        one=one.child,
+        other=other.child,
+        parent=one.parent,
+        typed="" if attribute is None else attribute.value,
+        between=_list_subjects(one, other),
+    )
 
 
 def _describe_move(joint: Joint, twin: Joint, place: Array) -> str:

@@ -12,6 +12,7 @@ from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import is_collision_part
 from urdfcheck.source.text.grammar import CHILDREN, guess_element_tag, iter_urdf_elements
 from urdfcheck.source.text.tokens import build_rename_edits
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
 # Elements that a program other than urdfdom reads here, and extensions with their own names.
@@ -65,6 +66,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if verdict is None:
             continue
         message, severity, data = verdict
+        if message in {"misspelt", "misplaced"} and all(map(_holds_zeros, places)):
+            severity = Severity.INFO
         data = {"tag": tag, "parent": parent_tag, "times": format_repetition(len(places)), **data}
         finding = rule.finding(
             message,
@@ -90,6 +93,12 @@ def _describe_consequences(message: str, parent: str, places: list[Element]) -> 
         "drake": "refuses the file",
         "bullet": "refuses the file",
     }
+
+
+def _holds_zeros(element: Element) -> bool:
+    """Whether an element holds only zeros, as nearly all defaults are: then nothing is lost with it."""
+    words = [word for inner in element.walk() for a in inner.attributes.values() for word in a.value.split()]
+    return bool(words) and all(parse_number(word) == 0 for word in words)
 
 
 def _is_unknown_element(parent: str, child: Element) -> bool:

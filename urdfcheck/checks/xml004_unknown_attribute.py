@@ -61,7 +61,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             if unread is not None and "near" in unread.data:
                 slip = _UnreadAttribute(attribute, "inside", {"near": unread.data["near"], "around": around.tag})
                 by_kind.setdefault((slip.message, element.tag, attribute.name, around.tag), []).append(slip)
-    for places in _join_slips(by_kind):
+    for places in map(_name_useless_repair, _join_slips(by_kind)):
         yield _build_finding(places, rule, model.source.files)
 
 
@@ -74,6 +74,20 @@ def _join_slips(by_kind: Mapping[tuple[str, ...], list[_UnreadAttribute]]) -> It
         key = (message, tag, around, owners) if "near" in places[0].data else kind
         joined.setdefault(key, []).extend(places)
     yield from joined.values()
+
+
+def _name_useless_repair(places: list[_UnreadAttribute]) -> list[_UnreadAttribute]:
+    """Soft limits of 0 to 0 are what misspelt ones have anyway: with the right names the joint is as locked as before."""
+    if all(place.message == "misspelt" and _is_zero_soft_limit(place.attribute) for place in places):
+        return [replace(place, message="soft-zero") for place in places]
+    return places
+
+
+def _is_zero_soft_limit(attribute: Attribute) -> bool:
+    """Whether all soft limits of a safety controller, however they are spelt, are 0."""
+    owner = attribute.owner
+    soft = [a for a in owner.attributes.values() if a.name.startswith("soft")]
+    return owner.tag == "safety_controller" and attribute in soft and all(parse_number(a.value) == 0 for a in soft)
 
 
 def _classify_attribute(element: Element, attribute: Attribute) -> _UnreadAttribute | None:
@@ -123,7 +137,7 @@ def _build_finding(places: list[_UnreadAttribute], rule: Rule, files: Mapping[st
         first.message,
         at=locations[0],
         related={place.span: place for place in locations[1:] if place.span != locations[0].span}.values(),
-        edits=[Edit(span, *names[span]) for span in names] if "near" in data else (),
+        edits=[Edit(span, *names[span]) for span in names] if "near" in data and first.message != "soft-zero" else (),
         consequences=first.consequences,
         severity={"required": Severity.ERROR, "ignored": Severity.INFO}.get(first.message),
         attribute=join_names(dict.fromkeys(f"`{place.attribute.name}`" for place in places)),

@@ -12,9 +12,9 @@ from urdfcheck.core.text import truncate_text
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.engine_reactions import describe_empty_number, describe_loss
-from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
+from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, is_computable, parse_number
-from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.text.xml import Attribute, Element
 
 _NOT_A_NUMBER = re.compile(r"[+-]?nan(\(\w*\))?", re.IGNORECASE)
 _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
@@ -33,6 +33,8 @@ _SI = frozenset({"m", "kg", "rad", "n", "nm", "n*m", "n·m", "s", "rad/s", "m/s"
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for element in iter_urdf_elements(model.robot):
+        if _is_spare_shape(element):
+            continue
         for name, count in NUMERIC_ATTRIBUTES.get(element.tag, {}).items():
             attribute = element.attributes.get(name)
             if attribute is None or is_unexpanded(attribute.value):
@@ -64,6 +66,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     consequences={"urdfdom": describe_loss(element)},
                     **_collect_data(attribute, attribute.value),
                 )
+
+
+def _is_spare_shape(element: Element) -> bool:
+    """Whether an element is a further shape of a geometry, which urdfdom and Bullet do not read: XML006 reports that."""
+    parent = element.parent
+    if parent is None or parent.tag != "geometry":
+        return False
+    return next(child for child in parent.children if child.tag in CHILDREN["geometry"]) is not element
 
 
 def _collect_data(attribute: Attribute, word: str) -> dict[str, Any]:

@@ -36,7 +36,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 
 def _build_plain_finding(source: Source, rule: Rule, left: list[tuple[Location, str, bool]]) -> Finding:
     """Report all xacro of a plain URDF together; as a note if the launch files of its package replace all of it."""
-    from urdfcheck.source.launch.replaced_texts import find_replaced_texts  # most files have no xacro left
+    from urdfcheck.source.launch.passed_arguments import find_replaced_texts  # most files have no xacro left
 
     replaced = find_replaced_texts(source.path, source.finder)
     remaining = [place for place in left if not _is_replaced(place[1], replaced)]

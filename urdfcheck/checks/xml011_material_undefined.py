@@ -31,6 +31,8 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
         elif name.strip() and name not in defined:
             without.setdefault(name, []).append(material)
     for name, materials in without.items():
+        if name not in everywhere and model.source.is_part:
+            continue  # the file that includes this one may define it, and is checked as well
         names = [material.attributes["name"] for material in materials]
         yield build_group_finding(
             rule,

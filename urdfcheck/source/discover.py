@@ -276,7 +276,8 @@ class _Planner:
             return
         users: list[Path] = []
         is_part = False
-        if not (file.has_name and file.has_parts) or (file.is_xacro and self.has_project_around(path)):
+        is_whole = file.has_name and file.has_parts and not file.names_links_elsewhere
+        if not is_whole or (file.is_xacro and self.has_project_around(path)):
             users = self.find_users(path, lambda folder, _: folder.find_including_models(path))
             is_part = bool(users) or any(folder.may_be_part(path) for folder, _ in self.iter_folders_around(path))
             if not users and file.only_macros:

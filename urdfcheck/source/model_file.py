@@ -19,6 +19,8 @@ from urdfcheck.system.files import read_regular
 MAX_INCLUDES = 2_000
 EXPRESSION = re.compile(r"\$[({][^)}$]*[)}]")
 _INCLUDE = re.compile(r"""<xacro:include\s[^<>]*?filename\s*=\s*["']([^"']+)["']""")
+_LINK = re.compile(r"""<link\s[^<>]*?name\s*=\s*["']([^"']*)["']""")
+_JOINT_END = re.compile(r"""<(?:parent|child)\s[^<>]*?link\s*=\s*["']([^"']*)["']""")
 _ROBOT = re.compile(r"<robot[\s>]")
 # A file name in any text: what stands between separators and has a suffix.
 _FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*""")
@@ -61,6 +63,12 @@ class ModelFile:
     def has_name(self) -> bool:
         """Whether the robot has a name, or may get one."""
         return self.stands_alone if self.is_xacro else bool(self.robot_name)
+
+    @property
+    def names_links_elsewhere(self) -> bool:
+        """Whether a joint of a plain URDF names a link that the file has not."""
+        text = "" if self.is_xacro else self.text
+        return not set(_JOINT_END.findall(text)) <= set(_LINK.findall(text))
 
     @property
     def text(self) -> str:

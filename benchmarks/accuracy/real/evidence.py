@@ -7,6 +7,7 @@ that contradicts it.
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from itertools import chain
 
 import numpy as np
@@ -54,9 +55,12 @@ def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool) -> se
     return found
 
 
-def find_joint_evidence(part: Part, old: Array, new: Array) -> set[str]:
+def find_joint_evidence(part: Part, old: Array, new: Array, shared: Collection[str] = ()) -> set[str]:
     """Find what shows that a joint's origin or axis is wrong: a joint on the other side, or two others of a row on the same
-    parent; or lengths that no other joint has."""
+    parent; or lengths that no other joint has.
+
+    :param shared: joints that the same text changes, such as those of one macro: they do not show anything.
+    """
     joint = part.joint
     assert joint is not None
     found = set()
@@ -64,7 +68,7 @@ def find_joint_evidence(part: Part, old: Array, new: Array) -> set[str]:
     sides = row = 0
     lengths = [1e-9]
     for other in part.owner.model.joints:
-        if other.name == joint.name:
+        if other.name == joint.name or f"joint[{other.name}]" in shared:
             continue
         length = float(np.linalg.norm(other.origin.xyz or (0, 0, 0)))
         lengths.append(length)

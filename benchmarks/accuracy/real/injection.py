@@ -266,15 +266,16 @@ def _is_sound(stage: _Stage, part: Part, kind: Kind) -> bool:
 def _find_evidence(stage: _Stage, kind: Kind, part: Part, broken: Broken) -> set[str]:
     if kind.family == "inertial":
         return find_inertial_evidence(part, _read_new(part, broken), with_meshes=stage.has_meshes)
+    shared = set().union(*(stage.read.list_subjects(change.span) for change in broken.changes))
     if kind.family == "joint" and kind.make.__name__ not in ("axis_zero", "joint_rpy_degrees"):
         change = broken.changes[0]
         new = np.array([float(word) for word in change.text.split()])
         assert part.joint is not None
         old = read_numbers(part.joint.element.find_child("origin"), "xyz")
         is_place = kind.make.__name__.startswith("joint_xyz")
-        return find_joint_evidence(part, np.zeros(3) if old is None else old, new if is_place else np.zeros(3))
+        return find_joint_evidence(part, np.zeros(3) if old is None else old, new if is_place else np.zeros(3), shared)
     if kind.make.__name__ in ("limits_mirrored", "effort_tiny", "mimic_multiplier"):
-        return find_joint_evidence(part, np.zeros(3), np.zeros(3))
+        return find_joint_evidence(part, np.zeros(3), np.zeros(3), shared)
     if kind.make.__name__ == "limits_degrees":
         values = [abs(float(word)) for change in broken.changes for word in change.text.split()]
         return {"size"} if max(values) > 4 * np.pi else set()

@@ -1,4 +1,4 @@
-"""The values that launch files pass to a model's xacro arguments. Nothing is executed."""
+"""What launch files pass to a model: the values of xacro arguments, and the texts that they replace. Nothing is executed."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def find_passed_arguments(
     folders = [folder for folder in (inner, outer) if folder is not None and finder.can_open(folder)]
     found: dict[str, PassedArgument] = {}
     visited: set[str] = set()
-    for files in (launches, *(iter_launch_files(folder, finder) for folder in folders)):
+    for files in (launches, *(_iter_launch_files(folder, finder) for folder in folders)):
         known: dict[str, PassedArgument] = {}
         for launch in files:
             place = os.path.realpath(launch)
@@ -102,7 +102,22 @@ def read_passed_arguments(launch: Path, model: str, finder: PackageFinder) -> li
     ]
 
 
-def iter_launch_files(folder: Path, finder: PackageFinder) -> Iterator[Path]:
+def find_replaced_texts(model: Path, finder: PackageFinder) -> dict[str, Location]:
+    """Return the texts with a ``$`` that launch files of a model's package replace in it, with the first place of each.
+
+    They are the first arguments of ``.replace(…)`` in the launch files that contain the model's name.
+    """
+    package = finder.find_package_of(model.absolute())
+    found: dict[str, Location] = {}
+    if package is None or not finder.can_open(package.path):
+        return found
+    for launch in itertools.islice(_iter_launch_files(package.path, finder), MOST_LAUNCHES):
+        for text, location in _read_replacements(launch, model.name, finder) if launch.suffix == ".py" else ():
+            found.setdefault(text, location)
+    return found
+
+
+def _iter_launch_files(folder: Path, finder: PackageFinder) -> Iterator[Path]:
     """Yield the launch files below a folder, in the order of their paths."""
     files: list[Path] = []
     for place, names, inside in itertools.islice(walk(folder), MOST_FOLDERS):
@@ -120,6 +135,27 @@ def _read_python(launch: Path, data: bytes, model: str, finder: PackageFinder) -
         yield from XacroCallReader(PythonLaunchReader(tree, file, path=launch, finder=finder)).read(model)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return
+
+
+def _read_replacements(launch: Path, name: str, finder: PackageFinder) -> Iterator[tuple[str, Location]]:
+    try:
+        text = read_regular(launch, MAX_PYTHON).decode("utf-8-sig", "replace")
+        if name not in text or ".replace(" not in text:
+            return
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(text)
+        reader = PythonLaunchReader(
+            tree, SourceFile(launch, format_path(launch), text=text), path=launch, finder=finder
+        )
+    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        return
+    for node in reader.nodes:
+        if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "replace"):
+            continue
+        first = node.args[0] if node.args else None
+        if isinstance(first, ast.Constant) and isinstance(first.value, str) and "$" in first.value:
+            yield first.value, reader.locate_node(first)
 
 
 class XacroCallReader:

@@ -171,5 +171,5 @@ def iter_misspelt_contents(robot: Element) -> Iterator[tuple[Element, Element]]:
 
 
 def is_unexpanded(text: str) -> bool:
-    """Whether a value still has a substitution that only xacro resolves; ``$(name)`` of another kind is not one."""
+    """Whether a value still contains a substitution of xacro; another ``$(name)`` is the author's own placeholder."""
     return "$" in text and SUBSTITUTION.search(text) is not None

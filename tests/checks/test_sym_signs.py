@@ -1,0 +1,83 @@
+"""SYM004: slips of a sign or a decimal point in origins and axes that twins show, and when nothing is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import find, joint
+
+from urdfcheck.core import Finding
+
+BOX = "<visual><origin xyz='0 0 {z}'/><geometry><box size='0.04 0.03 0.2'/></geometry></visual>"
+SIDES = {"FL": (1, 1), "FR": (1, -1), "HL": (-1, 1), "HR": (-1, -1)}
+LIMIT = '<limit lower="-0.5" upper="1" effort="20" velocity="5"/>'
+
+
+def make_quadruped(sides: tuple[str, ...] = tuple(SIDES), **changed: str) -> str:
+    """Two or four legs; ``FL_hip="1 2 3"`` is another origin, ``FL_hip_axis`` another axis, ``FL_hip_limit`` another range."""
+    parts = ['<link name="trunk"><visual><geometry><box size="0.4 0.2 0.1"/></geometry></visual></link>']
+    for side in sides:
+        front, left = SIDES[side]
+        places = {"roll": (f"{0.2 * front:g} {0.08 * left:g} 0", "1 0 0"), "hip": (f"0 {0.05 * left:g} 0", "0 1 0")}
+        places["knee"] = (f"0 {0.01 * left:g} -0.2", "0 1 0")
+        parent = "trunk"
+        for name, (xyz, axis) in places.items():
+            key = f"{side}_{name}"
+            parts.append(f'<link name="{key}_link">{BOX.format(z=-0.1)}</link>')
+            parts.append(
+                joint(
+                    key,
+                    parent,
+                    f"{key}_link",
+                    changed.get(f"{key}_limit", LIMIT),
+                    kind="revolute",
+                    xyz=changed.get(key, xyz),
+                    axis=changed.get(f"{key}_axis", axis),
+                )
+            )
+            parent = f"{key}_link"
+    return f'<robot name="r">{"".join(parts)}</robot>'
+
+
+def find_slips(tmp_path: Path, text: str) -> list[Finding]:
+    return [f for f in find(tmp_path, text, "SYM004") if f.message_id in {"slip", "sign", "reversed", "coincident"}]
+
+
+def test_sound_legs_are_fine(tmp_path: Path) -> None:
+    assert not find_slips(tmp_path, make_quadruped())
+    assert not find_slips(tmp_path, make_quadruped(("FL", "FR")))
+
+
+@pytest.mark.parametrize(("xyz", "cause"), [("0 -0.01 0.2", "sign"), ("0 -0.01 -2", "decimal")])
+def test_a_slip_of_one_side_of_two_is_found_and_shows_both_repairs(tmp_path: Path, xyz: str, cause: str) -> None:
+    (finding,) = find_slips(tmp_path, make_quadruped(("FL", "FR"), FR_knee=xyz))
+    assert finding.cause is not None
+    assert finding.cause.id == cause
+    assert finding.fix is not None
+    assert "0 -0.01 -0.2" in finding.fix.title
+    assert not finding.fix.edits
+
+
+def test_another_place_is_no_slip(tmp_path: Path) -> None:
+    assert not find_slips(tmp_path, make_quadruped(("FL", "FR"), FR_knee="0 -0.02 -0.3"))
+
+
+def test_one_module_on_both_sides_is_meant(tmp_path: Path) -> None:
+    assert not find_slips(tmp_path, make_quadruped(("FL", "FR"), FR_knee="0 0.01 -0.2"))
+
+
+def test_of_four_axes_the_only_reversed_one_is_found(tmp_path: Path) -> None:
+    (finding,) = find_slips(tmp_path, make_quadruped(HL_hip_axis="0 -1 0"))
+    assert (finding.message_id, finding.location.subject) == ("reversed", "joint[HL_hip]/axis@xyz")
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == ["0 1 0"]
+
+
+def test_two_and_two_axes_are_a_convention(tmp_path: Path) -> None:
+    assert not find_slips(tmp_path, make_quadruped(FR_hip_axis="0 -1 0", HR_hip_axis="0 -1 0"))
+
+
+def test_an_axis_that_is_reversed_with_its_limits_is_meant(tmp_path: Path) -> None:
+    limit = LIMIT.replace("-0.5", "-1").replace('upper="1"', 'upper="0.5"')
+    assert not find_slips(tmp_path, make_quadruped(HL_hip_axis="0 -1 0", HL_hip_limit=limit))

@@ -1,0 +1,252 @@
+"""Slips in the origin or the axis of a joint that its twins show: a sign, or a decimal point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.model.fact import fact
+from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
+from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair, mirror_pairs
+from urdfcheck.model.likeness.mirrored_joints import WITNESSES
+from urdfcheck.model.likeness.shape_comparison import compute_centroid, get_outline, is_alike
+from urdfcheck.model.likeness.side_names import remove_places
+from urdfcheck.model.parts import Joint
+from urdfcheck.model.robot import Model
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
+
+# Numbers agree within this share of the origin's length, three typed digits, and within a careful hand measurement.
+_SAME = 0.005
+# A coordinate that is smaller than this share of the origin's length, or than so many metres, has a sign by rounding.
+_LEAST_SHARE, _LEAST = 0.05, 2e-3
+# Two parts whose centroids are nearer than this share of their radius are inside each other.
+_INSIDE = 0.5
+# So many limbs have one joint each before one of them can be the odd one: of three, one may be the middle.
+_MOST_OF = 4
+_POWERS = (10.0, 100.0, 1000.0)
+# Axes of frames are parallel within this (1 - cosine, as an element of the rotation).
+_PARALLEL = 2e-3
+# Joints that open by sliding may begin in one place.
+_TURNING = frozenset({"revolute", "continuous"})
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class OriginSlip:
+    """A joint whose origin is that of its twin's mirror image, apart from one slip."""
+
+    joint: Joint
+    twin: Joint
+    kind: str
+    """``sign``: one coordinate has the other sign. ``decimal``: a coordinate, or all, are a power of ten larger."""
+    expected: Array
+    """(3,) in m: the origin of ``joint`` if ``twin`` is right."""
+    twin_expected: Array
+    """(3,) in m: the origin of ``twin`` if ``joint`` is right."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OddSign:
+    """A joint whose origin or axis differs from those of the other limbs in a sign only."""
+
+    joint: Joint
+    others: tuple[Joint, ...]
+    is_axis: bool
+
+
+@fact
+def find_origin_slips(model: Model) -> tuple[OriginSlip, ...]:
+    """Find the slips in origins of left and right joints whose parents are in their places, those nearest to the root first.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    pairs = mirror_pairs(model)
+    return tuple(slip for pair in pairs if (slip := _find_slip(model, pair, pairs)) is not None)
+
+
+def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> OriginSlip | None:
+    joints = _get_joints(model, pair)
+    if joints is None or not pair.is_named:
+        return None
+    one, other = joints
+    places = [np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in joints]
+    is_same = np.abs(places[0] - places[1]).max() <= _LEAST
+    if is_same and one.parent != other.parent:
+        return None  # one module on both sides
+    images = [_compute_image(model, pair, joint, twin) for joint, twin in ((one, other), (other, one))]
+    for index in (1, 0):
+        kind = _name_slip(places[index], images[index])
+        if kind is None or not _has_witnesses(
+            model, pair, known_pairs, 1 if is_same or kind == "decimal" else WITNESSES
+        ):
+            continue
+        if kind == "sign" and pair.drawn_as != "mirrored" and not _is_parallel(model, pair):
+            continue  # a part that is rotated by half a turn may be placed by half a turn as well
+        return OriginSlip(
+            joint=joints[index],
+            twin=joints[1 - index],
+            kind=kind,
+            expected=images[index],
+            twin_expected=images[1 - index],
+        )
+    return None
+
+
+def _get_joints(model: Model, pair: MirrorPair) -> tuple[Joint, Joint] | None:
+    """Return the joints on which the links of a pair hang; None where their types differ."""
+    one, other = (model.tree.parent_joint.get(name) for name in (pair.one, pair.other))
+    if one is None or other is None or one.type != other.type:
+        return None
+    return one, other
+
+
+def _has_witnesses(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair], least: int) -> bool:
+    """Whether so many other pairs with a parallel plane have joints whose origins are mirror images."""
+    count = 0
+    for known in known_pairs:
+        joints = _get_joints(model, known)
+        parallel = abs(float(known.plane.normal @ pair.plane.normal)) > 1 - _PARALLEL
+        if known is pair or joints is None or not known.is_named or not parallel:
+            continue
+        place = np.array(joints[1].origin.xyz or (0.0, 0.0, 0.0))
+        length = float(np.linalg.norm(place))
+        image = _compute_image(model, known, joints[1], joints[0])
+        count += length > _LEAST and np.abs(place - image).max() <= min(PLACE, _SAME * length)
+    return count >= least
+
+
+def _is_parallel(model: Model, pair: MirrorPair) -> bool:
+    """Whether the frames of both sides have the same axes, all joints at zero."""
+    one, other = (model.frames[name][:3, :3] for name in (pair.one, pair.other))
+    return bool(np.abs(one - other).max() < _PARALLEL)
+
+
+def _compute_image(model: Model, pair: MirrorPair, joint: Joint, twin: Joint) -> Array:
+    """Compute the origin (3,) of a joint in its parent's frame if it is the mirror image of its twin.
+
+    On two parents the images of the parents' places count, so that a child is where it should be on a displaced parent.
+    """
+    parent = model.frames[joint.parent]
+    place = model.frames[twin.child][:3, 3]
+    if joint.parent == twin.parent:
+        away = pair.plane.reflect_points(place) - parent[:3, 3]
+    else:
+        away = pair.plane.linear @ (place - model.frames[twin.parent][:3, 3])
+    image: Array = parent[:3, :3].T @ away
+    return image
+
+
+def _name_slip(typed: Array, expected: Array) -> str | None:
+    """Name the slip that makes ``typed`` (3,) of ``expected``; None if there is no such slip."""
+    length = float(np.linalg.norm(expected))
+    near = min(PLACE, _SAME * length)
+    least = max(_LEAST_SHARE * length, _LEAST)
+    off = np.abs(typed - expected) > near
+    if int(off.sum()) == 1 and abs(expected[off][0]) > least and abs(typed[off][0] + expected[off][0]) <= near:
+        return "sign"
+    for power in _POWERS:
+        slipped = np.where(off, expected * power, expected)
+        if np.abs(expected[off]).max(initial=0.0) > least and np.abs(typed - slipped).max() <= power * near:
+            return "decimal"
+    return None
+
+
+def iter_coincident_twins(model: Model) -> Iterator[tuple[Joint, Joint]]:
+    """Yield joints that turn one part in one place, away from the frame of the link on which both hang.
+
+    Their links' names differ in places (left, front) or numbers only.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    tree, frames = model.tree, model.frames
+    groups: dict[object, list[Joint]] = {}
+    for name in tree.order[1:]:
+        joint = tree.parent_joint[name]
+        xyz = joint.origin.xyz
+        if joint.type in _TURNING and joint.mimic is None and xyz is not None and max(map(abs, xyz)) > _LEAST:
+            groups.setdefault((joint.parent, joint.type, _strip_place(name)), []).append(joint)
+    for group in groups.values():
+        for one, other in combinations(group, 2):
+            apart = frames[one.child] - frames[other.child]
+            if np.abs(apart[:3, 3]).max() < 1e-6 and _is_one_body(model, one.child, other.child):
+                yield one, other
+
+
+def _strip_place(name: str) -> tuple[str, ...]:
+    """Return the words of a name without places and numbers."""
+    return tuple(word for word in remove_places(name) if not word.isdigit())
+
+
+def _is_one_body(model: Model, one: str, other: str) -> bool:
+    """Whether two links have one mass and draw one part, one inside the other.
+
+    Where what they draw is not known, their frames and COMs have to be the same.
+    """
+    bodies = [read_declared_inertial(model.link_by_name[name]) for name in (one, other)]
+    masses = [body.mass for body in bodies if body is not None]
+    if len(masses) != 2 or abs(masses[0] - masses[1]) > _SAME * abs(masses[0]):
+        return False
+    first, second = (get_outline(model, name) for name in (one, other))
+    if first is None or second is None:
+        coms = [np.round(body.com, 6).tolist() for body in bodies if body is not None]
+        same = np.allclose(model.frames[one], model.frames[other], rtol=0, atol=1e-6)
+        return first is second and bool(same) and coms[0] == coms[1]
+    centres = compute_centroid(model, one), compute_centroid(model, other)
+    assert centres[0] is not None
+    assert centres[1] is not None
+    size = float(np.sqrt(np.trace(first.covariance)))
+    return bool(is_alike(model, one, other)) and float(np.linalg.norm(centres[0] - centres[1])) < _INSIDE * size
+
+
+def iter_odd_signs(model: Model) -> Iterator[OddSign]:
+    """Yield joints of which one number has another sign than that of three and more joints which are otherwise the same.
+
+    Names differ in places only (``FL_knee``, ``HR_knee``). Limbs that are mirrored have two and two.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    groups: dict[object, list[Joint]] = {}
+    for name in model.tree.order[1:]:
+        joint = model.tree.parent_joint[name]
+        if joint.is_movable and joint.mimic is None:
+            groups.setdefault((joint.type, remove_places(name)), []).append(joint)
+    for group in groups.values():
+        if len(group) < _MOST_OF:
+            continue
+        origins = [np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in group]
+        index = _find_odd(origins)
+        if index is not None and _name_slip(origins[index], origins[index - 1]) == "sign":
+            yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
+        axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in group]
+        index = _find_odd(axes)
+        if index is not None and _is_reversed(model, group, index, axes):
+            yield OddSign(group[index], (*group[:index], *group[index + 1 :]), True)
+
+
+def _find_odd(values: Sequence[Array]) -> int | None:
+    """Return the index of the only one of some vectors (3,) that differs from the others, which are the same."""
+    for index, value in enumerate(values):
+        others = [other for i, other in enumerate(values) if i != index]
+        near = _SAME * float(np.linalg.norm(others[0]))
+        if all(np.abs(other - others[0]).max() <= near for other in others):
+            return index if np.abs(value - others[0]).max() > near else None
+    return None
+
+
+def _is_reversed(model: Model, group: Sequence[Joint], index: int, axes: Sequence[Array]) -> bool:
+    """Whether the axis of one joint is that of the others with the other sign, as typed and in root coordinates, and its limits
+    are theirs."""
+    odd, like = group[index], group[index - 1]
+    if np.abs(axes[index] + axes[index - 1]).max() > _PARALLEL or odd.type == "continuous":
+        return False
+    if any(odd.get_limit_value(name) != like.get_limit_value(name) for name in ("lower", "upper")):
+        return False
+    return all(
+        float(model.axes[odd.name] @ model.axes[joint.name]) < _PARALLEL - 1 for joint in group if joint is not odd
+    )
