@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
     from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+    from urdfcheck.facts.inertials.diagnosis import Diagnosis
 
     Moments = NDArray[np.floating[Any]]
 
@@ -127,6 +128,8 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
         tensor, diagnosis = model.tensor_by_name[name], judged.diagnosis
         if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged) or tensor.link in habitual:
             continue
+        if judged.is_habit and not _is_halved(diagnosis):
+            continue  # something else is wrong, too
         if diagnosis.cause is not None:
             by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
             if by_twin + unmirrored + (name in contradicted_links) < 2:
@@ -159,13 +162,26 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
 
 
 def _list_habitual_links(model: Model) -> list[Link]:
-    """List the links that have the mistake that most links of the file have; none where fewer than two are left to report."""
+    """List the links that have the mistake that most links of the file have, and of whose mismatch it makes at least half; none
+    where fewer than two are left to report."""
     links = [
         model.link_by_name[name]
         for name, judged in inertial_diagnoses(model).items()
-        if judged.is_habit and _is_possible(judged)
+        if judged.is_habit and _is_possible(judged) and _is_halved(judged.diagnosis)
     ]
     return links if len(links) > 1 else []
+
+
+def _is_halved(diagnosis: Diagnosis) -> bool:
+    """Whether undoing the mistake leaves less than half of the mismatch."""
+    return _measure_mismatch(diagnosis, is_mended=True) < 0.5 * _measure_mismatch(diagnosis, is_mended=False)
+
+
+def _measure_mismatch(diagnosis: Diagnosis, *, is_mended: bool) -> float:
+    """Return how far the numbers are from the drawn part, with the mistake or with it undone."""
+    if is_mended:
+        return max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch)
+    return max(diagnosis.tensor_mismatch, diagnosis.com_mismatch)
 
 
 def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Finding:
@@ -200,10 +216,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
 
 def _compute_median_mismatch(judged: Sequence[DiagnosedInertial], *, is_mended: bool) -> float:
     """Return the median of how far the inertials are from the drawn parts; a tensor that no body has is infinitely far."""
-    found = [one.diagnosis for one in judged]
-    if is_mended:
-        return float(np.median([max(one.mended_tensor_mismatch, one.mended_com_mismatch) for one in found]))
-    return float(np.median([max(one.tensor_mismatch, one.com_mismatch) for one in found]))
+    return float(np.median([_measure_mismatch(one.diagnosis, is_mended=is_mended) for one in judged]))
 
 
 def _find_disputed_units(model: Model) -> dict[str, str]:
