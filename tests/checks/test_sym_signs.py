@@ -81,3 +81,15 @@ def test_two_and_two_axes_are_a_convention(tmp_path: Path) -> None:
 def test_an_axis_that_is_reversed_with_its_limits_is_meant(tmp_path: Path) -> None:
     limit = LIMIT.replace("-0.5", "-1").replace('upper="1"', 'upper="0.5"')
     assert not find_slips(tmp_path, make_quadruped(HL_hip_axis="0 -1 0", HL_hip_limit=limit))
+
+
+@pytest.mark.parametrize(("kind", "count"), [("continuous", 1), ("revolute", 0)])
+def test_wheels_in_one_place_are_found_and_jaws_on_one_hinge_are_meant(tmp_path: Path, kind: str, count: int) -> None:
+    inertial = (
+        '<inertial><mass value="0.2"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial>'
+    )
+    sides = ("left_part", "right_part")
+    links = "".join(f'<link name="{side}">{inertial}{BOX.format(z=0)}</link>' for side in sides)
+    joints = "".join(joint(f"{s}_joint", "base", s, LIMIT, kind=kind, xyz="0 -0.1 0", axis="0 1 0") for s in sides)
+    text = f'<robot name="r"><link name="base"/>{links}{joints}</robot>'
+    assert [f.message_id for f in find_slips(tmp_path, text)] == ["coincident"] * count

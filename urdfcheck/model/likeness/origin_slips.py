@@ -33,8 +33,6 @@ _MOST_OF = 4
 _POWERS = (10.0, 100.0, 1000.0)
 # Axes of frames are parallel within this (1 - cosine, as an element of the rotation).
 _PARALLEL = 2e-3
-# Joints that open by sliding may begin in one place.
-_TURNING = frozenset({"revolute", "continuous"})
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -158,9 +156,9 @@ def _name_slip(typed: Array, expected: Array) -> str | None:
 
 
 def iter_coincident_twins(model: Model) -> Iterator[tuple[Joint, Joint]]:
-    """Yield joints that turn one part in one place, away from the frame of the link on which both hang.
+    """Yield wheels and the like, on continuous joints, in one place, away from the frame of the link on which both hang.
 
-    Their links' names differ in places (left, front) or numbers only.
+    Their links' names differ in places (left, front) or numbers only. The jaws of scissors share a hinge, which has limits.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -169,8 +167,8 @@ def iter_coincident_twins(model: Model) -> Iterator[tuple[Joint, Joint]]:
     for name in tree.order[1:]:
         joint = tree.parent_joint[name]
         xyz = joint.origin.xyz
-        if joint.type in _TURNING and joint.mimic is None and xyz is not None and max(map(abs, xyz)) > _LEAST:
-            groups.setdefault((joint.parent, joint.type, _strip_place(name)), []).append(joint)
+        if joint.type == "continuous" and joint.mimic is None and xyz is not None and max(map(abs, xyz)) > _LEAST:
+            groups.setdefault((joint.parent, _strip_place(name)), []).append(joint)
     for group in groups.values():
         for one, other in combinations(group, 2):
             apart = frames[one.child] - frames[other.child]
