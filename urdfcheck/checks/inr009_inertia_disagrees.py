@@ -188,7 +188,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
     """Report a mistake of the program that exported the file, once."""
     diagnoses = inertial_diagnoses(model)
     judged = [diagnoses[link.name] for link in links]
-    repairs = [propose_undo(model, link, is_habit=True) for link in links]
+    repairs = [propose_undo(model, link) for link in links]
     complete = [repair for repair in repairs if repair is not None and repair.edits]
     cause, detail = judged[0].diagnosis.cause or "", judged[0].diagnosis.detail
     is_vast = any(_is_vast(model, link, one) for link, one in zip(links, judged, strict=True))

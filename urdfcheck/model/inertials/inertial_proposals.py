@@ -265,13 +265,11 @@ def _replace_tensor(link: Link, components: Sequence[float], digits: int = 6) ->
     return build_inertial_repair(inertial, wanted, digits)
 
 
-def propose_undo(model: Model, link: Link, *, is_habit: bool = False) -> InertialRepair | None:
+def propose_undo(model: Model, link: Link) -> InertialRepair | None:
     """Propose what undoes the mistake that was found in a link's inertial.
 
     None where no mistake is certain, or it is not in the inertial. Without edits where the evidence is weak, and where a macro
     wrote the same text for other links, in which this mistake was not found.
-
-    :param is_habit: whether most links of the file have the mistake. They prove it together, although one link alone does not.
     """
     from urdfcheck.model.inertials.inertia_diagnosis import (
         inertial_diagnoses,  # heavy, and needed for wrong inertials only
@@ -285,7 +283,7 @@ def propose_undo(model: Model, link: Link, *, is_habit: bool = False) -> Inertia
         return None
     is_certain = (
         not diagnosed.diagnosis.com_order  # two mistakes, and only the numbers of one of them are proven
-        and (is_habit or is_evident(diagnosed.diagnosis))
+        and is_evident(diagnosed.diagnosis)
         and _has_same_mistake(model, inertial.element.span)
         and not _contradicts_twins(model, diagnosed)
     )
