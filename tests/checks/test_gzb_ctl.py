@@ -344,6 +344,11 @@ def test_one_topic_for_two_sensors(tmp_path: Path) -> None:
     topic = "<topic>/scan</topic>"
     one, other = sensor("gpu_lidar", RATE, topic), sensor("gpu_lidar", RATE, "<topic> scan</topic>", name="t")
     assert messages(tmp_path, MERGED + block("tip", one) + block("base", other), "GZB004") == ["topic"]
+    unnamed = [
+        block(link, sensor("gpu_lidar", RATE, "<topic>__default_topic__</topic>", name=link))
+        for link in ("tip", "base")
+    ]
+    assert not messages(tmp_path, MERGED + "".join(unnamed), "GZB004")
     imu = sensor("imu", topic, name="t")
     assert not messages(tmp_path, MERGED + block("tip", one) + block("base", imu), "GZB004")
 

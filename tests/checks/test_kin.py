@@ -281,6 +281,13 @@ def test_a_root_without_mass_takes_the_whole_model_with_it(tmp_path: Path, text:
     assert codes(check_text(tmp_path, text, codes={"KIN010"})) == (["KIN010"] if vanishes else [])
 
 
+def test_a_model_of_one_link_has_no_joint_to_move(tmp_path: Path) -> None:
+    one = '<robot name="plane"><link name="plane"><inertial><mass value="0"/></inertial></link></robot>'
+    (finding,) = check_text(tmp_path, one, codes={"KIN010"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("to a link that has one")
+
+
 def test_an_empty_model_is_an_error_where_gazebo_is_the_target(tmp_path: Path) -> None:
     (finding,) = check_text(tmp_path, moving("base", ""), codes={"KIN010"}, targets=("gazebo",)).findings
     assert finding.severity == Severity.ERROR

@@ -276,6 +276,11 @@ def test_a_state_in_degrees_is_one_finding(tmp_path: Path) -> None:
     assert [e.replacement for e in finding.fix.edits] == ["1.5708", "-0.7854"]
 
 
+def test_a_turn_too_much_is_not_degrees(tmp_path: Path) -> None:
+    (finding,) = find_with_srdf(tmp_path, state(elbow=6.29183), "SRD002")
+    assert finding.message_id == "outside"
+
+
 def test_a_follower_goes_where_its_leader_says(tmp_path: Path) -> None:
     arm = ARM.replace(
         hinge("elbow", "upper", "fore"), hinge("elbow", "upper", "fore", more='<mimic joint="shoulder"/>')

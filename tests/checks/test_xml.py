@@ -776,3 +776,10 @@ def test_a_processing_instruction_stands_first_as_the_reference_parser_has_it(
         assert said
     else:
         assert not said
+
+
+def test_an_attribute_for_isaac_gym_is_known(tmp_path: Path) -> None:
+    joint = '<joint name="j" type="fixed" dont_collapse="true"><parent link="a"/><child link="b"/></joint>'
+    assert not check_text(
+        tmp_path, f'<robot name="r"><link name="a"/><link name="b"/>{joint}</robot>', codes={"XML004"}
+    ).findings

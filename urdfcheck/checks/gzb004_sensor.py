@@ -32,6 +32,9 @@ _CAMERA = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox")
 _MOST_NAMED = 4
 _NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
 
+# What stands for "no topic given": SDFormat's default is written out where a model was converted or copied from its description.
+_NO_TOPIC = frozenset({"", "__default_topic__"})
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _GazeboSensor:
@@ -182,7 +185,7 @@ def _check_duplicate_topics(sensors: list[_GazeboSensor], rule: Rule) -> Iterato
     alike: dict[tuple[str, str], list[Element]] = {}
     for sensor in sensors:
         topic = sensor.element.find_child("topic")
-        if topic is not None and topic.text.strip().lstrip("/"):
+        if topic is not None and topic.text.strip().lstrip("/") not in _NO_TOPIC:
             alike.setdefault((sensor.type, topic.text.strip().lstrip("/")), []).append(topic)
     for (kind, name), elements in alike.items():
         if len(elements) > 1:

@@ -205,7 +205,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         count=len(links),
         known=len(diagnoses),
         faulty=FAULTY_NUMBERS.get(cause, "inertia"),
-        why=SHORT_CAUSES.get(cause, "").format(detail=detail),
+        why=SHORT_CAUSES.get(cause, name_mistake(cause)).format(detail=detail),
         detail=detail,
         mistake=describe_mistake(cause, detail),
         before=float(f"{_compute_median_mismatch(judged, is_mended=False):.2g}"),

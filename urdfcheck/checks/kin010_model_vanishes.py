@@ -30,6 +30,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     head, links = next(iter(bodies.items()))
     moving = {joint.name for link in links for joint in model.tree.child_joints[link.name]}
+    joints = join_names(joint.name for joint in model.joints if joint.name in moving and joint.type != "fixed")
     yield rule.finding(
         "vanishes",
         at=links[0],
@@ -37,7 +38,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         with_it=f" (with {join_names(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",
         count=len(model.links),
         mass=sum(declared.mass for declared in model.masses),
-        joints=join_names(joint.name for joint in model.joints if joint.name in moving and joint.type != "fixed"),
+        joints=joints,
+        now=f" (now attached by {joints})" if joints else "",
     )
 
 

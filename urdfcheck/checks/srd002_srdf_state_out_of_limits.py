@@ -38,11 +38,13 @@ class _OutOfRangeValue:
 
     @property
     def is_in_degrees(self) -> bool:
-        """Whether the value exceeds a turn in radians and is within the limits if it is in degrees."""
+        """Whether the value exceeds a turn in radians, and is within the limits in degrees, but not a turn less."""
+        a_turn_less = self.value - math.copysign(2 * math.pi, self.value)
         return (
             self.is_rotary
             and abs(self.value) > 2 * math.pi
             and self.range.lower <= math.radians(self.value) <= self.range.upper
+            and not self.range.lower <= a_turn_less <= self.range.upper
         )
 
 

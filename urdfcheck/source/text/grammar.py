@@ -46,7 +46,7 @@ NUMERIC_ATTRIBUTES: Mapping[str, Mapping[str, int]] = {
 TEXT_ATTRIBUTES: Mapping[str, frozenset[str]] = {
     "robot": frozenset({"name", "version"}),
     "link": frozenset({"name"}),
-    "joint": frozenset({"name", "type"}),
+    "joint": frozenset({"name", "type", "dont_collapse"}),  # Isaac Gym keeps a fixed joint that has it
     "parent": frozenset({"link"}),
     "child": frozenset({"link"}),
     "mimic": frozenset({"joint"}),
