@@ -279,6 +279,12 @@ def test_tolerance_of_constants_is_wider_than_the_noise_of_literals() -> None:
     assert find_near_miss("3.14159265") is not None
 
 
+@pytest.mark.parametrize(("value", "severity"), [("3.14", Severity.WARNING), ("3.14159", Severity.INFO)])
+def test_an_error_that_no_robot_repeats_is_an_info(tmp_path: Path, value: str, severity: Severity) -> None:
+    text = f'<xacro:property name="M_PI" value="{value}"/><link name="l_${{M_PI}}"/>'
+    assert only(xacro(tmp_path, text, {"XAC005"})).severity == severity
+
+
 def test_constant_that_nothing_reads_is_an_info_and_hides_the_unused_property(tmp_path: Path) -> None:
     finding = only(xacro(tmp_path, '<xacro:property name="M_PI" value="3.14159"/>', {"XAC002", "XAC005"}))
     assert (finding.code, finding.severity, finding.data["hides"]) == ("XAC005", Severity.INFO, ["XAC002"])
@@ -297,7 +303,7 @@ def test_constant_that_an_unreached_file_may_read_is_not_deleted(tmp_path: Path,
     if other:
         (tmp_path / other).parent.mkdir(exist_ok=True)
         (tmp_path / other).write_text(f'{HEAD}<link name="${{M_PI}}"/></robot>', encoding="utf-8")
-    text = f'<xacro:property name="M_PI" value="3.14159"/>\n{main}'
+    text = f'<xacro:property name="M_PI" value="3.14"/>\n{main}'
     (finding,) = (f for f in xacro(tmp_path, text, {"XAC005"}).findings if not f.blocks_check)
     assert (finding.message_id, finding.severity) == ("rounded", Severity.WARNING)
     assert finding.fix is not None

@@ -51,7 +51,7 @@ class _ReadableNames:
         return known or not self.mentions_elsewhere.complete or name in self.mentions_elsewhere.names
 
 
-def check(source: Source, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
+def check(source: Source, rule: Rule, *, rel_tol: float, visible: float) -> Iterator[Finding]:
     if not source.is_xacro:
         return
     names = _ReadableNames(source)
@@ -63,7 +63,15 @@ def check(source: Source, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
             if value is not None and typed is not None and constant is not None:
                 off = abs(typed / constant.value - 1)
                 yield from _check_constant(
-                    source, rule, name=name, value=value, constant=constant, off=off, rel_tol=rel_tol, names=names
+                    source,
+                    rule,
+                    name=name,
+                    value=value,
+                    constant=constant,
+                    off=off,
+                    rel_tol=rel_tol,
+                    visible=visible,
+                    names=names,
                 )
 
 
@@ -76,6 +84,7 @@ def _check_constant(
     constant: _MathConstant,
     off: float,
     rel_tol: float,
+    visible: float,
     names: _ReadableNames,
 ) -> Iterator[Finding]:
     """Report a constant that is ``off`` by this share, or that hides pi itself."""
@@ -90,11 +99,11 @@ def _check_constant(
     }
     removed = build_removal_edits(value.owner, source.files)
     is_read = off > rel_tol and names.may_be_read(name)
+    severity = None if is_read and off > visible else Severity.INFO
     if is_read and name != "pi":
         edits = [] if value.span is None else [Edit(value.span, value.typed, constant.expression)]
-        yield rule.finding("rounded" if off < 0.01 else "wrong", at=value, edits=edits, **data)
+        yield rule.finding("rounded" if off < 0.01 else "wrong", at=value, edits=edits, severity=severity, **data)
     elif off > rel_tol:
-        severity = None if is_read else Severity.INFO
         yield rule.finding("hides" if name == "pi" else "unread", at=value, edits=removed, severity=severity, **data)
     elif name == "pi":
         yield rule.finding("redefined", at=value, edits=removed, severity=Severity.INFO, **data)
