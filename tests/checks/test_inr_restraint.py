@@ -184,7 +184,7 @@ def test_one_exponent_makes_a_tensor_impossible(tmp_path: Path) -> None:
     assert finding.fix is not None
     assert 'write ixx="3.308e-5" if its decimal point' in finding.fix.title
     assert finding.fix.edits == ()
-    assert finding.headline == "arm: breaks the triangle inequality (by 75.2 %)"
+    assert finding.headline == "arm: inertia breaks the triangle inequality (by 75.2 %)"
 
 
 def test_a_slipped_mass_is_named_where_the_tensor_is_that_of_the_right_one(tmp_path: Path) -> None:

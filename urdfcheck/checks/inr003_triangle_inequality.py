@@ -60,7 +60,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             found=repair.message,
             remedy=repair.remedy,
             detail=repair.detail,
-            claim="impossible inertia" if is_filled else "breaks the triangle inequality",
+            claim="impossible inertia" if is_filled else "inertia breaks the triangle inequality",
             reason=repair.detail if is_filled else f"by {data['percent']:.3g} %",
             **data,
         )

@@ -196,7 +196,8 @@ def _name_kind(findings: Iterable[Finding]) -> str:
     kinds = {
         match[0].partition("[")[0] for own in findings for s in own.subjects if (match := _NAMED.match(s)) is not None
     }
-    return f"{kinds.pop()}s" if len(kinds) == 1 else "elements"
+    kind = kinds.pop() if len(kinds) == 1 else "element"
+    return "<gazebo> blocks" if kind == "gazebo" else f"{kind}s"
 
 
 def _join_consequences(ordered: Iterable[Finding]) -> dict[str, str]:
