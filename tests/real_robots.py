@@ -35,8 +35,9 @@ from urdfcheck.simulators.processes import ENGINES
 from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.package.finder import PackageFinder
 
-# Expands only when it is started in its own folder: its includes are relative to the working directory.
-STARTED_ELSEWHERE = {"kosakanishkdev/ROS:robot"}
+# One expands only in its own folder, because its includes are relative to the working directory; the other is part of a robot,
+# through which it is checked.
+STARTED_ELSEWHERE = {"kosakanishkdev/ROS:robot", "ArpitSrivastavaIN/rovermk2_description:B2_mark_sensors"}
 # The engines that a configuration can name.
 TARGETED = tuple(engine for engine in ENGINES if engine in TARGETS)
 

@@ -127,8 +127,8 @@ DEFECTS: list[tuple[str, Defect]] = [
 ]
 
 
-# A minus sign; an angle at which a part was exported.
-TYPED = frozenset({"INR004", "SYM001"})
+# A minus sign, a decimal point; an angle at which a part was exported.
+TYPED = frozenset({"INR003", "INR004", "SYM001"})
 
 
 def verdict(folder: Path, robot: Robot, code: str) -> list[tuple[str, str | None]]:

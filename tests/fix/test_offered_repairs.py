@@ -156,6 +156,8 @@ def test_an_undone_mistake_leaves_a_part_that_may_be(
 
 # What comes with a repair, and is not its fault.
 KNOWN = {
+    # Ten links have placeholders for inertias; two of them are then reported by another rule as well.
+    ("Daniella1/urdf_files_dataset:r2_left_forearm", "JNT013"),
     # One jaw's COM fits the drawn part with the other sign; the other jaw was hidden beside it and differs by 0.3 mm.
     ("AalborgUniversity-RoboticSurgeryGroup/davinci_description:needle_driver", "INR009"),
     # With the collision in its place, a COM and an inertia are seen to be outside of all geometry.
