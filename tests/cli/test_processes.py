@@ -13,6 +13,7 @@ import pytest
 from conftest import FIXTURES
 
 from urdfcheck.cli import FINDINGS, OK
+from urdfcheck.system.process_pool import WORKER_VARIABLES
 
 COMMAND = [sys.executable, "-m", "urdfcheck"]
 CAR = str(FIXTURES / "car-3" / "urdf" / "car-3.urdf")
@@ -126,7 +127,9 @@ def test_modules_that_python_may_have_run_are_told_and_refused_by_a_gate(
         script = (
             [str(Path(sys.executable).with_name("urdfcheck"))] if start == ["urdfcheck"] else [sys.executable, *start]
         )
-        environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        # A check in this process makes its children safe, too (WORKER_VARIABLES); here it is the user who starts one.
+        own = {"PYTHONPATH", *WORKER_VARIABLES}
+        environment = {name: value for name, value in os.environ.items() if name not in own}
         environment |= {} if path is None else {"PYTHONPATH": path}
         return subprocess.run([*script, *words], cwd=tmp_path, env=environment, capture_output=True, text=True)
 
