@@ -15,7 +15,7 @@ from injections import KINDS
 from parts import PLAIN
 from scoring import CLEAN, Outcome, outcomes
 
-from urdfcheck.facts.inertials.mistakes import HYPOTHESES
+from urdfcheck.facts.inertials.mistakes.mistake import HYPOTHESES
 
 pytestmark = pytest.mark.slow
 

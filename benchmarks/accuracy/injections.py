@@ -557,7 +557,7 @@ def _kind(make: Mistake, *names: str, **flags: bool) -> Kind:
     return Kind(make, frozenset(names or (make.__name__,)), **flags)
 
 
-# The one place where mistakes meet the names that urdfcheck has for them (`urdfcheck.facts.inertials.mistakes.HYPOTHESES`).
+# The one place where mistakes meet the names that urdfcheck has for them (`HYPOTHESES` of `urdfcheck.facts.inertials.mistakes`).
 KINDS = (
     _kind(inertia_unit, "inertia_unit", "units"),  # one of several units that fit is none that is certain
     _kind(mass_unit),

@@ -26,7 +26,7 @@ from castings import (
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
-from urdfcheck.facts.inertials.mistakes import HYPOTHESES
+from urdfcheck.facts.inertials.mistakes.mistake import HYPOTHESES
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 from urdfcheck.rules import load_rules
 

@@ -28,8 +28,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, Primitive, VisualGeometry
-from urdfcheck.facts.inertials.diagnosis import EXACT, Diagnosis, diagnose_inertial
+from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial
 from urdfcheck.facts.inertials.inertia_tensor import (
     Solid,
     combine_solids,
@@ -40,8 +41,8 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     transform_solid,
 )
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
-from urdfcheck.facts.inertials.mistakes import HYPOTHESES
-from urdfcheck.facts.inertials.wrong_formulas import list_wrong_formulas
+from urdfcheck.facts.inertials.mistakes.mistake import HYPOTHESES
+from urdfcheck.facts.inertials.mistakes.wrong_formulas import list_wrong_formulas
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 pytestmark = pytest.mark.slow

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from urdfcheck.facts.file_habits import Evidence, Habit, decide_habit, list_candidates
+from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, decide_habit, list_candidates
 
 GRAMS, SIGNS = ("mass_unit", "g"), ("products_sign", "")
 

@@ -19,7 +19,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     make_box_solid,
     transform_solid,
 )
-from urdfcheck.facts.inertials.tensor_slips import (
+from urdfcheck.facts.inertials.mistakes.tensor_slips import (
     find_filled_products,
     find_nearest_tensor,
     find_repeated_slot,

@@ -14,7 +14,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_triangle_excess,
     measure_tensor_rounding,
 )
-from urdfcheck.facts.inertials.tensor_slips import find_filled_products
+from urdfcheck.facts.inertials.mistakes.tensor_slips import find_filled_products
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.inertial_proposals import InertialProposal, propose_repair
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass

@@ -9,7 +9,7 @@ import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import merge_identical
-from urdfcheck.facts.inertials.diagnosis import VAST
+from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import list_half_units
 from urdfcheck.facts.inertials.placeholders import describe_placeholder

@@ -11,8 +11,8 @@ import numpy as np
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import format_box_size, join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
+from urdfcheck.facts.inertials.mistakes.tensor_slips import find_filled_products
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
-from urdfcheck.facts.inertials.tensor_slips import find_filled_products
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.rigid_bodies import is_point_mass

@@ -10,7 +10,7 @@ import numpy as np
 from urdfcheck.core import Confidence, FactUnavailableError, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import format_length, join_names, join_numbers
-from urdfcheck.facts.inertials.diagnosis import EXACT, FAR, VAST
+from urdfcheck.facts.inertials.certainty import EXACT, FAR, VAST
 from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
     compute_mass_covariance,

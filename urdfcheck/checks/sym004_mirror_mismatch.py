@@ -11,8 +11,8 @@ import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.core.text import format_point, join_names, join_numbers
+from urdfcheck.facts.inertials.certainty import FAR
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
-from urdfcheck.facts.inertials.diagnosis import FAR
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs, measure_principal_deviation
 from urdfcheck.model import Joint, Link, Model

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.facts.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
+from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
-from urdfcheck.facts.inertials.diagnosis import EXACT, Diagnosis, diagnose_inertial, measure_evidence
+from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial, measure_evidence
+from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
 from urdfcheck.model.likeness.identical_parts import estimate_from_copies
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
 
 # The modules and packages that decide a verdict, besides the numbers and the drawing.
 _CODE_MODULES = (
-    "urdfcheck.facts.file_habits",
     "urdfcheck.facts.inertials",
     "urdfcheck.facts.likeness",
     "urdfcheck.facts.motion.kinematics",

@@ -17,7 +17,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
     measure_tensor_rounding,
 )
-from urdfcheck.facts.inertials.tensor_slips import (
+from urdfcheck.facts.inertials.mistakes.tensor_slips import (
     TensorSlip,
     find_filled_products,
     find_nearest_tensor,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.mistakes import COMPONENT_INDICES, COMPONENT_NAMES, Mistake, make_mistake
+from urdfcheck.facts.inertials.mistakes.mistake import COMPONENT_INDICES, COMPONENT_NAMES, Mistake, make_mistake
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Vec3

@@ -13,9 +13,16 @@ import numpy as np
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_mass_covariance, compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import LOG_SQRT_2PI, InertialBatch, Reference, compute_whitening
-from urdfcheck.facts.inertials.mistakes import COMPONENT_INDICES, EFFECT, LOG_PRIORS, Mistake, Suspect, make_mistake
-from urdfcheck.facts.inertials.multiplying_mistakes import stack_multipliers
-from urdfcheck.facts.inertials.wrong_formulas import is_tensor_of, list_wrong_formulas, measure_decimal
+from urdfcheck.facts.inertials.mistakes.mistake import (
+    COMPONENT_INDICES,
+    EFFECT,
+    LOG_PRIORS,
+    Mistake,
+    Suspect,
+    make_mistake,
+)
+from urdfcheck.facts.inertials.mistakes.multiplying_mistakes import stack_multipliers
+from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_tensor_of, list_wrong_formulas, measure_decimal
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Mat3, Vec3
