@@ -45,7 +45,7 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
             deep = [item for item in deep if item not in on_side]
     restored = _find_restored_origins(collisions, deep) if deep else []
     for origin in restored:
-        yield _build_displaced_finding(rule, origin)
+        yield _build_displaced_finding(rule, origin, slight=slight)
     freed = {pair.links for origin in restored for pair in origin.freed}
     deep = [item for item in deep if item[0].links not in freed]
     by_design = [(pair, contact) for pair, contact in deep if samples > 1 and pair.hit_share >= always]
@@ -152,7 +152,7 @@ def _build_up_axis_finding(
     )
 
 
-def _build_displaced_finding(rule: Rule, restored: RestoredOrigin) -> Finding:
+def _build_displaced_finding(rule: Rule, restored: RestoredOrigin, *, slight: float) -> Finding:
     """Report the overlaps of a link and the displaced collision shape that causes them as one."""
     contacts = [(pair, pair.contact) for pair in restored.freed if pair.contact is not None]
     contacts.sort(key=lambda item: -item[1].depth)
@@ -169,6 +169,7 @@ def _build_displaced_finding(rule: Rule, restored: RestoredOrigin) -> Finding:
             *(one.visual.place for one in restored.shapes),
             *(locate_geometry(shape) for _, contact in contacts for shape in contact.shapes),
         ],
+        severity=Severity.INFO if all(_is_shallow(contact, slight) for _, contact in contacts) else None,
         cause="rpy_in_xyz" if first.has_angles_as_position else None,
         edits=[edit for one in restored.shapes for edit in one.propose_edits()],
         confidence=Confidence.STRONG,
