@@ -302,4 +302,4 @@ def read_input(
     finder = PackageFinder(path.absolute(), packages.by_name, packages.search_path)
     source = load_source(path, arguments, finder, **reading)
     is_robot = source.root is not None and source.root.tag == "robot"
-    return build_input(source, Model(source=source, robot=source.root, tier="source") if is_robot else None)
+    return build_input(source, Model(source=source, robot=source.root, tier="mesh") if is_robot else None)

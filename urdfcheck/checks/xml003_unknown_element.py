@@ -85,13 +85,16 @@ def _describe_consequences(message: str, parent: str, places: list[Element]) -> 
     """Return the reactions of urdfdom, MuJoCo, Drake and Bullet, which miss a shape in a geometry, and of Gazebo to SDF."""
     if parent != "geometry":
         gazebo = {"gazebo": "ignores it outside <gazebo>"} if message == "sdf" else {}
-        return gazebo | dict.fromkeys(("urdfdom", "mujoco", "drake", "bullet"), "ignores it, without a message")
+        return gazebo | dict.fromkeys(
+            ("urdfdom", "mujoco", "drake", "bullet", "yourdfpy"), "ignores it, without a message"
+        )
     drawn = not any(map(is_collision_part, places))
     return {
         "urdfdom": "drops the shape, and every visual and collision of the link after it",
         "mujoco": "loads it without shapes that are only drawn" if drawn else "refuses the file",
         "drake": "refuses the file",
         "bullet": "refuses the file",
+        "yourdfpy": "refuses the file",
     }
 
 

@@ -11,10 +11,14 @@ from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, SUBSTITUTION, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
 
-# The reactions of Drake and Bullet to the file, by whether a number is missing in it.
+# The reactions of Drake, Bullet and yourdfpy to the file, by whether a number is missing in it.
 CONSEQUENCES = {
-    False: {"drake": "loads it", "bullet": "loads it"},
-    True: {"drake": "refuses the file", "bullet": "replaces the number by 0, or refuses the file"},
+    False: {"drake": "loads it", "bullet": "loads it", "yourdfpy": "loads it"},
+    True: {
+        "drake": "refuses the file",
+        "yourdfpy": "refuses the file",
+        "bullet": "replaces the number by 0, or refuses the file",
+    },
 }
 
 
