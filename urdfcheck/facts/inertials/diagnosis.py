@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.certainty import EXACT, FAR, TWIN_LIKE, UNIFORM, can_be_named, leaves_another_part
+from urdfcheck.facts.inertials.certainty import EXACT, FAR, TWIN_LIKE, UNIFORM, can_be_named
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.inertial_fit import (
@@ -267,10 +267,10 @@ def _collect_evidence(ranking: Ranking) -> Evidence:
     likelihoods: dict[tuple[str, str], float] = {}
     priors: dict[tuple[str, str], float] = {}
     alternative = -math.inf
-    for row, (mistake, score) in enumerate(zip(ranking.mistakes, ranking.scores.tolist(), strict=True)):
+    for mistake, score in zip(ranking.mistakes, ranking.scores.tolist(), strict=True):
         if mistake.id not in HABITS:
             alternative = max(alternative, score)
-        elif math.isfinite(score) and not leaves_another_part(ranking, row):
+        elif math.isfinite(score):
             key = mistake.id, mistake.detail
             likelihoods.setdefault(key, score - mistake.log_prior)
             priors.setdefault(key, mistake.log_prior)
