@@ -209,8 +209,8 @@ def _shows_habit(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
 
 
 def _shows_habit_alone(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
-    """Whether a link shows the mistake of its file, and not something else beside it. A unit that is left to one link has to fit it
-    exactly."""
+    """Whether a link shows the mistake of its file, and not something else beside it. A unit that is left to one link has to
+    fit it exactly."""
     return _shows_habit(model, link, diagnosis) and (diagnosis.cause not in UNIT_CAUSES or _is_proven(model, link))
 
 
