@@ -57,13 +57,17 @@ def iter_odd_numbers(model: Model) -> Iterator[OddNumbers]:
             stripped = tuple(word for word in words if not word.isdigit())
             if stripped != words:
                 groups.setdefault((joint.type, stripped, joint.parent), []).append(joint)
+    # Some models have joints only.
+    is_bare = not any(link.visuals or link.collisions or link.inertial is not None for link in model.links)
     for group in groups.values():
-        if len(group) >= _MOST_OF and all(_places_something(model, joint) for joint in group):
+        if len(group) >= _MOST_OF and (
+            group[0].is_movable or is_bare or all(_places_something(model, j) for j in group)
+        ):
             yield from _find_odd_numbers(model, group)
 
 
 def _places_something(model: Model, joint: Joint) -> bool:
-    """Whether a link behind a joint has a shape or a mass: a frame that carries nothing may be anywhere."""
+    """Whether a link behind a joint has a shape or a mass: a fixed frame that carries nothing may be anywhere."""
     link = model.link_by_name[joint.child]
     own = bool(link.visuals or link.collisions or link.inertial is not None)
     return own or any(_places_something(model, below) for below in model.tree.child_joints[joint.child])
@@ -78,32 +82,42 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
     odd_place, odd_turn = _find_odd_place(places), _find_odd_turn(turns)
     odd_axis = _find_odd_vector(axes) if group[0].has_axis else None
     odd = [index for index in (odd_place, odd_turn, odd_axis) if index is not None]
-    # Two attributes that differ are a joint that is arranged otherwise.
-    if len(odd) != 1 or not all(
-        _agree(values, odd[0]) for values in (np.abs(places), turns.reshape(len(group), 9), axes) if len(values)
-    ):
+    rest = [values for values in (np.abs(places), turns.reshape(len(group), 9), axes) if len(values)]
+    # A joint with two attributes of its own is arranged otherwise.
+    single = {index for index in odd if odd.count(index) == 1}
+    if not odd or not all(_agree(values, odd) for values in rest):
         return
-    index = odd[0]
-    joint, others = group[index], tuple(other for i, other in enumerate(group) if i != index)
-    if odd_place is not None and not _is_sign_slip(places, index):
-        yield OddNumbers(joint=joint, others=others, attribute="xyz", expected=_restore_signs(places, index))
-    elif odd_turn is not None and _is_slip_of_angle(turns, index):
-        expected = np.array(matrix_to_rpy(turns[index - 1]))
-        yield OddNumbers(joint=joint, others=others, attribute="rpy", expected=expected)
-    elif odd_axis is not None and _is_odd_axis(model, group, index, places):
-        yield OddNumbers(joint=joint, others=others, attribute="axis", expected=axes[index - 1])
+    found: tuple[tuple[int | None, Literal["axis", "xyz", "rpy"]], ...] = (
+        (odd_place, "xyz"), (odd_turn, "rpy"), (odd_axis, "axis"),
+    )  # fmt: skip
+    for index, attribute in found:
+        if index is None or index not in single:
+            continue
+        like = next(i for i in range(len(group)) if i not in odd)
+        others = tuple(other for i, other in enumerate(group) if i != index)
+        if attribute == "xyz" and not _is_sign_slip(places, index, like):
+            expected = _restore_signs(places, index)
+        elif attribute == "rpy" and _is_slip_of_angle(turns[like].T @ turns[index]):
+            expected = np.array(matrix_to_rpy(turns[like]))
+        elif attribute == "axis" and _is_odd_axis(model, group, index, places):
+            expected = axes[like]
+        else:
+            continue
+        yield OddNumbers(joint=group[index], others=others, attribute=attribute, expected=expected)
 
 
-def _agree(values: Array, odd: int) -> bool:
-    """Whether all rows but one agree."""
+def _agree(values: Array, odd: Sequence[int]) -> bool:
+    """Whether all rows but some agree, two at least."""
     others = np.delete(values, odd, axis=0)
-    return bool(np.abs(others - others[0]).max() <= max(_SAME * float(np.linalg.norm(others[0])), 1e-9))
+    return len(others) >= _MOST_OF - 2 and bool(
+        np.abs(others - others[0]).max() <= max(_SAME * float(np.linalg.norm(others[0])), 1e-9)
+    )
 
 
 def _find_odd_vector(values: Array) -> int | None:
     """Return the only row (3,) that differs from the others, which are the same."""
     for index in range(len(values)):
-        if _agree(values, index):
+        if _agree(values, [index]):
             like = values[index - 1]
             off = float(np.abs(values[index] - like).max())
             return index if off > max(_SAME * float(np.linalg.norm(like)), 1e-9) else None
@@ -127,9 +141,9 @@ def _find_odd_turn(turns: Array) -> int | None:
     return None
 
 
-def _is_sign_slip(places: Array, index: int) -> bool:
+def _is_sign_slip(places: Array, index: int, like: int) -> bool:
     """Whether a place differs in signs only."""
-    return bool(np.abs(np.abs(places[index]) - np.abs(places[index - 1])).max() <= _NEAR)
+    return bool(np.abs(np.abs(places[index]) - np.abs(places[like])).max() <= _NEAR)
 
 
 def _restore_signs(places: Array, index: int) -> Array:
@@ -140,9 +154,8 @@ def _restore_signs(places: Array, index: int) -> Array:
     return restored
 
 
-def _is_slip_of_angle(turns: Array, index: int) -> bool:
-    """Whether a rotation differs from the others by an angle that nobody chooses."""
-    away = turns[index - 1].T @ turns[index]
+def _is_slip_of_angle(away: Array) -> bool:
+    """Whether a rotation (3, 3) against the others is by an angle that nobody chooses."""
     angle = math.acos(min(1.0, max(-1.0, (float(np.trace(away)) - 1.0) / 2.0)))
     return angle > _LEAST_TURN and abs(angle - round(angle / _STEP) * _STEP) > _ROUND
 
