@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Applicability, Confidence, Finding, Rule, Severity
+from urdfcheck.export.description_text import locate_output, render_output
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.untyped_commands import find_untyped_commands
 from urdfcheck.source.load import Source
-from urdfcheck.source.output_text import locate_output, render_output
 from urdfcheck.source.text.yaml.parameter_text import explain_failure, find_yaml_mark
 
 _WRAP = "wrap the value: `ParameterValue(…, value_type=str)`"
