@@ -39,7 +39,7 @@ from urdfcheck.system.process_pool import FORKS
 pytestmark = pytest.mark.slow
 
 # Who is asked otherwise.
-QUICK = ("pinocchio", "urdfdom", "mujoco")
+QUICK = ("pinocchio", "urdfdom", "mujoco", "yourdfpy")
 ALL = bool(os.environ.get("URDFCHECK_ENGINES"))
 # Findings that say that a file was not read: what an engine does that reads it nobody knows.
 UNREAD = {("PKG004", "unread"), ("PKG012", "mesh"), ("PKG012", "read"), ("URC905", "model"), ("XML002", "part")}
@@ -321,6 +321,27 @@ def test_the_command_compares_all_engines(capsys: pytest.CaptureFixture[str]) ->
     assert code == cli.OK  # Drake refuses STL, as MSH011 says
 
 
+def test_yourdfpy_places_and_draws_what_was_typed_and_follows_no_follower(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A joint that mimics one that mimics another gets the offset alone."""
+    body = link("{0}", f"<visual>{PLACE}<geometry><box size='0.1 0.2 0.3'/></geometry></visual>" + SOUND)
+    links = "".join(body.replace("{0}", name) for name in ("base", "a", "b", "c"))
+    follower = '<mimic joint="{}" multiplier="-2" offset="0.1"/>'
+    first = joint("to_a", "base", "a", kind="continuous")
+    second = joint("to_b", "a", "b", follower.format("to_a"), kind="continuous")
+    for leader, verdict in (("to_a", "loads"), ("to_b", "replaces")):
+        model = tmp_path / f"{leader}.urdf"
+        third = joint("to_c", "b", "c", follower.format(leader), kind="continuous")
+        model.write_text(f'<robot name="r">{links}{first}{second}{third}</robot>')
+        cli.main(["engines", str(model), "--format", "json", "--isolated"])
+        found = json.loads(capsys.readouterr().out)["engines"]["yourdfpy"]
+        assert found["verdict"] == verdict, found
+        assert not found["reasons"] or found["reasons"] == [
+            "at random configurations the frame of link c differs in orientation"
+        ]
+
+
 def test_what_cannot_be_read_is_given_to_no_engine(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     model = tmp_path / "r.urdf.xacro"
     model.write_text('<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="${nowhere}"/></robot>')
@@ -458,6 +479,9 @@ def chain(levels: int) -> bytes:
 # -- what was measured, in words --------------------------------------------------------------------------------------
 
 MOTION = EngineDynamics(joints=("j",), masses=(((0.5,),),), torques=((2.0,),), accelerations=(-4.0,))
+PLACED = {"arm": (1.0, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)}
+TURNED = {"arm": (0.0, -1.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)}
+BOX = {"arm": (0.0, 0.0, 0.0, 0.3, 0.4, 1.2)}
 TYPED = TypedRobot(
     root="base",
     heads={"base": "base", "arm": "arm"},
@@ -466,6 +490,8 @@ TYPED = TypedRobot(
     limits={"j": (-1.0, 1.0)},
     shapes=1,
     motion=MOTION,
+    frames=(PLACED,),
+    drawn=BOX,
 )
 LOADED = LoadedRobot(links={"base": 0.0, "arm": 2.0}, joints=("j",), limits={"j": (-1.0, 1.0)}, shapes=1, motion=MOTION)
 
@@ -483,6 +509,28 @@ LOADED = LoadedRobot(links={"base": 0.0, "arm": 2.0}, joints=("j",), limits={"j"
         (replace(LOADED, limits={"j": (1.0, -1.0)}), Verdict.SWAPS, "the limits of joint j are exchanged"),
         (replace(LOADED, limits={"j": None}), Verdict.IGNORES, "joint j has no limits"),
         (replace(LOADED, limits={"j": (-1.0, 2.0)}), Verdict.REPLACES, "joint j has the limits -1 and 2"),
+        (replace(LOADED, frames=(PLACED,), drawn=BOX), Verdict.LOADS, ""),
+        (
+            replace(LOADED, frames=({"arm": (*PLACED["arm"][:3], 0.7, *PLACED["arm"][4:])},)),
+            Verdict.REPLACES,
+            "at random configurations the frame of link arm differs by up to 0.2 m",
+        ),
+        (
+            replace(LOADED, frames=(TURNED,)),
+            Verdict.REPLACES,
+            "at random configurations the frame of link arm differs in orientation",
+        ),
+        (replace(LOADED, drawn={}), Verdict.DROPS, "without the visuals of link arm"),
+        (
+            replace(LOADED, drawn={"arm": (0.0, 0.0, 0.0, 0.6, 0.8, 2.4)}),
+            Verdict.REPLACES,
+            "link arm is drawn 2.6 m large instead of 1.3 m",
+        ),
+        (
+            replace(LOADED, drawn={"arm": (0.0, 0.0, 0.0, 0.3, 1.2, 0.4)}),
+            Verdict.REPLACES,
+            "what link arm draws is moved or rotated by up to 0.8 m",
+        ),
         (replace(LOADED, motion=replace(MOTION, masses=(((1.0,),),))), Verdict.REPLACES, "the mass matrix differs"),
         (replace(LOADED, motion=replace(MOTION, accelerations=(-2.0,))), Verdict.REPLACES, "the accelerations differ"),
         (

@@ -26,6 +26,7 @@ _DIMENSIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 # MuJoCo, on a colliding shape, a mesh without volume, and a visual shape.
 REFUSED = "refuses to compile: size must be positive in geom"
 FLAT = "refuses to compile: mesh volume is too small"
+SINGULAR = "refuses the file: a matrix is singular"
 DRAWN = "loads it (it does not read visuals)"
 # Drake on a sphere of radius 0, and coal on one of negative radius; other shapes differ.
 POINT = "loads it as a point, which marks a contact"
@@ -84,6 +85,9 @@ def _check_dimensions(
         "value": attribute.value,
         "consequences": reactions,
     }
+    if mesh:
+        singular = shape.role == "visual" and len(zero) == len(values)
+        reactions["yourdfpy"] = SINGULAR if singular else "loads it"
     if shape.kind == "capsule":
         reactions.update(dict.fromkeys(THROUGH_URDFDOM, describe_loss(shape.element)))
     if negative:

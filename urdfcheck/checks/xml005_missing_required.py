@@ -7,7 +7,7 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_loss
+from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_gap_in_yourdfpy, describe_loss
 from urdfcheck.source.text.grammar import REQUIRED_ATTRIBUTES, is_attribute_missing, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
 
@@ -31,7 +31,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield from _check_attributes(element, rule)
         if element.tag == "geometry" and not element.children:
             yield rule.finding(
-                "shape", at=element, consequences=_describe_consequences(element), owner=_describe_owner(element)
+                "shape",
+                at=element,
+                consequences=_describe_consequences(element, "shape"),
+                owner=_describe_owner(element),
             )
         elif (
             element.tag == "dynamics"
@@ -56,7 +59,7 @@ def _check_children(element: Element, rule: Rule) -> Iterator[Finding]:
         yield rule.finding(
             "child",
             at=element,
-            consequences=_describe_consequences(element),
+            consequences=_describe_consequences(element, *missing),
             tag=element.tag,
             missing=listed,
             owner=_describe_owner(element),
@@ -70,17 +73,17 @@ def _check_attributes(element: Element, rule: Rule) -> Iterator[Finding]:
     missing = [name for name in required if is_attribute_missing(element, name)]
     data: dict[str, Any] = {"tag": element.tag, "owner": _describe_owner(element)}
     if missing:
-        consequences = {**_describe_consequences(element), **describe_engine_reactions(element, missing)}
+        consequences = {**_describe_consequences(element, *missing), **describe_engine_reactions(element, missing)}
         yield rule.finding("attribute", at=element, consequences=consequences, missing=", ".join(missing), **data)
     elif element.tag in {"parent", "child"} and "link" in element.attributes and not element.get("link"):
         at = element.attributes["link"]
-        yield rule.finding("empty", at=at, consequences=_describe_consequences(element), missing="link", **data)
+        yield rule.finding("empty", at=at, consequences=_describe_consequences(element, "link"), missing="link", **data)
     elif element.tag == "mesh" and "filename" in element.attributes and not element.get("filename").strip():
         yield rule.finding("file", at=element.attributes["filename"], **data)
 
 
-def _describe_consequences(element: Element) -> dict[str, str]:
-    return {"urdfdom": describe_loss(element)}
+def _describe_consequences(element: Element, *missing: str) -> dict[str, str]:
+    return {"urdfdom": describe_loss(element), **describe_gap_in_yourdfpy(element, missing)}
 
 
 def _describe_owner(element: Element) -> str:

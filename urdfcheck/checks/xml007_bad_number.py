@@ -11,7 +11,7 @@ from urdfcheck.core import Applicability, Edit, Finding, Rule, Severity
 from urdfcheck.core.text import truncate_text
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
-from urdfcheck.source.text.engine_reactions import describe_empty_number, describe_loss
+from urdfcheck.source.text.engine_reactions import describe_empty_number, describe_loss, describe_number_in_python
 from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, is_computable, parse_number
 from urdfcheck.source.text.xml import Attribute, Element
@@ -49,7 +49,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     at=attribute,
                     edits=edits,
                     related=attribute.collect_definitions(),
-                    consequences={"urdfdom": describe_loss(element), **reactions},
+                    consequences={
+                        "urdfdom": describe_loss(element),
+                        **describe_number_in_python(element, name, attribute.value),
+                        **reactions,
+                    },
                     **_collect_data(attribute, word),
                 )
             elif (extreme := _find_extreme_number(attribute)) is not None:

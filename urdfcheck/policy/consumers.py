@@ -36,11 +36,11 @@ class ConsumerOutcome:
     codes: tuple[str, ...]
 
 
-def predict_outcomes(findings: Iterable[Finding]) -> dict[str, ConsumerOutcome]:
-    """Predict what each of :data:`CONSUMERS` does with the model of these findings, suppressed ones included."""
-    codes_by_verdict: dict[str, dict[Verdict, dict[str, None]]] = {name: {} for name in CONSUMERS}
+def predict_outcomes(findings: Iterable[Finding], names: Sequence[str] = CONSUMERS) -> dict[str, ConsumerOutcome]:
+    """Predict what each of these programs does with the model of these findings, suppressed ones included."""
+    codes_by_verdict: dict[str, dict[Verdict, dict[str, None]]] = {name: {} for name in names}
     for finding in findings:
-        for name in CONSUMERS:
+        for name in names:
             codes_by_verdict[name].setdefault(get_verdict(finding.consequences, name), {})[finding.code] = None
     predicted = {}
     for name, verdicts in codes_by_verdict.items():

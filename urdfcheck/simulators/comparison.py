@@ -16,6 +16,7 @@ from urdfcheck.simulators.judgement import EngineJudgement, judge_outcome, match
 from urdfcheck.simulators.outcome import EngineInput, LoadOutcome
 from urdfcheck.simulators.processes import ENGINES, get_install_hint, iter_outcomes, list_versions
 from urdfcheck.system import libraries, sandbox
+from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.process_pool import map_in_processes
 
 
@@ -84,7 +85,7 @@ def compare_engines(request: Request) -> EngineComparison:
 
 def predict_verdict(engine: str, findings: Sequence[Finding]) -> tuple[Verdict, tuple[str, ...]]:
     """Return the worst that findings predict for an engine, and their codes."""
-    outcome = outcomes_of(findings)[engine]
+    outcome = outcomes_of(findings, (engine,))[engine]
     return outcome.verdict, outcome.codes
 
 
@@ -105,7 +106,8 @@ def _make_row(
 def _read_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
     """Read the model of a unit in a worker process."""
     libraries.prefer_own_folders()
-    sandbox.confine(settings.visible_folders, (), settings.options.limits.memory)
+    cache = settings.cache  # holds what the check has just measured
+    sandbox.confine(settings.visible_folders, [cache] if cache else [], settings.options.limits.memory)
     from urdfcheck.model import Model
     from urdfcheck.simulators.engine_input import build_input
     from urdfcheck.source.load import load_source
@@ -127,5 +129,10 @@ def _read_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
         )
         model = None
         if source.root is not None and source.root.tag == "robot":
-            model = Model(source=source, robot=source.root, tier="source")
+            model = Model(
+                source=source,
+                robot=source.root,
+                tier="source" if settings.policy.tier == "source" else "mesh",
+                cache=ArrayCache(Path(cache) if cache else None),
+            )
         return build_input(source, model)

@@ -73,6 +73,8 @@ def build_input(source: Source, model: Model | None) -> EngineInput | None:
         limits={j.name: limits for j in joints if (limits := _get_limits(j)) is not None},
         shapes=sum(len(link.collisions) for link in model.links),
         motion=_compute_dynamics(model, robot) if len(joints) <= MOST_JOINTS else None,
+        frames=tuple(_iter_frames(model, joints, samples)),
+        drawn=dict(_iter_drawn_boxes(model)) if model.tier != "source" else {},
     )
     return replace(robot, typed=typed)
 
@@ -206,6 +208,48 @@ def _compute_dynamics(model: Model, robot: EngineInput) -> EngineDynamics | None
             return None
         built.appendBodyToJoint(index, make_inertia(mass, centre[:3, 3], tensor), pin.SE3(placed))
     return compute_dynamics(built, robot)
+
+
+def _iter_frames(model: Model, joints: Sequence[Joint], samples: Sequence[Vector]) -> Iterator[dict[str, Vector]]:
+    """Yield the frames of the links at each configuration of these joints, where those that mimic others follow them.
+
+    Nothing where a number is missing or malformed. Joints with more degrees of freedom stay at their origin.
+    """
+    import numpy as np
+
+    from urdfcheck.facts.motion.kinematics import compute_joint_motions
+    from urdfcheck.model.motion.poses import JointConfigurations, apply_mimics, normalize_axis
+
+    tree = model.tree
+    origins = {name: tree.parent_joint[name].origin.matrix for name in tree.order[1:]}
+    placed = {name: matrix for name, matrix in origins.items() if matrix is not None}
+    if len(placed) < len(origins) or not all(j.axis is not None and any(j.axis) for j in joints):
+        return
+    motions = {}
+    if joints:
+        values = apply_mimics(JointConfigurations(tuple(joints), np.array(samples))).values
+        for joint, column in zip(joints, values.T, strict=True):
+            rotates = joint.type != "prismatic"
+            motions[joint.child] = compute_joint_motions(normalize_axis(joint), column, rotates=rotates)
+    for index in range(len(samples)):
+        frames = {tree.root: np.eye(4)}
+        for name, matrix in placed.items():
+            frames[name] = frames[tree.parent_joint[name].parent] @ matrix
+            if name in motions:
+                frames[name] = frames[name] @ motions[name][index]
+        yield {name: tuple(frame[:3].ravel().tolist()) for name, frame in frames.items()}
+
+
+def _iter_drawn_boxes(model: Model) -> Iterator[tuple[str, Vector]]:
+    """Yield the links whose visuals are all known, with the corners of the box around these in the link frame."""
+    import numpy as np
+
+    from urdfcheck.model.shapes.bounds import compute_bounding_box
+
+    for link in model.links:
+        box = compute_bounding_box(model, [(shape, np.eye(4)) for shape in link.visuals])
+        if box is not None:
+            yield link.name, tuple(box.ravel().tolist())
 
 
 def _make_joint_model(joint: Joint) -> Any:

@@ -14,6 +14,8 @@ from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobo
 SAME = 1e-6
 # The relative accuracy of an acceleration measured by one step of a simulation.
 _SIMULATED = 1e-2
+# The relative accuracy of a box around what is drawn: trimesh makes cylinders of 32 sides and spheres of triangles.
+_DRAWN = 0.02
 # m/s², and the rad/s² or m/s² below which an acceleration counts as zero.
 _GRAVITY, _SLOW = 9.81, 1e-3
 # Engines without limits write a large number.
@@ -67,6 +69,8 @@ def judge_outcome(robot: EngineInput, outcome: LoadOutcome) -> EngineJudgement:
         *_iter_dropped(typed, loaded),
         *_iter_mass_differences(typed, loaded),
         *_iter_limit_differences(typed, loaded),
+        *_iter_frame_differences(typed, loaded),
+        *_iter_drawn_differences(typed, loaded),
     ]
     matrix, torque = None, None
     if loaded.motion is not None:
@@ -135,6 +139,48 @@ def _iter_limit_differences(typed: TypedRobot, loaded: LoadedRobot) -> Iterator[
             yield Verdict.SWAPS, f"the limits of joint {name} are exchanged"
         elif not _is_close(found, (lower, upper)):
             yield Verdict.REPLACES, f"joint {name} has the limits {found[0]:g} and {found[1]:g}"
+
+
+def _iter_frame_differences(typed: TypedRobot, loaded: LoadedRobot) -> Iterator[tuple[Verdict, str]]:
+    """Yield the links whose frames differ, in the order from the root: the first is where it began."""
+    if not typed.frames or loaded.frames is None:
+        return
+    differing: set[str] = set()
+    moved = 0.0
+    for expected, found in zip(typed.frames, loaded.frames, strict=True):
+        reach = max((abs(frame[i]) for frame in expected.values() for i in (3, 7, 11)), default=0.0)
+        for name, frame in expected.items():
+            if name not in found:  # another line reports it
+                continue
+            shift = math.dist(frame[3::4], found[name][3::4])
+            turn = max(abs(frame[i] - found[name][i]) for i in (0, 1, 2, 4, 5, 6, 8, 9, 10))
+            if not (shift <= SAME * max(1.0, reach) and turn <= SAME):
+                differing.add(name)
+                moved = max(moved, shift)
+    if differing:
+        names = [name for name in typed.frames[0] if name in differing]
+        much = f"by up to {moved:.2g} m" if moved > SAME else "in orientation"
+        yield Verdict.REPLACES, f"at random configurations the frame of {_join_names('link', names)} differs {much}"
+
+
+def _iter_drawn_differences(typed: TypedRobot, loaded: LoadedRobot) -> Iterator[tuple[Verdict, str]]:
+    if loaded.drawn is None:
+        return
+    gone = [name for name in typed.drawn if name not in loaded.drawn and name in loaded.links]
+    if gone:
+        yield Verdict.DROPS, f"without the visuals of {_join_names('link', gone)}"
+    for name, box in typed.drawn.items():
+        found = loaded.drawn.get(name)
+        if found is None:
+            continue
+        typed_size, found_size = math.dist(box[:3], box[3:]), math.dist(found[:3], found[3:])
+        difference = max(abs(a - b) for a, b in zip(box, found, strict=True))
+        if difference <= _DRAWN * typed_size:
+            continue
+        if abs(found_size - typed_size) > _DRAWN * typed_size:
+            yield Verdict.REPLACES, f"link {name} is drawn {found_size:.3g} m large instead of {typed_size:.3g} m"
+        else:
+            yield Verdict.REPLACES, f"what link {name} draws is moved or rotated by up to {difference:.2g} m"
 
 
 def _is_close(one: Range, other: Range) -> bool:

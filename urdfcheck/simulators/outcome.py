@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 # Rows of a matrix; one number for each degree of freedom.
 Matrix = tuple[tuple[float, ...], ...]
@@ -41,6 +41,11 @@ class TypedRobot:
     """Number of collision shapes."""
     motion: EngineDynamics | None = None
     """None where it cannot be computed."""
+    frames: tuple[Mapping[str, Vector], ...] = ()
+    """Link → frame in that of the root (three rows of four, in m) at each configuration of `EngineInput.samples`, where joints
+    that mimic others follow them; empty where it cannot be computed."""
+    drawn: Mapping[str, Vector] = field(default_factory=dict)
+    """Link → least and greatest corner, in m in its frame, of the box around its visuals; of those whose box is known."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,6 +79,10 @@ class LoadedRobot:
     """Number of collision shapes; None where the engine does not report it."""
     motion: EngineDynamics | None = None
     """None where it cannot be computed."""
+    frames: tuple[Mapping[str, Vector], ...] | None = None
+    """As in `TypedRobot`; None where the engine does not report them."""
+    drawn: Mapping[str, Vector] | None = None
+    """As in `TypedRobot`, of the links that draw something; None where the engine does not report it."""
 
 
 @dataclass(frozen=True, slots=True)

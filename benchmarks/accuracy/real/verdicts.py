@@ -95,7 +95,7 @@ def judge(
             verdict.lines.append(f"elsewhere: {describe(finding)}")
             continue
         verdict.found = True
-        text = "\n".join(_list_texts(finding))
+        text = "\n".join(list_texts(finding))
         repaired = _is_repaired(sound, texts, finding)
         if repaired is not None and not (kind.is_lossy and not repaired):
             verdict.edit = "wrong" if not repaired or verdict.edit == "wrong" else "right"
@@ -116,7 +116,8 @@ def describe(finding: Finding) -> str:
     return f"{finding.code} {finding.message_id} {finding.severity} {finding.confidence}: {finding.headline}{cause}"
 
 
-def _list_texts(finding: Finding) -> Iterator[str]:
+def list_texts(finding: Finding) -> Iterator[str]:
+    """Yield what a finding says to its reader."""
     yield finding.headline
     yield finding.message
     if finding.cause is not None:

@@ -67,6 +67,51 @@ def describe_empty_number(element: Element, name: str) -> dict[str, str]:
     }
 
 
+# What yourdfpy 0.0.60 keeps as text or does not read. It separates the numbers of the last two also by commas.
+_UNREAD_BY_YOURDFPY = frozenset({"dynamics", "hardwareInterface", "mechanicalReduction"})
+_UNREAD_ATTRIBUTES_BY_YOURDFPY = frozenset({"quat_xyzw", "acceleration", "deceleration", "jerk"})
+_COMMAS_FOR_YOURDFPY = frozenset({"size", "scale"})
+
+
+def describe_number_in_python(element: Element, name: str, text: str) -> dict[str, str]:
+    """Describe what yourdfpy, which reads numbers by Python's ``float``, does with a text that is not a number of URDF."""
+    if element.tag in _UNREAD_BY_YOURDFPY or name in _UNREAD_ATTRIBUTES_BY_YOURDFPY:
+        return {"yourdfpy": "loads it: it does not read this number"}
+    words = (text.replace(",", " ") if name in _COMMAS_FOR_YOURDFPY else text).split()
+    if not words and name == "scale":
+        return {"yourdfpy": "loads it without a scale"}
+    if not words and (name == "rgba" or (name == "size" and is_collision_part(element))):
+        return {"yourdfpy": "loads it: nothing uses this number"}
+    try:
+        list(map(float, words or ("",)))
+    except ValueError:
+        return {"yourdfpy": "refuses the file"}
+    return {"yourdfpy": "loads it"}
+
+
+def describe_gap_in_yourdfpy(element: Element, missing: Iterable[str]) -> dict[str, str]:
+    """Describe what yourdfpy does without a required attribute or child (checked with 0.0.60)."""
+    if element.tag == "inertia":
+        return {"yourdfpy": "replaces a missing moment by 1 and a missing product by 0"}
+    if element.tag == "mimic":
+        return {"yourdfpy": "replaces the leader's position by 0"}
+    if element.tag in {
+        "mass",
+        "limit",
+        "axis",
+        "material",
+        "color",
+        "texture",
+        "safety_controller",
+        "dynamics",
+        "inertial",
+    }:
+        return {"yourdfpy": "loads it with a default"}
+    if element.tag == "mesh" and is_collision_part(element):
+        return {"yourdfpy": "loads it: it does not load the meshes of collisions unless it is told to"}
+    return {"yourdfpy": "refuses the file"} if list(missing) else {}
+
+
 def is_collision_part(element: Element) -> bool:
     """Whether an element is part of a ``<collision>``."""
     inner: Element | None = element
@@ -76,12 +121,17 @@ def is_collision_part(element: Element) -> bool:
 
 
 def describe_missing_mesh(parts: Iterable[Element]) -> dict[str, str]:
-    """Describe what MuJoCo does with meshes that it cannot open (checked with MuJoCo 4.0).
+    """Describe what MuJoCo and yourdfpy do with meshes that they cannot open (checked with MuJoCo 4.0 and yourdfpy 0.0.60).
 
-    It opens those of visuals only where the file's ``<mujoco><compiler discardvisual="false"/></mujoco>`` asks for them.
+    MuJoCo opens those of visuals only where the file's ``<mujoco><compiler discardvisual="false"/></mujoco>`` asks for them.
     """
-    opened = any(is_collision_part(part) or _keeps_visuals(part) for part in parts)
-    return {"mujoco": "refuses to compile" if opened else "loads it without shapes that are only drawn"}
+    shapes = list(parts)
+    opened = any(is_collision_part(part) or _keeps_visuals(part) for part in shapes)
+    drawn = not all(map(is_collision_part, shapes))
+    return {
+        "mujoco": "refuses to compile" if opened else "loads it without shapes that are only drawn",
+        "yourdfpy": "drops the visual, with a warning" if drawn else "loads it: it does not open meshes of collisions",
+    }
 
 
 def _keeps_visuals(element: Element) -> bool:
@@ -99,4 +149,4 @@ def describe_unreadable_mesh(parts: Iterable[Element]) -> dict[str, str]:
     shapes = list(parts)
     collides = any(map(is_collision_part, shapes))
     drake = "refuses the model when contacts are looked for" if collides else "loads it without drawing the shape"
-    return {**describe_missing_mesh(shapes), "drake": drake}
+    return {"mujoco": describe_missing_mesh(shapes)["mujoco"], "drake": drake}
