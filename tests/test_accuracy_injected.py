@@ -23,7 +23,7 @@ from injected import KINDS, plan_tasks, run_injections
 from injections import tensor_of
 from real import inertial_slips, joint_slips
 from real.changes import Part, ReadRobot, read_robot
-from real.evidence import find_inertial_evidence
+from real.evidence import find_inertial_evidence, find_reversal_evidence, find_zero_evidence
 from real.harmless_edits import EDITS
 from real.injection import Case, inject
 from real.kinds import Broken, Kind
@@ -199,6 +199,17 @@ def test_a_right_repair_is_told_from_a_wrong_one(read: ReadRobot) -> None:
 def test_nothing_is_new_in_a_sound_robot(read: ReadRobot) -> None:
     run = check_robot(read.robot)
     assert find_new(list_keys(run), run) == []
+
+
+def test_what_shows_a_broken_joint_depends_on_others(read: ReadRobot) -> None:
+    part = find_part(read, "left_arm")
+    assert part.joint is not None
+    shared = {"joint[right_shoulder]"}
+    assert find_zero_evidence(part, "effort") == {"twin"}
+    assert not find_zero_evidence(part, "effort", shared) & {"twin"}
+    # The range is not symmetric: that of the other side contradicts a reversed axis.
+    assert find_reversal_evidence(part) == {"twin"}
+    assert not find_reversal_evidence(part, shared)
 
 
 def test_evidence_is_what_the_file_shows(read: ReadRobot) -> None:

@@ -37,6 +37,8 @@ _SIDES = re.compile(r"(?i)(?<![a-z])(left|right|l|r|fl|fr|rl|rr|bl|br|front|rear
 _NUMBERS = re.compile(r"[0-9]+")
 # A number that differs by less from a twin's is not seen.
 _UNLIKE = 0.05
+# So many other joints say what a robot's joints are like.
+_LEAST_JOINTS = 3
 
 
 def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool, shared: Collection[str] = ()) -> set[str]:
@@ -81,6 +83,8 @@ def find_joint_evidence(part: Part, old: Array, new: Array, shared: Collection[s
     """
     joint = part.joint
     assert joint is not None
+    if joint.type == "fixed" and not _carries_something(part):
+        return set()  # where a bare frame should be shows nowhere
     found = set()
     mine = np.linalg.norm(joint.origin.xyz or (0, 0, 0))
     sides = row = 0
@@ -95,9 +99,53 @@ def find_joint_evidence(part: Part, old: Array, new: Array, shared: Collection[s
             row += other.parent == joint.parent and _strip(other.name) == _strip(joint.name)
     if sides or row >= 2:
         found.add("twin")
-    if len(new) == 3 and np.linalg.norm(new) > 10 * max(lengths) and np.linalg.norm(new) > 2 * np.linalg.norm(old):
+    # One or two other joints do not say how large a robot is.
+    known = sum(length > 1e-6 for length in lengths) >= _LEAST_JOINTS
+    if (
+        known
+        and len(new) == 3
+        and np.linalg.norm(new) > 10 * max(lengths)
+        and np.linalg.norm(new) > 2 * np.linalg.norm(old)
+    ):
         found.add("reach")
     return found
+
+
+def find_reversal_evidence(part: Part, shared: Collection[str] = ()) -> set[str]:
+    """Find what shows that an axis has the other sign: three others of its name with the axis that it had, or a joint on the
+    other side whose range is not symmetric, or that is a wheel.
+
+    Published robots have both conventions for left and right: axes that are mirrored, and axes that are parallel.
+    """
+    joint = part.joint
+    assert joint is not None
+    evidence = find_joint_evidence(part, np.zeros(3), np.zeros(3), shared)
+    others = [
+        other
+        for other in part.owner.model.joints
+        if other is not joint and other.type == joint.type and _name_without_side(other.name) == _name_without_side(joint.name)
+        and f"joint[{other.name}]" not in shared
+    ]  # fmt: skip
+    if joint.type == "continuous" or sum(other.axis == joint.axis for other in others) >= _LEAST_JOINTS:
+        return evidence
+    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
+    return evidence if lower is not None and upper is not None and not np.isclose(lower, -upper, atol=1e-3) else set()
+
+
+def find_zero_evidence(part: Part, name: str, shared: Collection[str] = ()) -> set[str]:
+    """Find what shows that an effort or a velocity must not be 0: all joints of its name have one, or all others, three
+    at least. A robot of one joint, or one whose other joints have 0 too, does not show it."""
+    joint = part.joint
+    assert joint is not None
+    others = [
+        (other, other.get_limit_value(name) or 0.0)
+        for other in part.owner.model.joints
+        if other is not joint and other.is_driven and f"joint[{other.name}]" not in shared
+    ]
+    like = [value for other, value in others if other.type == joint.type and _strip(other.name) == _strip(joint.name)]
+    if like:
+        return {"twin"} if min(like) > 0 else set()
+    return {"others"} if len(others) >= _LEAST_JOINTS and min(value for _, value in others) > 0 else set()
 
 
 def find_shape_evidence(part: Part, shape: Shape, moved: float) -> set[str]:
@@ -214,6 +262,27 @@ def _differs_from_twins(part: Part, old: Numbers, new: Numbers, *, with_meshes: 
 def _list_invariants(n: Numbers) -> list[float]:
     """What another frame or a mirror does not change."""
     return [n.mass, *np.linalg.eigvalsh(tensor_of(n.six)).tolist(), _size(n)[0] + 1e-4]
+
+
+def _carries_something(part: Part) -> bool:
+    """Whether a link behind the joint has a shape or a mass, or another joint moves; true of robots without any of these."""
+    model = part.owner.model
+
+    def has_body(name: str) -> bool:
+        link = model.link_by_name[name]
+        return bool(link.visuals or link.collisions or link.inertial is not None)
+
+    if not any(has_body(link.name) for link in model.links):
+        return True
+    names = [part.link.name]
+    for name in names:
+        names += [below.child for below in model.tree.child_joints[name]]
+    return any(map(has_body, names))
+
+
+def _name_without_side(name: str) -> str:
+    """The name in lower case, without words for sides."""
+    return _SIDES.sub("#", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).replace("_", " ")).lower()
 
 
 def _is_other_side(one: str, other: str, *, or_same: bool = False) -> bool:

@@ -14,7 +14,14 @@ from injections import Body, Numbers, Rng, rotation_of, tensor_of
 from scoring import LEAST_EFFECT, effect
 
 from real.changes import Change, Part, ReadRobot, Texts, read_numbers, read_robot
-from real.evidence import find_inertial_evidence, find_joint_evidence, find_shape_evidence, find_size_evidence
+from real.evidence import (
+    find_inertial_evidence,
+    find_joint_evidence,
+    find_reversal_evidence,
+    find_shape_evidence,
+    find_size_evidence,
+    find_zero_evidence,
+)
 from real.kinds import Broken, Kind
 from real.robots import RealRobot, check_robot
 from real.verdicts import Key, Verdict, find_new, judge, list_keys
@@ -282,7 +289,14 @@ def _find_evidence(stage: _Stage, kind: Kind, part: Part, broken: Broken) -> set
     shared = set().union(*(stage.read.list_subjects(change.span) for change in broken.changes))
     if kind.family == "inertial":
         return find_inertial_evidence(part, _read_new(part, broken), with_meshes=stage.has_meshes, shared=shared)
-    if kind.family == "joint" and kind.make.__name__ not in ("axis_zero", "joint_rpy_degrees"):
+    if kind.make.__name__ in ("effort_zero", "velocity_zero"):
+        return find_zero_evidence(part, kind.make.__name__.removesuffix("_zero"), shared)
+    if kind.make.__name__ == "axis_reversed":
+        return find_reversal_evidence(part, shared)
+    if kind.make.__name__ == "joint_rpy_degrees":
+        # Less than a turn may be meant in radians.
+        return {"text"} if max(abs(float(word)) for word in broken.changes[0].text.split()) > 2 * np.pi else set()
+    if kind.family == "joint" and kind.make.__name__ != "axis_zero":
         change = broken.changes[0]
         new = np.array([float(word) for word in change.text.split()])
         assert part.joint is not None
