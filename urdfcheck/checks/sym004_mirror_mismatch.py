@@ -36,6 +36,7 @@ from urdfcheck.model.likeness.mirrored_joints import (
     group_by_chain,
     is_shifted,
 )
+from urdfcheck.model.likeness.odd_limbs import OddNumbers, iter_odd_numbers
 from urdfcheck.model.likeness.origin_slips import (
     OddSign,
     OriginSlip,
@@ -81,6 +82,10 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
         if odd.joint.child not in reported["place"]:
             reported["place"].add(odd.joint.child)
             yield _report_odd_sign(rule, odd)
+    for number in iter_odd_numbers(model):
+        if number.joint.child not in reported["place"]:
+            reported["place"].add(number.joint.child)
+            yield _report_odd_numbers(rule, number)
     for slip in find_origin_slips(model):
         if not reported["place"] & {slip.joint.child, slip.twin.child}:
             reported["place"] |= {slip.joint.child, slip.twin.child}
@@ -413,6 +418,36 @@ def _report_odd_sign(rule: Rule, odd: OddSign) -> Finding:
         twin=like.name,
         like=join_names(one.name for one in odd.others),
         typed=typed,
+        expected=expected,
+    )
+
+
+def _report_odd_numbers(rule: Rule, odd: OddNumbers) -> Finding:
+    joint, is_axis = odd.joint, odd.attribute == "axis"
+    places = [
+        one.axis_location if is_axis else locate_origin_attribute(one, odd.attribute) for one in (joint, *odd.others)
+    ]
+    attribute, like = (
+        (None if one.axis_element is None else one.axis_element.attributes.get("xyz"))
+        if is_axis
+        else one.origin.get_attribute(odd.attribute)
+        for one in (joint, odd.others[0])
+    )
+    words = format_point(odd.expected, decimals=6).split() if like is None else like.value.split()
+    if odd.attribute == "xyz":
+        signs = ["-" if value < 0 else "" for value in odd.expected.tolist()]
+        words = [sign + word.lstrip("+-") for sign, word in zip(signs, words, strict=True)]
+    expected = " ".join(words)
+    return rule.finding(
+        "odd",
+        at=places[0],
+        related=places[1:],
+        edits=edit_all_numbers([(attribute, expected)]) if attribute is not None else [],
+        joint=joint.name,
+        count=len(odd.others),
+        like=join_names(one.name for one in odd.others),
+        what="axis" if is_axis else f"origin's {odd.attribute}",
+        typed="1 0 0" if attribute is None and is_axis else "0 0 0" if attribute is None else attribute.value,
         expected=expected,
     )
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.certainty import EXACT, FAR, TWIN_LIKE, UNIFORM, can_be_named
+from urdfcheck.facts.inertials.certainty import EXACT, FAR, TWIN_LIKE, UNIFORM, can_be_named, leaves_another_part
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.inertial_fit import (
@@ -43,6 +43,11 @@ if TYPE_CHECKING:
 
 # One of two parts is wrong when its numbers are this many nats less likely for its mesh.
 SIDE_MARGIN = 5.0
+# The three products of inertia in a tensor.
+_PRODUCTS = (np.array((0, 0, 1)), np.array((1, 2, 2)))
+# Products of a part, relative to its largest moment, that tessellation does not make; and how much products of one part differ
+# in length, and in direction (a cosine), by what is not drawn.
+_SHOWN_PRODUCTS, _ALIKE, _OPPOSED = 1e-3, 2.0, 0.95
 # Mistakes of the axes, which the COM may have in another way than the tensor.
 _OF_AXES = frozenset({"quarter_turn", "axes_permuted"})
 # Mistakes that lost the part's own numbers, or are not in them, so that undoing them does not lead to those of its twin.
@@ -80,7 +85,7 @@ class Diagnosis:
     """By how much the best explanation beats every other (nats)."""
     unique: bool
     """Whether of all single mistakes only the cause leaves numbers that agree with the reference to within what digits and
-    tessellation leave."""
+    tessellation leave; or the numbers show by themselves that they have the mistake of their file."""
     ruled_out: tuple[str, ...]
     """Ids of the mistakes that were undone and do not explain the numbers, likeliest first."""
     fits_geometry: bool
@@ -148,7 +153,38 @@ def measure_evidence(declared: DeclaredInertial, geometry: VisualGeometry | None
 
 
 def _diagnose_by_mesh(declared: DeclaredInertial, geometry: VisualGeometry, habit: Habit | None) -> Diagnosis:
-    return _diagnose_against(declared, build_geometry_reference(geometry), geometry, habit)
+    reference = build_geometry_reference(geometry)
+    found = _diagnose_against(declared, reference, geometry, habit)
+    if habit is None or habit.id != "products_sign" or found.cause is not None or not geometry.closed:
+        return found
+    return _join_flipped_products(found, declared, reference)
+
+
+def _join_flipped_products(found: Diagnosis, declared: DeclaredInertial, reference: Reference) -> Diagnosis:
+    """Return the verdict on a link of a file whose products have flipped signs: its own products may be too small to matter, but
+    they show their signs where they are the drawn part's and point the other way."""
+    uniform = np.trace(reference.covariance) * np.eye(3) - reference.covariance
+    drawn = declared.mass * (declared.rotation.T @ uniform @ declared.rotation)
+    products, expected = declared.tensor[_PRODUCTS], drawn[_PRODUCTS]
+    size = float(np.linalg.norm(expected))
+    if not size > _SHOWN_PRODUCTS * float(drawn.diagonal().max()):
+        return found
+    length = float(np.linalg.norm(products))
+    if not size / _ALIKE < length < size * _ALIKE or float(products @ expected) > -_OPPOSED * size * length:
+        return found
+    moments = np.diag(declared.tensor.diagonal())
+    mended = replace(declared, tensor=2.0 * moments - declared.tensor)
+    tensor_mismatch, com_mismatch = measure_inertial_mismatch(mended, reference.com, reference.covariance)
+    return replace(
+        found,
+        sound=False,
+        cause="products_sign",
+        detail="",
+        mended=mended,
+        mended_tensor_mismatch=float(tensor_mismatch),
+        mended_com_mismatch=float(com_mismatch),
+        unique=True,
+    )
 
 
 def _agrees_with_twin(mended: DeclaredInertial | None, twin: DeclaredInertial) -> bool:
@@ -231,10 +267,10 @@ def _collect_evidence(ranking: Ranking) -> Evidence:
     likelihoods: dict[tuple[str, str], float] = {}
     priors: dict[tuple[str, str], float] = {}
     alternative = -math.inf
-    for mistake, score in zip(ranking.mistakes, ranking.scores.tolist(), strict=True):
+    for row, (mistake, score) in enumerate(zip(ranking.mistakes, ranking.scores.tolist(), strict=True)):
         if mistake.id not in HABITS:
             alternative = max(alternative, score)
-        elif math.isfinite(score):
+        elif math.isfinite(score) and not leaves_another_part(ranking, row):
             key = mistake.id, mistake.detail
             likelihoods.setdefault(key, score - mistake.log_prior)
             priors.setdefault(key, mistake.log_prior)
