@@ -12,7 +12,7 @@ import numpy as np
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair, mirror_pairs
-from urdfcheck.model.likeness.mirrored_joints import WITNESSES
+from urdfcheck.model.likeness.mirrored_joints import WITNESSES, are_children_mirrored, measure_axis_offset
 from urdfcheck.model.likeness.shape_comparison import compute_centroid, get_outline, is_alike
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
@@ -86,6 +86,10 @@ def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]
             continue
         if kind == "sign" and pair.drawn_as != "mirrored" and not _is_parallel(model, pair):
             continue  # a part that is rotated by half a turn may be placed by half a turn as well
+        if pair.is_in_place or are_children_mirrored(model, pair, known_pairs):
+            continue  # one joint takes back what another one adds: the correction would displace all that follows
+        if pair.uses_shift and measure_axis_offset(model, pair) <= PLACE:
+            continue  # the frame is at another point of the joint's axis: what it draws is mirrored
         return OriginSlip(
             joint=joints[index],
             twin=joints[1 - index],
@@ -219,12 +223,27 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
             continue
         origins = [np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in group]
         index = _find_odd(origins)
-        if index is not None and _name_slip(origins[index], origins[index - 1]) == "sign":
+        if (
+            index is not None
+            and _name_slip(origins[index], origins[index - 1]) == "sign"
+            and not _is_taken_back(model, group[index], group[index - 1])
+        ):
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
         axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in group]
         index = _find_odd(axes)
         if index is not None and _is_reversed(model, group, index, axes):
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), True)
+
+
+def _is_taken_back(model: Model, odd: Joint, like: Joint) -> bool:
+    """Whether what a joint carries is where it is on another limb: its distances along the axes of the joint's parent agree."""
+    places = []
+    for joint in (odd, like):
+        parent = np.linalg.inv(model.frames[joint.parent])
+        behind = [(parent @ model.frames[one.child])[:3, 3] for one in model.tree.child_joints[joint.child]]
+        places.append(np.abs(np.array(behind)).reshape(-1, 3))
+    first, second = places
+    return bool(len(first)) and len(first) == len(second) and bool(np.abs(first - second).max() <= PLACE)
 
 
 def _find_odd(values: Sequence[Array]) -> int | None:
