@@ -660,6 +660,8 @@ def test_most_joints_of_a_limb_turn_through_their_stops(
     joints = [make_joint(limit, types[kind], f"j{i}", f"l{i}") for i, kind in enumerate(kinds)]
     (finding,) = find(tmp_path, make_three_links(*joints, links=links), "JNT008")
     assert finding.severity == severity
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("make" if severity == Severity.WARNING else "delete")
 
 
 @pytest.mark.parametrize(
@@ -808,3 +810,12 @@ def test_one_slip_in_the_names_of_soft_limits_is_one_finding(tmp_path: Path) -> 
         ("soft_lower", "soft_lower_limit"),
         ("soft_upper", "soft_upper_limit"),
     }
+
+
+def test_placeholders_beside_degrees_are_not_rewritten(tmp_path: Path) -> None:
+    joints = [
+        make_joint(f'<limit lower="-{size}" upper="{size}" effort="1" velocity="1"/>', name=name, child=child)
+        for name, child, size in (("j", "b", "170"), ("k", "c", "10"))
+    ]
+    (finding,) = find(tmp_path, make_three_links(*joints), "JNT006")
+    assert finding.subjects == ("joint[j]/limit@lower", "joint[j]/limit@upper")

@@ -91,6 +91,17 @@ def test_what_is_not_certainly_the_text_of_this_model_is_left_alone(tmp_path: Pa
     assert not [f for f in find_in_python(tmp_path, body) if f.message_id == "passed"]
 
 
+def test_the_file_that_the_build_installs_there(tmp_path: Path) -> None:
+    files = {
+        "package.xml": "<package format='3'><name>car</name><export><build_type>ament_cmake</build_type></export></package>",
+        "CMakeLists.txt": "install(DIRECTORY description/urdf DESTINATION share/${PROJECT_NAME})\n",
+        "description/urdf/car.urdf.xacro": TRAP,
+        "launch/car.launch.py": HEAD + give(COMMAND),
+    }
+    found = find(tmp_path / "car", files, "LCH008", name="launch/car.launch.py")
+    assert [f.message_id for f in found] == ["passed"]
+
+
 def test_no_edit_where_the_import_has_no_line_of_its_own(tmp_path: Path) -> None:
     files = {
         "package.xml": "<package format='3'><name>car</name></package>",

@@ -42,7 +42,7 @@ from output.runs import (
     star,
 )
 
-from urdfcheck.cli.commands import job_summary
+from urdfcheck.cli import job_summary
 from urdfcheck.cli.output_files import parse_outputs
 from urdfcheck.core import (
     Applicability,

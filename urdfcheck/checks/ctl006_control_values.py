@@ -31,7 +31,7 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
 
 
 def _check_name(rule: Rule, component: Element, interface: Element) -> Iterator[Finding]:
-    """Report a name that is a standard one but for a letter or its case: controllers ask for the standard name."""
+    """Report a name that is a standard one except for a letter or its case: controllers ask for the standard name."""
     name = interface.attributes.get("name")
     if name is None or name.value in STANDARD or not name.value.isalpha():
         return

@@ -13,7 +13,7 @@ from urdfcheck.source.text.values import parse_number
 _SIMULATED = ("gazebo", "ros2_control", "transmission", "mujoco")
 
 
-def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, rel_tol: float, notable: float) -> Iterator[Finding]:
     placed = _collect_initial_positions(model)
     outside, limiting = [], []
     for joint in model.joints:
@@ -25,11 +25,28 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
             outside.append(joint)
         elif 0 in span:
             limiting.append(joint)
-    is_simulated = any(model.robot.find_child(tag) is not None for tag in _SIMULATED)
+    is_simulated = any(model.robot.find_child(tag) is not None for tag in _SIMULATED) and not _starts_elsewhere(model)
+    is_far = any(_measure_share(joint) > notable for joint in outside)
     if outside:
-        yield _build_finding(rule, "outside", outside, None if is_simulated else Severity.INFO)
+        yield _build_finding(rule, "outside", outside, None if is_simulated and is_far else Severity.INFO)
     if limiting:
         yield _build_finding(rule, "on-limit", limiting, Severity.INFO)
+
+
+def _starts_elsewhere(model: Model) -> bool:
+    """Whether a plugin of the simulator gets a start of some joints (``<initialConfiguration>``, ``<initial_position>``)."""
+    return any(
+        "initial" in element.tag.lower()
+        for block in model.robot.find_children("gazebo")
+        for plugin in block.find_children("plugin")
+        for element in plugin.walk()
+    )
+
+
+def _measure_share(joint: Joint) -> float:
+    """Return how far zero is outside the limits, as a share of the range."""
+    lower, upper = joint.position_range or (-1.0, 1.0)
+    return max(lower, -upper, 0.0) / (upper - lower)
 
 
 def _collect_initial_positions(model: Model) -> frozenset[str]:

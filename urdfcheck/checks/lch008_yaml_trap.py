@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Applicability, Confidence, Finding, Rule, Severity
+from urdfcheck.export.description_text import locate_output, render_output
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.untyped_commands import find_untyped_commands
 from urdfcheck.source.load import Source
-from urdfcheck.source.output_text import locate_output, render_output
 from urdfcheck.source.text.yaml.parameter_text import explain_failure, find_yaml_mark
 
 _WRAP = "wrap the value: `ParameterValue(…, value_type=str)`"
@@ -41,6 +40,8 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
 
 def _check_launch(context: LaunchContext, source: Source, rule: Rule) -> Iterator[Finding]:
     """Report commands whose output is the text of the model, and is not declared to be text."""
+    from urdfcheck.source.launch.untyped_commands import find_untyped_commands  # most models are started by none
+
     for command in find_untyped_commands(context.launch, source.path):
         text = render_output(source, by_xacro=command.uses_xacro)
         mark = None if text is None else find_yaml_mark(text)

@@ -5,16 +5,18 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule, Severity, Span
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.launch_file import Launch
-from urdfcheck.source.launch.nodes_python import read_python_actions
-from urdfcheck.source.launch.nodes_xml import LaunchAction, read_launch_actions
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.encodings import is_utf_8
+
+if TYPE_CHECKING:
+    from urdfcheck.source.launch.launch_file import Launch
+    from urdfcheck.source.launch.nodes_xml import LaunchAction
 
 _DECLARATION = re.compile(r"<\?xml\s[^>]*?(?P<whole>\s+encoding\s*=\s*(?P<quote>[\"'])(?P<name>[^\"'>]*)(?P=quote))")
 _SPAWNER = "spawn_entity.py"
@@ -60,6 +62,9 @@ def _find_declaration(source: Source) -> tuple[SourceFile, re.Match[str]] | None
 
 def _find_spawners(launch: Launch, source: Source) -> list[Span]:
     """Return the nodes of a launch file that spawn the text of the model's file."""
+    from urdfcheck.source.launch.nodes_python import read_python_actions
+    from urdfcheck.source.launch.nodes_xml import read_launch_actions
+
     contents = read_launch_actions(launch) if launch.python is None else read_python_actions(launch)
     is_expanded = any(description.uses_xacro for description in launch.descriptions)
     is_expanded |= launch.python is not None and launch.python.runs_xacro

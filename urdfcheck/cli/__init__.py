@@ -12,7 +12,20 @@ from urdfcheck.core.errors import UrdfcheckError
 
 __all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "compute_exit_code", "main"]
 
-COMMANDS = ("check", "audit", "rule", "srdf", "cache", "baseline", "engines", "drop", "config", "init", "completion")
+COMMANDS = (
+    "check",
+    "audit",
+    "rule",
+    "srdf",
+    "cache",
+    "baseline",
+    "engines",
+    "drop",
+    "repair",
+    "config",
+    "init",
+    "completion",
+)
 # What other programs call a command.
 _OTHER_NAMES = {
     "explain": "rule CODE",

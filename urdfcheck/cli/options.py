@@ -67,7 +67,8 @@ def _make_option(name: str, commands: Iterable[str], **settings: Any) -> _Option
 
 _CHECKING = ("check", "audit", "baseline", "config")
 _DROPPING = (*_CHECKING, "drop")
-_ALL = (*_DROPPING, "engines", "srdf")
+_REPAIRING = (*_DROPPING, "repair")
+_ALL = (*_REPAIRING, "engines", "srdf")
 _REPEATED: Mapping[str, Any] = {"action": "append", "default": []}
 # What is checked, how, what a model is read with, and its limits, in the order of the help.
 _OPTIONS = (
@@ -84,7 +85,7 @@ _OPTIONS = (
     ),
     _make_option(
         "--fail-on",
-        _DROPPING,
+        _REPAIRING,
         choices=("error", "warning", "info", "never"),
         help="exit 1 for findings at or above this severity (default: error)",
     ),
@@ -124,7 +125,7 @@ _OPTIONS = (
     ),
     _make_option(
         "--target",
-        (*_DROPPING, "engines"),
+        (*_REPAIRING, "engines"),
         metavar="NAMES",
         help="programs that will read the model (gazebo, mujoco, drake, …): what one of them rejects or drops is an error",
     ),

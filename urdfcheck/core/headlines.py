@@ -112,7 +112,7 @@ def fill_joint_headline(
     """
     about = _ABOUT.fullmatch(template)
     if about is not None and _is_named(about[1], data, names):
-        claim = _BRACKETS.sub(lambda found: found[0] if _is_same(found[0], data) else "", about[2])
+        claim = _BRACKETS.sub(lambda found: "" if _is_other_number(found[0], data) else found[0], about[2])
         if _is_same(claim, data):
             everything = list(dict.fromkeys(name for some in names for name in some))
             named = fill_headline(f"{{{about[1]}}}: {claim}", {**data[0], about[1]: join_names(everything)})
@@ -131,6 +131,11 @@ def format_more_places(count: int) -> str:
 def _is_named(key: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]]) -> bool:
     """Whether a value is nothing but the names of the elements that a finding is about, for each finding."""
     return all(some and values[key] in (some[0], join_names(some)) for values, some in zip(data, names, strict=True))
+
+
+def _is_other_number(template: str, data: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a template says different numbers of the findings; different words, such as a cause, are part of a claim."""
+    return not _is_same(template, data) and any(re.search("[0-9]", template.format_map(values)) for values in data)
 
 
 def _is_same(template: str, data: Sequence[Mapping[str, Any]]) -> bool:

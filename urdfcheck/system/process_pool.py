@@ -116,6 +116,7 @@ class _PlainUnpickler(pickle.Unpickler):
             "core.run",
             "core.scene",
             "export.link_pairs",
+            "fix.repair.steps",
             "export.outline",
             "source.model_role",
             "policy.config",

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck.cli.commands.job_summary import append_summary, find_summary_file
+from urdfcheck.cli.job_summary import append_summary, find_summary_file
 from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, ensure_paths
 from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, parse_outputs, write_report
 from urdfcheck.cli.standard_input import STDIN, read_given_file
@@ -49,6 +49,7 @@ def build_parser() -> argparse.ArgumentParser:
         "       urdfcheck rule [CODE] | init [FOLDER] | config [PATH]\n"
         "       urdfcheck baseline write|check|prune [PATH...] [options]\n"
         "       urdfcheck engines MODEL | drop MODEL | srdf MODEL [options]\n"
+        "       urdfcheck repair MODEL -o DIR [options]\n"
         "       urdfcheck audit DATASET... [options]\n"
         "       urdfcheck cache info|clear | completion bash|zsh|fish",
         description="Audit robot models: URDF, xacro, launch files, packages and folders of them.",

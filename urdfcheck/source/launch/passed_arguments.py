@@ -261,7 +261,7 @@ class XacroCallReader:
         if _UNKNOWN in path.rpartition("/")[2]:
             return False
         if _UNKNOWN not in path:
-            return os.path.realpath(path) == model
+            return os.path.realpath(self.reader.finder.find_source(Path(path))) == model
         pattern = "*".join(map(glob.escape, path.split(_UNKNOWN)))
         return fnmatch.fnmatchcase(model, pattern if pattern.startswith(("*", "/")) else f"*/{pattern}")
 

@@ -113,6 +113,18 @@ def _find_end_tag(tag: str, text: str, start: int) -> int | None:
     return None
 
 
+def find_element_span(element: Element, files: Mapping[str, SourceFile]) -> Span | None:
+    """Return the place of a whole element, its end tag included; None if it was not typed with its tag."""
+    span = element.span
+    file = None if span is None else files.get(span.file)
+    if span is None or file is None or not file.text.startswith(f"<{element.tag}", span.start):
+        return None
+    if file.text.endswith("/>", span.start, span.end):
+        return span
+    end = _find_end_tag(element.tag, file.text, span.end)
+    return None if end is None else file.make_span(span.start, file.text.index(">", end) + 1)
+
+
 def find_name_span(attribute: Attribute, files: Mapping[str, SourceFile]) -> Span | None:
     """Return the place of an attribute's name; None if the text before its value is not that name."""
     span = attribute.span

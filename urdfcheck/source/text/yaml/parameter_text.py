@@ -20,11 +20,11 @@ _MARK = re.compile(
     re.MULTILINE,
 )
 _NAMES = {
-    "colon": "a colon before a blank",
+    "colon": "a colon and a blank",
     "tab": "a tab",
-    "hash": "a # after a blank",
-    "marker": "a line of yaml's own marks",
-    "character": "a character that yaml does not allow",
+    "hash": "a blank and a #",
+    "marker": "a line --- or ...",
+    "character": "a control character",
 }
 # The characters around a mark that show it, and those behind its line that PyYAML gets.
 _AROUND, _BEHIND = 24, 1000

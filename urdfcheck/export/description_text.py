@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from urdfcheck.core import Location
 from urdfcheck.source.load import Source
-from urdfcheck.source.xacro.expand import expand_xacro
 
 # How xacro's command line indents.
 _INDENT = "  "
@@ -19,6 +18,8 @@ def render_output(source: Source, *, by_xacro: bool) -> str | None:
         return None if file is None else file.text
     document = source.document
     if document is None:
+        from urdfcheck.source.xacro.expand import expand_xacro  # what was expanded in this run is there
+
         document = expand_xacro(
             source.path, source.arguments, source.finder, extra_environment=source.environment
         ).document
