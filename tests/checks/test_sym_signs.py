@@ -143,6 +143,8 @@ def test_one_attribute_that_only_one_of_four_limbs_has_is_repaired(
         {"FL_knee": "0 0.01 -0.25", "FR_knee": "0 -0.01 -0.25"},
         # Less than a millimetre is an adjustment.
         {"FL_knee": "0 0.0105 -0.2"},
+        # The hip turns about y: its frame is at another point of that axis, which the knee takes back.
+        {"FL_hip": "0 0.08 0", "FL_knee": "0 -0.02 -0.2"},
     ],
 )
 def test_legs_that_are_arranged_otherwise_are_fine(tmp_path: Path, changed: dict[str, str]) -> None:

@@ -231,7 +231,7 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
             index is not None
             and not is_shared
             and _name_slip(origins[index], origins[index - 1]) == "sign"
-            and not _is_taken_back(model, group[index], group[index - 1])
+            and not is_taken_back(model, group[index], group[index - 1])
         ):
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
         axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in group]
@@ -240,15 +240,39 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), True)
 
 
-def _is_taken_back(model: Model, odd: Joint, like: Joint) -> bool:
-    """Whether what a joint carries is where it is on another limb: its distances along the axes of the joint's parent agree."""
-    places = []
-    for joint in (odd, like):
-        parent = np.linalg.inv(model.frames[joint.parent])
-        behind = [(parent @ model.frames[one.child])[:3, 3] for one in model.tree.child_joints[joint.child]]
-        places.append(np.abs(np.array(behind)).reshape(-1, 3))
-    first, second = places
-    return bool(len(first)) and len(first) == len(second) and bool(np.abs(first - second).max() <= PLACE)
+def is_taken_back(model: Model, odd: Joint, like: Joint) -> bool:
+    """Whether an origin that differs from that of another limb moves nothing.
+
+    What the joint carries is where it is on the other limb, or the joint itself takes back what the one before it adds: distances
+    along the axes of a common parent agree.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    behind = [
+        _measure_distances(model, joint.parent, [one.child for one in model.tree.child_joints[joint.child]])
+        for joint in (odd, like)
+    ]
+    before = [model.tree.parent_joint.get(joint.parent) for joint in (odd, like)]
+    if _agree(*behind):
+        return True
+    if before[0] is None or before[1] is None or before[0].parent == odd.parent:
+        return False
+    place = [
+        _measure_distances(model, one.parent, [joint.child])
+        for one, joint in zip(before, (odd, like), strict=True)
+        if one
+    ]
+    return _agree(*place)
+
+
+def _measure_distances(model: Model, home: str, names: Sequence[str]) -> Array:
+    """Measure the distances (n, 3) of links from another one along its axes."""
+    inverse = np.linalg.inv(model.frames[home])
+    return np.array([np.abs((inverse @ model.frames[name])[:3, 3]) for name in names]).reshape(-1, 3)
+
+
+def _agree(one: Array, other: Array) -> bool:
+    return bool(len(one)) and len(one) == len(other) and bool(np.abs(one - other).max() <= PLACE)
 
 
 def _find_odd(values: Sequence[Array]) -> int | None:
