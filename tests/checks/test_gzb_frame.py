@@ -44,6 +44,12 @@ def test_data_without_a_frame_of_the_robot(tmp_path: Path, inner: str, plugin: s
     assert [f.data["count"] for f in findings] == [count] * bool(count)
 
 
+def test_a_broadcaster_of_ros2_control_names_the_frame(tmp_path: Path) -> None:
+    control = '<ros2_control name="c" type="system"><sensor name="{}"/></ros2_control>'
+    assert not find_frames(tmp_path / "a", sensor("imu"), NEW + control.format("scan"))
+    assert find_frames(tmp_path / "b", sensor("imu"), NEW + control.format("other"))
+
+
 def test_a_transform_may_supply_the_frame(tmp_path: Path) -> None:
     transform = "Node(executable='static_transform_publisher', arguments=['--child-frame-id', 'r/base/scan'])"
     assert not find_frames(tmp_path / "a", sensor(), go=transform)

@@ -25,7 +25,8 @@ _MOST_FILES, _LARGEST = 200, 200_000
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not is_for_new_gazebo(model):
         return
-    without = [sensor for sensor in list_sensors(model) if _lacks_frame(sensor)]
+    broadcast = _collect_broadcast_names(model)
+    without = [sensor for sensor in list_sensors(model) if _lacks_frame(sensor) and sensor.name not in broadcast]
     texts = list(_read_texts(model)) if without else []
     without = [sensor for sensor in without if not any(_names_frame(text, sensor) for text in texts)]
     if without:
@@ -41,6 +42,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             example=f"{model.name}/{first.reference}/{first.name}",
             link=first.reference,
         )
+
+
+def _collect_broadcast_names(model: Model) -> frozenset[str]:
+    """Return the sensors that ros2_control reads: its broadcasters name the frame."""
+    blocks = model.robot.find_children("ros2_control")
+    return frozenset(sensor.get("name") for block in blocks for sensor in block.find_children("sensor"))
 
 
 def _lacks_frame(sensor: GazeboSensor) -> bool:
