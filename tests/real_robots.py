@@ -95,7 +95,8 @@ class CheckedRobot:
 def check_robots(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, CheckedRobot]:
     """Check what a folder holds, by name; what another test or process has checked is read, and what another is about to
     check comes last."""
-    kept = get_shared_folder(tmp_path_factory) / "robots"
+    cache = get_robot_cache(tmp_path_factory)
+    kept = cache.parent
     kept.mkdir(exist_ok=True)
     requests = list_requests(folder)
     done: dict[str, CheckedRobot] = {}
@@ -107,13 +108,18 @@ def check_robots(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> dict
             try:
                 with FileLock(f"{file}.lock", timeout=seconds):
                     if not file.exists():
-                        data = pickle.dumps(check_robot(replace(request, cache=kept / "cache")))
+                        data = pickle.dumps(check_robot(replace(request, cache=cache)))
                         file.with_suffix(".new").write_bytes(data)
                         file.with_suffix(".new").replace(file)
             except Timeout:
                 continue
             done[name] = pickle.loads(file.read_bytes())
     return {name: done[name] for name in requests}
+
+
+def get_robot_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the cache of all checks of real robots."""
+    return get_shared_folder(tmp_path_factory) / "robots" / "cache"
 
 
 def check_robot(request: Request) -> CheckedRobot:

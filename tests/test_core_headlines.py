@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import string
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,13 @@ import pytest
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_line, cut_middle, cut_text, drop_parts, fill_headline
 from urdfcheck.rules import find_pages_folder, load_page
+
+# Verbs of headlines.
+_VERBS = re.compile(
+    r"\b(?:is|are|has|have|does|do|reads?|ignores?|drops?|loses?|merges?|keeps?|declares?|measures?|remains?|overlaps?|collides?"
+    r"|collide|contains?|refers?|sets|hides|replaces|exists?|needs?|swaps?|adds|gets|fits|leads?|holds)\b"
+)
+_HINT = re.compile(r" \([^()]*\)$")
 
 
 def test_what_fits_is_not_touched() -> None:
@@ -130,6 +139,59 @@ def test_a_list_whose_first_name_is_too_long_is_left_out_or_counted() -> None:
     beginning = "{link}: one mistake in the inertial ({mistake})"
     data = {"link": "link_gripper_finger_right, link_gripper_finger_left and 3 more", "mistake": "parallel-axis term"}
     assert fill_headline(beginning, data) == "5 links: one mistake in the inertial (parallel-axis term)"
+
+
+def test_a_verb_at_the_end_of_a_value_stays() -> None:
+    unit = "{meshes} a unit of {unit:g} m, which some programs ignore"
+    values = {"meshes": "meshes rplidar_s2.dae, pro_tire.dae declare", "unit": 0.001}
+    assert fill_headline(unit, values) == "meshes …tire.dae declare a unit of 0.001 m, which some programs ignore"
+    assert cut_text("mesh front_left_wheel_link.stl is", 20) == "mesh fro…link.stl is"
+
+
+def test_a_hint_is_left_out_rather_than_the_names_that_it_is_about() -> None:
+    template = "no parser reads {attribute} of <{tag}> (did you mean {near}?)"
+    long = {
+        "attribute": "`upper`, `lower`",
+        "tag": "safety_controller",
+        "near": "soft_upper_limit and soft_lower_limit",
+    }
+    assert fill_headline(template, long) == "no parser reads upper, lower of <safety_controller>"
+    short = {"attribute": "`uper`", "tag": "limit", "near": "upper"}
+    assert fill_headline(template, short) == "no parser reads uper of <limit> (did you mean upper?)"
+
+
+def test_a_count_of_what_is_left_out_stays() -> None:
+    data = {"first": "motor_front_left_hip_joint", "where": "-0.301 rad", "more": " (+11 joints)"}
+    headline = fill_headline("{first} self-collides at {where}, inside its range{more}", data)
+    assert headline.endswith(" self-collides at -0.301 rad, inside its range (+11 joints)")
+
+
+# Values that are short in any robot: the headlines of all pages are filled with long names otherwise.
+SHORT = re.compile(
+    r"count|freed|hits|samples|bare|bodies|known|some|factor|value|more|times|total|where|first_value|content"
+)
+
+
+@pytest.mark.parametrize(
+    "page", sorted(find_pages_folder().glob("[A-Z][A-Z][A-Z][0-9]*.md")), ids=lambda page: page.stem
+)
+def test_no_headline_loses_a_verb_to_long_names(page: Path) -> None:
+    for name, template in load_page(page).headlines.items():
+        fields = [(key, spec or "") for _, key, spec, _ in string.Formatter().parse(template) if key]
+        data = {
+            key: 12.345
+            if spec[-1:] in tuple("efg%")
+            else 1234
+            if spec[-1:] in ("d", ",")
+            else "12"
+            if SHORT.search(key)
+            else f"front_left_{key}_wheel_link"
+            for key, spec in fields
+        }
+        headline = fill_headline(template, data)
+        kept = _HINT.sub("", template)
+        words = {word for text, *_ in string.Formatter().parse(kept) for word in _VERBS.findall(text)}
+        assert words <= set(_VERBS.findall(headline)), (name, headline)
 
 
 @pytest.mark.parametrize(

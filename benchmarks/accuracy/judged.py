@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from real.robots import RealRobot, check_robot, list_robots
+from real.verdicts import list_texts
 
 import urdfcheck
 from urdfcheck.core import Finding, Run, Severity
@@ -226,12 +227,8 @@ def _is_at(label: Label, finding: Finding, place: Finding) -> bool:
 
 def _list_texts(*findings: Finding) -> Iterator[str]:
     for finding in findings:
-        yield finding.headline
-        yield finding.message
-        if finding.cause is not None:
-            yield finding.cause.text
+        yield from list_texts(finding)
         if finding.fix is not None:
-            yield finding.fix.title
             yield from (edit.replacement for edit in finding.fix.edits)
 
 

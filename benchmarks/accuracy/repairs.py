@@ -19,6 +19,7 @@ import statistics
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import urdfcheck
@@ -26,7 +27,7 @@ from urdfcheck.core import Applicability, Edit, Finding, Run, Severity
 from urdfcheck.fix.fixer import iter_fixable, select_disjoint
 from urdfcheck.fix.patch import EditableFiles, EditableText
 from urdfcheck.model import Model
-from urdfcheck.model.parts import TENSOR_NAMES, Inertial
+from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Link
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import PackageFolders, Request
@@ -81,6 +82,30 @@ class Outcome:
     """Words that change and mean the same, and edits that change nothing."""
 
 
+@dataclass(frozen=True, eq=False)
+class CheckedCopy:
+    """A robot whose files may be changed, in memory, and the run on it."""
+
+    request: Request
+    run: Run
+
+    @cached_property
+    def links(self) -> tuple[Link, ...]:
+        """The links of the model that the request names; none if it cannot be read."""
+        (path,) = self.request.paths
+        packages = self.request.packages
+        finder = PackageFinder(path.absolute(), packages.by_name, packages.search_path)
+        with overlay_files(self.request.options.texts):
+            source = load_source(path, self.request.arguments, finder)
+        return () if source.root is None else Model(source=source, robot=source.root, tier="source").links
+
+    def apply_offers(self, offers: Iterable[Offer]) -> CheckedCopy:
+        """Check a copy with the edits of some offers."""
+        options = self.request.options
+        changed = replace(self.request, options=replace(options, texts=apply_edits(offers, options.texts)))
+        return CheckedCopy(changed, run_audit(changed, IN_THIS_PROCESS).outcome)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python benchmarks/accuracy/repairs.py", description=__doc__.partition("?")[0]
@@ -125,34 +150,35 @@ def list_requests(folder: Path) -> dict[str, Request]:
     }
 
 
-def try_offers(request: Request, before: Run) -> list[Outcome]:
-    """Make all edits that the findings of a run offer, and check again."""
+def try_offers(request: Request, run: Run, apart: Collection[str] = ()) -> list[Outcome]:
+    """Make all edits that the findings of a run offer, and check again.
+
+    ``apart``: codes of rules whose edits are tried one by one, because they are known to make something worse.
+    """
     outcomes: list[Outcome] = []
-    offers = collect_offers(before)
+    before = CheckedCopy(request, run)
+    offers = collect_offers(run)
     about_files = [offer for offer in offers if offer.findings[0].code.startswith(FILES)]
     if about_files:
-        changed = with_texts(request, apply_edits(about_files, request.options.texts))
-        after = run_audit(changed, IN_THIS_PROCESS).outcome
-        outcomes += [judge(changed, offer, before, after, new=()) for offer in about_files]
-        request, before = changed, after
-        offers = [offer for offer in collect_offers(after) if not offer.findings[0].code.startswith(FILES)]
-    together = select_disjoint(offers)
+        after = before.apply_offers(about_files)
+        outcomes += [judge(offer, before, after, new=()) for offer in about_files]
+        before = after
+        offers = [offer for offer in collect_offers(after.run) if not offer.findings[0].code.startswith(FILES)]
+    together = select_disjoint([offer for offer in offers if offer.findings[0].code not in apart])
     waiting = [together] if together else []
     accepted: list[Offer] = []
     while waiting:  # what makes it worse is found by halves
         some = waiting.pop()
-        changed = with_texts(request, apply_edits([*accepted, *some], request.options.texts))
-        after = run_audit(changed, IN_THIS_PROCESS).outcome
-        is_worse = bool(find_new(before, after) or find_lost(before, after))
+        after = before.apply_offers([*accepted, *some])
+        is_worse = bool(find_new(before.run, after.run) or find_lost(before.run, after.run))
         if is_worse and len(some) > 1:
             half = len(some) // 2
             waiting += [some[half:], some[:half]]
             continue
-        outcomes += [judge(changed, offer, before, after) for offer in some]
+        outcomes += [judge(offer, before, after) for offer in some]
         accepted += [] if is_worse else some
     for offer in (offer for offer in offers if offer not in together):
-        changed = with_texts(request, apply_edits([offer], request.options.texts))
-        outcomes.append(judge(changed, offer, before, run_audit(changed, IN_THIS_PROCESS).outcome))
+        outcomes.append(judge(offer, before, before.apply_offers([offer])))
     return outcomes
 
 
@@ -177,14 +203,9 @@ def apply_edits(offers: Iterable[Offer], texts: Mapping[str, bytes]) -> dict[str
     return {**texts, **{files[name].path: files[name].apply_edits(some) for name, some in edits.items()}}
 
 
-def with_texts(request: Request, texts: Mapping[str, bytes]) -> Request:
-    """The request for the changed files."""
-    return replace(request, options=replace(request.options, texts=texts))
-
-
-def judge(request: Request, offer: Offer, before: Run, after: Run, new: Sequence[str] | None = None) -> Outcome:
-    """Compare the runs before and after the edits of an offer. ``new``: what came, if that is not to be looked at."""
-    left = {place for place, _ in iter_places(after, Severity.INFO)}
+def judge(offer: Offer, before: CheckedCopy, after: CheckedCopy, new: Sequence[str] | None = None) -> Outcome:
+    """Compare the copies before and after the edits of an offer. ``new``: what came, if that is not to be looked at."""
+    left = {place for place, _ in iter_places(after.run, Severity.INFO)}
     wanted = {place for finding in offer.findings for place in list_places(finding)}
     old, changed = zip(*((edit.expected, edit.replacement) for edit in offer.edits), strict=True)
     numbers = sum(count_changed(a, b) for a, b in zip(old, changed, strict=True))
@@ -194,14 +215,14 @@ def judge(request: Request, offer: Offer, before: Run, after: Run, new: Sequence
         names = {subject.partition("/")[0] for _, _, subject in wanted}
         # What else is wrong with a link is not the matter of a repair, but an impossible tensor is that of its rules.
         is_tensor = offer.findings[0].code.startswith(IMPOSSIBLE)
-        known = [] if is_tensor else list_refused(with_texts(request, {}), names)
-        refused = [text for text in list_refused(request, names) if text not in known]
+        known = [] if is_tensor else list_refused(before.links, names)
+        refused = [text for text in list_refused(after.links, names) if text not in known]
     return Outcome(
         kind=offer.kind,
         subjects=offer.findings[0].subjects,
         is_gone=not wanted & left,
-        new=tuple(find_new(before, after) if new is None else new),
-        lost=tuple(find_lost(before, after)),
+        new=tuple(find_new(before.run, after.run) if new is None else new),
+        lost=tuple(find_lost(before.run, after.run)),
         refused=tuple(refused),
         numbers=numbers,
         needless=needless,
@@ -261,16 +282,11 @@ def is_same_number(one: str, other: str) -> bool:
         return False
 
 
-def list_refused(request: Request, names: Collection[str]) -> list[str]:
+def list_refused(links: Iterable[Link], names: Collection[str]) -> list[str]:
     """The links among these (``link[arm]``) whose inertial MuJoCo refuses at the end of a hinge, with its message."""
     import mujoco
 
-    (path,) = request.paths
-    finder = PackageFinder(path.absolute(), request.packages.by_name, request.packages.search_path)
-    with overlay_files(request.options.texts):
-        source = load_source(path, request.arguments, finder)
     refused: list[str] = []
-    links = () if source.root is None else Model(source=source, robot=source.root, tier="source").links
     for link in links:
         if f"link[{link.name}]" in names and link.inertial is not None:
             try:

@@ -361,6 +361,31 @@ def test_more_than_a_centimetre_is_a_warning(tmp_path: Path, moved: str, severit
     assert finding.severity == severity
 
 
+@pytest.mark.parametrize(("rpy", "severity"), [("0.099 0 0", Severity.INFO), ("2.0944 0 0", Severity.WARNING)])
+def test_a_part_that_is_turned_is_a_warning(tmp_path: Path, rpy: str, severity: Severity) -> None:
+    inside = placed("visual") + placed("collision", f'<origin rpy="{rpy}"/>')
+    (finding,) = find(tmp_path, robot(link("a", inside)), "GEO005")
+    assert finding.severity == severity
+
+
+@pytest.mark.parametrize(("radius", "height", "found"), [(0.06, 0.15, False), (0.06, 0.6, True), (0.5, 0.15, True)])
+def test_a_neighbour_that_stands_for_a_part_covers_it(
+    tmp_path: Path, radius: float, height: float, found: bool
+) -> None:
+    """Only where it is about as large, and where the part is drawn."""
+    stand_in = geometry("collision", f'<cylinder radius="{radius}" length="0.27"/>', f'<origin xyz="0 0 {height}"/>')
+    arm = geometry("visual", '<cylinder radius="0.07" length="0.25"/>', '<origin xyz="0 0 0.15"/>')
+    own = geometry("collision", '<cylinder radius="0.06" length="0.1"/>', '<origin xyz="0 0 -0.2"/>')
+    text = robot(
+        link("shoulder"),
+        link("shape", stand_in),
+        link("arm", arm + own),
+        joint("mount", "shoulder", "shape"),
+        joint("roll", "shoulder", "arm", kind="continuous"),
+    )
+    assert bool(find(tmp_path, text, "GEO003")) == found
+
+
 @pytest.mark.parametrize(
     ("inside", "rpy", "found"),
     [

@@ -484,3 +484,17 @@ def test_a_fixed_joint_takes_no_command(tmp_path: Path) -> None:
 def test_a_headline_counts_the_blocks_of_merged_joints(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, robot(MERGED + block("j", "<provideFeedback>true</provideFeedback>")), "GZB003")
     assert finding.headline == "Gazebo ignores 1 block: it merges j"
+
+
+def test_a_block_for_a_link_of_another_variant_is_an_info(tmp_path: Path) -> None:
+    """The accessory is in a file that this variant does not even include."""
+    include = '<xacro:if value="false"><xacro:include filename="bumper.xacro"/></xacro:if>'
+    block = '<gazebo reference="bumper_link"><material>Gazebo/Black</material></gazebo>'
+    files = {
+        "robot.urdf.xacro": robot(link("base"), include, block, xacro=True),
+        "bumper.xacro": robot(link("bumper_link"), xacro=True),
+    }
+    (finding,) = find(tmp_path / "a", files, "GZB001", name="robot.urdf.xacro")
+    assert (finding.message_id, finding.severity) == ("optional", Severity.INFO)
+    (unknown,) = find(tmp_path / "b", files | {"bumper.xacro": robot(xacro=True)}, "GZB001", name="robot.urdf.xacro")
+    assert (unknown.message_id, unknown.severity) == ("unknown", Severity.WARNING)

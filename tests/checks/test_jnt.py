@@ -150,6 +150,40 @@ def test_a_rocker_without_effort_and_velocity_has_no_motor(tmp_path: Path) -> No
     assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
 
 
+@pytest.mark.parametrize(
+    ("efforts", "found"),
+    [
+        ({"left_knee": 40, "right_knee": 0}, "effort-odd"),
+        ({"left_knee": 0, "right_knee": 0, "hip": 40}, "effort-unused"),
+        ({"joint_1": 40, "joint_2": 0, "joint_3": 20}, "effort-odd"),
+        ({"waist": 40, "shoulder": 30, "elbow": 20, "wrist": 0}, "effort-odd"),
+        ({"shoulder": 30, "elbow": 20, "rocker": 0}, "effort-unused"),
+    ],
+)
+def test_zero_effort_of_one_of_several_like_joints_is_a_warning(
+    tmp_path: Path, efforts: dict[str, int], found: str
+) -> None:
+    text = '<robot name="r"><link name="base"/>'
+    for name, effort in efforts.items():
+        limit = f'<limit lower="0" upper="1" effort="{effort}" velocity="1"/>'
+        text += f'<link name="{name}_link"/>' + joint(
+            name, "base", f"{name}_link", limit, kind="revolute", axis="0 1 0"
+        )
+    (finding,) = find(tmp_path, text + "</robot>", "JNT007")
+    assert finding.message_id == found
+    assert finding.severity == (Severity.WARNING if found == "effort-odd" else Severity.INFO)
+
+
+def test_a_zero_velocity_counts_although_no_joint_has_an_effort(tmp_path: Path) -> None:
+    texts = [f'<limit lower="0" upper="1" effort="0" velocity="{velocity}"/>' for velocity in (0, 3)]
+    findings = find(
+        tmp_path, make_three_links(make_joint(texts[0]), make_joint(texts[1], name="k", child="c")), "JNT007"
+    )
+    assert ("velocity-zero", Severity.WARNING, ("joint[j]/limit@velocity",)) in [
+        (f.message_id, f.severity, f.subjects) for f in findings
+    ]
+
+
 @pytest.mark.parametrize("control", [transmit("EffortJointInterface"), control("gz_ros2_control/GazeboSimSystem")])
 def test_zero_effort_of_a_motor_is_a_warning(tmp_path: Path, control: str) -> None:
     idle = make_joint('<limit lower="0" upper="1" effort="0" velocity="1"/>')
@@ -626,6 +660,8 @@ def test_most_joints_of_a_limb_turn_through_their_stops(
     joints = [make_joint(limit, types[kind], f"j{i}", f"l{i}") for i, kind in enumerate(kinds)]
     (finding,) = find(tmp_path, make_three_links(*joints, links=links), "JNT008")
     assert finding.severity == severity
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("make" if severity == Severity.WARNING else "delete")
 
 
 @pytest.mark.parametrize(
@@ -774,3 +810,12 @@ def test_one_slip_in_the_names_of_soft_limits_is_one_finding(tmp_path: Path) -> 
         ("soft_lower", "soft_lower_limit"),
         ("soft_upper", "soft_upper_limit"),
     }
+
+
+def test_placeholders_beside_degrees_are_not_rewritten(tmp_path: Path) -> None:
+    joints = [
+        make_joint(f'<limit lower="-{size}" upper="{size}" effort="1" velocity="1"/>', name=name, child=child)
+        for name, child, size in (("j", "b", "170"), ("k", "c", "10"))
+    ]
+    (finding,) = find(tmp_path, make_three_links(*joints), "JNT006")
+    assert finding.subjects == ("joint[j]/limit@lower", "joint[j]/limit@upper")

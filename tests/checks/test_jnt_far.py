@@ -117,3 +117,27 @@ def test_the_twin_shows_which_coordinate_slipped(tmp_path: Path) -> None:
     assert finding.cause.id == "twin"
     assert finding.fix is not None
     assert [(edit.expected, edit.replacement) for edit in finding.fix.edits] == [("0.2 10 0.1", "0.2 0.10 0.1")]
+
+
+def test_a_robot_is_not_ten_metres_above_its_footprint(tmp_path: Path) -> None:
+    for root, count in (("base_footprint", 1), ("stand", 0), ("world", 0)):
+        text = make_arm(root="base").replace('<link name="base">', f'<link name="{root}"/><link name="base">', 1)
+        text = text.replace("</robot>", joint("ground", root, "base", kind="fixed", xyz="0 0 10") + "</robot>")
+        (tmp_path / root).mkdir()
+        assert len(find_far(tmp_path / root, text)) == count
+
+
+@pytest.mark.parametrize(("com", "count"), [("0 0 0", 1), ("-2 0 0", 0)])
+def test_without_shapes_a_com_beyond_shows_that_no_shaft_is_between(tmp_path: Path, com: str, count: int) -> None:
+    tensor = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+    inertial = f'<inertial><origin xyz="{{}}"/><mass value="1"/>{tensor}</inertial>'
+    text = make_arm(drawn=False, elbow="4 0 0")
+    for name in BOXES:
+        own = inertial.format(com if name == "fore" else "0 0 0")
+        text = text.replace(f'<link name="{name}"></link>', f'<link name="{name}">{own}</link>')
+    assert len(find_far(tmp_path, text)) == count
+
+
+@pytest.mark.parametrize(("far", "count"), [("8 0 0", 1), ("4 0 0", 0)])
+def test_a_fixed_part_is_far_if_it_is_drawn(tmp_path: Path, far: str, count: int) -> None:
+    assert len(find_far(tmp_path, make_arm(flange=far))) == count

@@ -298,3 +298,20 @@ def test_a_description_without_any_inertial_is_told_once(tmp_path: Path) -> None
     assert codes(check_text(tmp_path, moving_parts, codes={"KIN010", "INR001"})) == ["INR001"]
     (finding,) = check_text(tmp_path, make_tree("a b", "a b"), codes={"KIN010", "INR001"}).findings
     assert (finding.code, finding.severity) == ("KIN010", Severity.INFO)
+
+
+def test_a_loop_through_a_name_that_two_links_share_is_left_to_that_mistake(tmp_path: Path) -> None:
+    ring = make_tree("a b", "a b", "b a")
+    twice = make_tree("a b a", "a b", "b a")
+    assert codes(check_text(tmp_path, ring, codes={"KIN001", "KIN004"})) == ["KIN004"]
+    assert codes(check_text(tmp_path, twice, codes={"KIN001", "KIN004"})) == ["KIN001"]
+    assert codes(check_text(tmp_path, twice, codes={"KIN004"})) == ["KIN004"]
+
+
+def test_a_child_named_after_a_part_means_the_link_below_it_that_has_no_parent(tmp_path: Path) -> None:
+    parts = (link("base"), link("wheel/body"), link("wheel/hub"), joint("mount", "base", "wheel"))
+    one = robot(*parts, joint("turn", "wheel/body", "wheel/hub", kind="continuous"))
+    (finding,) = check_text(tmp_path, one, codes={"KIN002"}).findings
+    assert (finding.message_id, finding.data["near"]) == ("near", "wheel/body")
+    (open_question,) = check_text(tmp_path, robot(*parts), codes={"KIN002"}).findings
+    assert open_question.message_id == "unknown"

@@ -93,3 +93,78 @@ def test_wheels_in_one_place_are_found_and_jaws_on_one_hinge_are_meant(tmp_path:
     joints = "".join(joint(f"{s}_joint", "base", s, LIMIT, kind=kind, xyz="0 -0.1 0", axis="0 1 0") for s in sides)
     text = f'<robot name="r"><link name="base"/>{links}{joints}</robot>'
     assert [f.message_id for f in find_slips(tmp_path, text)] == ["coincident"] * count
+
+
+@pytest.mark.parametrize(
+    ("changed", "attribute", "expected"),
+    [
+        ({"HR_knee": "0 -0.01 -0.21"}, "origin@xyz", "0 -0.01 -0.2"),
+        ({"FL_knee": "0 0.013 -2"}, "origin@xyz", "0 0.01 -0.2"),
+        ({"FL_hip_axis": "0 0 1"}, "axis@xyz", "0 1 0"),
+        ({"FL_hip_axis": "1 0 0"}, "axis@xyz", "0 1 0"),
+    ],
+)
+def test_one_attribute_that_only_one_of_four_limbs_has_is_repaired(
+    tmp_path: Path, changed: dict[str, str], attribute: str, expected: str
+) -> None:
+    text = make_quadruped(**changed)
+    (finding,) = [
+        f for f in find(tmp_path, text, "SYM004") if f.location.subject.startswith(f"joint[{next(iter(changed))[:6]}")
+    ]
+    assert finding.message_id == "odd"
+    assert finding.location.subject.endswith(attribute)
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == [expected]
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        # Legs that are arranged otherwise: two attributes differ, or two of four.
+        {"FL_knee": "0 0.01 -0.25", "FL_knee_axis": "0 0 1"},
+        {"FL_knee": "0 0.01 -0.25", "FR_knee": "0 -0.01 -0.25"},
+        # Less than a millimetre is an adjustment.
+        {"FL_knee": "0 0.0105 -0.2"},
+    ],
+)
+def test_legs_that_are_arranged_otherwise_are_fine(tmp_path: Path, changed: dict[str, str]) -> None:
+    assert "odd" not in {f.message_id for f in find(tmp_path, make_quadruped(**changed), "SYM004")}
+
+
+@pytest.mark.parametrize(("axis", "count"), [("1 0 0", 1), ("0 0 1", 1), ("0 -1 0", 0)])
+def test_of_two_legs_an_axis_along_another_coordinate_is_found(tmp_path: Path, axis: str, count: int) -> None:
+    found = [
+        f for f in find(tmp_path, make_quadruped(("FL", "FR"), FR_hip_axis=axis), "SYM004") if f.message_id == "axis"
+    ]
+    assert len(found) == count
+    for finding in found:
+        assert "90.00°" in finding.headline
+        assert finding.fix is None or not finding.fix.edits
+
+
+def test_an_angle_that_only_one_of_four_limbs_has_is_repaired(tmp_path: Path) -> None:
+    text = make_quadruped()
+    for angle, count in (("0.124", 1), ("0.5236", 0), ("0.002", 0)):
+        turned = text.replace('<origin xyz="0 0.01 -0.2"', f'<origin rpy="0 {angle} 0" xyz="0 0.01 -0.2"', 1)
+        turned = turned.replace(
+            f'rpy="0 {angle} 0" xyz="0 0.01 -0.2" rpy="0 0 0"', f'rpy="0 {angle} 0" xyz="0 0.01 -0.2"'
+        )
+        (tmp_path / angle).mkdir()
+        found = [f for f in find(tmp_path / angle, turned, "SYM004") if f.message_id == "odd"]
+        assert len(found) == count
+
+
+def test_the_only_wheel_in_its_place_is_not_blamed_for_two_that_share_one(tmp_path: Path) -> None:
+    parts = ['<link name="left_base"/><link name="right_base"/><link name="base"/>']
+    parts += [
+        joint(f"{side}_mount", "base", f"{side}_base", kind="fixed", xyz=f"0 {y} 0")
+        for side, y in (("left", 0.2), ("right", -0.2))
+    ]
+    places = {"left_front": 0.1, "left_back": 0.1, "right_front": 0.1, "right_back": -0.1}
+    for name, x in places.items():
+        parts.append(f'<link name="{name}_wheel">{BOX.format(z=0)}</link>')
+        side = name.partition("_")[0]
+        parts.append(
+            joint(f"{name}_joint", f"{side}_base", f"{name}_wheel", kind="continuous", xyz=f"{x} 0 -0.1", axis="0 1 0")
+        )
+    assert "sign" not in {f.message_id for f in find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')}

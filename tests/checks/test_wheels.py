@@ -285,6 +285,19 @@ def test_an_axis_that_is_not_the_wheels_is_replaced(tmp_path: Path, axis: tuple[
     assert "its visual and inertia show that it is round" in finding.message
 
 
+@pytest.mark.parametrize(
+    ("odd", "backwards", "true"), [(0, {1, 2, 3}, "0 -1 0"), (0, {2, 3}, "0 1 0"), (2, {3}, "0 -1 0")]
+)
+def test_a_replaced_axis_points_where_those_of_its_side_do(
+    tmp_path: Path, odd: int, backwards: set[int], true: str
+) -> None:
+    car = changed(FOUR, odd, axis=(0, 0, 1))
+    for index in backwards:
+        car = changed(car, index, axis=(0, -1, 0))
+    (finding,) = find_in_car(tmp_path, "JNT015", car)
+    assert edits(finding) == [("0 0 1", true)]
+
+
 def test_an_axis_within_five_degrees_is_a_camber(tmp_path: Path) -> None:
     assert not find_in_car(tmp_path, "JNT015", changed(FOUR, 0, axis=(0.08, 1, 0)))
 

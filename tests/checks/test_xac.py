@@ -950,3 +950,19 @@ def test_a_value_that_is_no_text_is_named_with_its_repair(tmp_path: Path, value:
         assert finding.severity == (Severity.ERROR if message == "not-text" else Severity.WARNING)
         assert finding.fix is not None
         assert "${str(…)}" in finding.fix.title
+
+
+def test_a_default_that_leads_nowhere_is_not_proposed(tmp_path: Path) -> None:
+    """Only the values for which a file exists are: `models/arm/` does not."""
+    write(tmp_path, {"models/long/part.xacro": robot(xacro=True), "models/short/part.xacro": robot(xacro=True)})
+    text = robot(
+        '<xacro:arg name="model" default="arm"/>',
+        '<xacro:include filename="models/$(arg model)/part.xacro"/>',
+        name="$(arg model)",
+        xacro=True,
+    )
+    (tmp_path / "robot.urdf.xacro").write_text(text, encoding="utf-8")
+    finding = only(check(tmp_path / "robot.urdf.xacro", codes={"XAC010"}))
+    assert finding.fix is not None
+    assert "--arg model:=long" in finding.fix.title
+    assert finding.message.endswith("there are long, short")

@@ -783,3 +783,34 @@ def test_an_attribute_for_isaac_gym_is_known(tmp_path: Path) -> None:
     assert not check_text(
         tmp_path, f'<robot name="r"><link name="a"/><link name="b"/>{joint}</robot>', codes={"XML004"}
     ).findings
+
+
+@pytest.mark.parametrize(
+    ("place", "message", "severity"),
+    [
+        ('<gazebo><plugin name="p" filename="p.so"><ns>$(arg ns)</ns></plugin></gazebo>', "gazebo", Severity.WARNING),
+        ('<gazebo reference="$(arg ns)"/>', "gazebo", Severity.WARNING),
+        ('<link name="$(arg ns)"/><gazebo reference="$(arg ns)"/>', "not_expanded", Severity.ERROR),
+    ],
+)
+def test_substitutions_that_only_gazebo_reads_are_a_warning(
+    tmp_path: Path, place: str, message: str, severity: Severity
+) -> None:
+    (finding,) = check_text(tmp_path, f'<robot name="r"><link name="a"/>{place}</robot>', codes={"XML009"}).findings
+    assert (finding.message_id, finding.severity) == (message, severity)
+
+
+@pytest.mark.parametrize(
+    ("typed", "severity", "repair"),
+    [
+        ("<origin/>", Severity.INFO, "delete it: it is empty"),
+        ('<origin xyz="0 0 1"/>', Severity.WARNING, "move it into <inertial> or <visual> or <collision> or <joint>"),
+    ],
+)
+def test_an_empty_element_in_the_wrong_place_is_deleted(
+    tmp_path: Path, typed: str, severity: Severity, repair: str
+) -> None:
+    text = f'<robot name="r"><link name="a">{typed}</link></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"XML003"}).findings
+    assert finding.fix is not None
+    assert (finding.severity, finding.fix.title) == (severity, repair)

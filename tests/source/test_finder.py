@@ -228,6 +228,7 @@ def car(tmp_path: Path) -> Path:
     ("text", "kind", "target"),
     [
         ("package://car/meshes/wheel.stl", "package", "meshes/wheel.stl"),
+        ("package://car//meshes/wheel.stl", "package", "meshes/wheel.stl"),
         ("model://car/meshes/wheel.stl", "package", "meshes/wheel.stl"),
         ("package://car/meshes/a%20b.stl", "package", "meshes/a b.stl"),
         ("../meshes/wheel.stl", "relative", "urdf/../meshes/wheel.stl"),

@@ -61,17 +61,23 @@ class TestHome:
             assert list_project_folders(path) == [folder]
 
     def test_brings_the_other_parts_of_a_robot_one_by_one(self, tmp_path: Path) -> None:
-        for name in ("urdf", "meshes", "config", ".hidden"):
+        for name in ("urdf", "meshes", "basic_urdf", "mjcf", "config", ".hidden"):
             (tmp_path / "robot" / name).mkdir(parents=True)
         (tmp_path / "robot" / "readme.md").write_text("")
         (tmp_path / "textures").mkdir()
         (tmp_path / "robot" / "textures").symlink_to(tmp_path / "textures")
-        beside = [tmp_path / "robot" / name for name in ("urdf", "config", "meshes")]
+        beside = [tmp_path / "robot" / name for name in ("urdf", "basic_urdf", "config", "meshes", "mjcf")]
         assert list_project_folders(tmp_path / "robot" / "urdf" / "car.urdf") == beside
         reach = FileReach.from_paths([tmp_path / "robot" / "urdf" / "car.urdf"], [])
         assert reach.can_open(tmp_path / "robot" / "meshes" / "base.stl")
         assert not reach.can_open(tmp_path / "robot" / "readme.md")
         assert not reach.can_open(tmp_path / "robot" / "textures" / "a.png")  # a link may lead anywhere
+
+    @pytest.mark.parametrize("other", ["keys", "ssh_config", "hurdfish"])
+    def test_brings_nothing_where_another_folder_is_beside_it(self, tmp_path: Path, other: str) -> None:
+        for name in ("urdf", "meshes", other):
+            (tmp_path / "robot" / name).mkdir(parents=True)
+        assert list_project_folders(tmp_path / "robot" / "urdf") == [tmp_path / "robot" / "urdf"]
 
     @pytest.mark.skipif(os.name != "posix", reason="rights of a folder")
     def test_brings_nothing_from_a_folder_that_others_may_write_to(self, tmp_path: Path) -> None:

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_length, join_names, join_numbers
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.motion.collisions.at_rest import Contact
-from urdfcheck.model.motion.collisions.lying_meshes import LyingMeshes, find_lying_meshes
-from urdfcheck.model.motion.collisions.restored_origins import RestoredOrigin, find_restored_origins
-from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import (
+    CollisionPair,
+    SelfCollisions,
+    ensure_all_shapes_read,
+    self_collisions,
+)
 from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
+
+if TYPE_CHECKING:
+    from urdfcheck.model.motion.collisions.lying_meshes import LyingMeshes
+    from urdfcheck.model.motion.collisions.restored_origins import RestoredOrigin
 
 # A telescope slides in two stages; one joint makes its links adjacent.
 _LEAST_STAGES = 2
@@ -28,16 +36,16 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
     far = [(pair, pair.contact) for pair in collisions.pairs if pair.relation == "far" and pair.contact is not None]
     deep = [(pair, contact) for pair, contact in far if _is_deep_overlap(pair, contact, graze=graze, always=always)]
     samples = collisions.sample_count
-    fallen = find_lying_meshes(model) if deep else None
+    fallen = _find_lying_meshes(model) if deep else None
     if fallen is not None:
         sides = {id(shape) for shape in fallen.shapes}
         on_side = [item for item in deep if not sides.isdisjoint(map(id, item[1].shapes))]
         if any(pair.links in fallen.freed_pairs for pair, _ in on_side):
             yield _build_up_axis_finding(rule, on_side, fallen)
             deep = [item for item in deep if item not in on_side]
-    restored = find_restored_origins(collisions, [pair for pair, _ in deep]) if deep else []
+    restored = _find_restored_origins(collisions, deep) if deep else []
     for origin in restored:
-        yield _build_displaced_finding(rule, origin)
+        yield _build_displaced_finding(rule, origin, slight=slight)
     freed = {pair.links for origin in restored for pair in origin.freed}
     deep = [item for item in deep if item[0].links not in freed]
     by_design = [(pair, contact) for pair, contact in deep if samples > 1 and pair.hit_share >= always]
@@ -72,6 +80,21 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
             samples=samples,
         )
     ensure_all_shapes_read(collisions)
+
+
+def _find_lying_meshes(model: Model) -> LyingMeshes | None:
+    # Most models have no deep overlap, and do without what explains one.
+    from urdfcheck.model.motion.collisions.lying_meshes import find_lying_meshes
+
+    return find_lying_meshes(model)
+
+
+def _find_restored_origins(
+    collisions: SelfCollisions, overlaps: Sequence[tuple[CollisionPair, Contact]]
+) -> list[RestoredOrigin]:
+    from urdfcheck.model.motion.collisions.restored_origins import find_restored_origins
+
+    return find_restored_origins(collisions, [pair for pair, _ in overlaps])
 
 
 def _is_shallow(contact: Contact, slight: float) -> bool:
@@ -129,7 +152,7 @@ def _build_up_axis_finding(
     )
 
 
-def _build_displaced_finding(rule: Rule, restored: RestoredOrigin) -> Finding:
+def _build_displaced_finding(rule: Rule, restored: RestoredOrigin, *, slight: float) -> Finding:
     """Report the overlaps of a link and the displaced collision shape that causes them as one."""
     contacts = [(pair, pair.contact) for pair in restored.freed if pair.contact is not None]
     contacts.sort(key=lambda item: -item[1].depth)
@@ -146,6 +169,7 @@ def _build_displaced_finding(rule: Rule, restored: RestoredOrigin) -> Finding:
             *(one.visual.place for one in restored.shapes),
             *(locate_geometry(shape) for _, contact in contacts for shape in contact.shapes),
         ],
+        severity=Severity.INFO if all(_is_shallow(contact, slight) for _, contact in contacts) else None,
         cause="rpy_in_xyz" if first.has_angles_as_position else None,
         edits=[edit for one in restored.shapes for edit in one.propose_edits()],
         confidence=Confidence.STRONG,

@@ -48,12 +48,12 @@ def _meets_another_limb(model: Model, reach: JointCollision) -> bool:
 
 
 def _format_places(reached: Sequence[JointCollision]) -> str:
-    """Say where the first of the joints collides, on one side of rest or on both: ``±1.9 rad``."""
+    """Say where the first of the joints collides, or collides first if it does on both sides of rest: ``±1.9 rad``."""
     joint = reached[0].joint
     values = [reach.value for reach in reached if reach.joint is joint]
     is_symmetric = len(values) == 2 and math.isclose(values[0], -values[1], rel_tol=_SYMMETRIC)
-    places = f"±{min(map(abs, values)):.3g}" if is_symmetric else " and ".join(f"{value:.3g}" for value in values)
-    return f"{places} {joint.position_unit}"
+    nearest = min(values, key=abs)
+    return f"{f'±{abs(nearest):.3g}' if is_symmetric else f'{nearest:.3g}'} {joint.position_unit}"
 
 
 def _list_reached_collision(reach: JointCollision) -> dict[str, Any]:

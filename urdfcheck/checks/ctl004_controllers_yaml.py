@@ -8,7 +8,6 @@ from typing import Any
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.ground.drive_wheels import list_drive_wheels, measure_wheel_radii, measure_wheel_separations
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.likeness.sibling_robots import PackageNames
 from urdfcheck.model.motion.controllers import (
@@ -166,6 +165,8 @@ def _check_wheel_geometry(
     model: Model, rule: Rule, controller: Controller, *, elsewhere: PackageNames | None, rel_tol: float
 ) -> Iterator[Finding]:
     """Report a wheel radius or separation that is not the model's, unless the wheels may be those of a robot ``elsewhere``."""
+    from urdfcheck.model.ground.drive_wheels import list_drive_wheels, measure_wheel_radii, measure_wheel_separations
+
     left, right = list_drive_wheels(controller)
     names = [value.text for value in (*left, *right)]
     if not left or not right or not all(name in model.joint_by_name for name in names):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,35 +29,28 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small:
     if not missing:
         return
     if len(bare) > (1 - majority) * len(moving):
-        heads = [_list_drawn_links(model, body)[0] for body in missing]
-        yield rule.finding(
-            "most",
-            at=heads[0],
-            related=heads[1:],
-            severity=Severity.INFO,
-            bare=len(bare),
-            bodies=len(moving),
-            links=join_names(link.name for link in heads),
-        )
+        yield _build_list_finding(model, rule, "most", missing, bare=len(bare), bodies=len(moving))
         return
     whole = [(shape, model.frames[link.name]) for link in model.links for shape in link.visuals]
     robot = compute_bounding_box(model, whole)
     between = [body for body in missing if _is_between(model, body) and _is_small(model, body, robot, small)]
     if between:
-        heads = [_list_drawn_links(model, body)[0] for body in between]
-        yield rule.finding(
-            "between",
-            at=heads[0],
-            related=heads[1:],
-            severity=Severity.INFO,
-            links=join_names(link.name for link in heads),
-        )
+        yield _build_list_finding(model, rule, "between", between)
     for body in missing:
         if body in between:
             continue
         link = _list_drawn_links(model, body)[0]
         joint = model.tree.parent_joint[body.links[0]]
         yield rule.finding("missing", at=link, link=link.name, joint=joint.name, bodies=len(moving) - len(bare))
+
+
+def _build_list_finding(
+    model: Model, rule: Rule, message: str, listed: Sequence[RigidLinkGroup], **data: Any
+) -> Finding:
+    """Report several bodies as one info, at the first link that each of them draws."""
+    heads = [_list_drawn_links(model, body)[0] for body in listed]
+    links = join_names(link.name for link in heads)
+    return rule.finding(message, at=heads[0], related=heads[1:], severity=Severity.INFO, links=links, **data)
 
 
 def _list_drawn_links(model: Model, body: RigidLinkGroup) -> list[Link]:

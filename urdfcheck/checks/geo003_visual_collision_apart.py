@@ -12,7 +12,7 @@ import numpy as np
 from urdfcheck.core import Finding, Located, Rule
 from urdfcheck.core.text import format_box_size
 from urdfcheck.model import Link, Model
-from urdfcheck.model.rigid_bodies import list_rigid_bodies
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ _PADDING = 0.01
 _UNITS = {1000.0: "millimetres and metres", 100.0: "centimetres and metres", 25.4: "inches and millimetres",
           39.37: "inches and metres", 10.0: "millimetres and centimetres"}  # fmt: skip
 _UNIT_TOL = 0.02
+# Ratio of the diagonals up to which a neighbour's shape may stand for a part, rather than contain it or be in it.
+_ALIKE = 1.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +56,7 @@ class _BoxPair:
         return float(np.linalg.norm(self.collision_box.mean(axis=0) - self.visual_box.mean(axis=0)))
 
 
-def check(model: Model, rule: Rule, *, overlap: float, ratio: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, overlap: float, ratio: float, covered: float) -> Iterator[Finding]:
     def classify_pair(pair: _BoxPair) -> str | None:
         if not 1 / ratio <= pair.ratio <= ratio:
             return "size"
@@ -68,10 +70,35 @@ def check(model: Model, rule: Rule, *, overlap: float, ratio: float) -> Iterator
         if not suspects or (len(links) > 1 and _compare_links(model, links, classify_pair) is None):
             continue
         for link, message, pair in suspects:
+            if message == "apart" and _is_covered(model, body, link, pair, covered):
+                continue
             cause = _guess_unit_mismatch(pair.ratio)
             yield rule.finding(
                 message, at=_locate(link, message), cause="units" if cause else None, **_collect_data(link, pair, cause)
             )
+
+
+def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, covered: float) -> bool:
+    """Whether the collision geometry of a link of the body in front or behind already is where ``link`` is drawn, at rest.
+
+    A cylinder about a joint's axis may belong to either of the links that the joint connects.
+    """
+    tree = model.tree
+    near = [j.child for name in body.links for j in tree.child_joints[name]]
+    if body.links[0] in tree.parent_joint:
+        near.append(tree.parent_joint[body.links[0]].parent)
+    home = np.linalg.inv(model.frames[link.name])
+    for name in dict.fromkeys(name for neighbour in near for name in tree.list_body_links(neighbour)):
+        if name in body.links:
+            continue
+        placed = [(s, home @ model.frames[name]) for s in model.link_by_name[name].collisions if not is_dummy_shape(s)]
+        box = compute_bounding_box(model, placed)
+        if box is None or not _measure_diagonal(box):
+            continue
+        stand_in = _BoxPair(pair.visual_box, box)
+        if stand_in.overlap >= covered and 1 / _ALIKE <= stand_in.ratio <= _ALIKE:
+            return True
+    return False
 
 
 def _compare_links(

@@ -10,7 +10,9 @@ from urdfcheck.model import Model
 from urdfcheck.model.shapes.displaced_collisions import list_displaced_collisions
 
 
-def check(model: Model, rule: Rule, *, distance: float, angle: float, apart: float) -> Iterator[Finding]:
+def check(
+    model: Model, rule: Rule, *, distance: float, angle: float, apart: float, rotated: float
+) -> Iterator[Finding]:
     for displaced in list_displaced_collisions(model, distance=distance, angle=angle):
         collision = displaced.collision
         xyz = collision.shape.origin.get_attribute("xyz")
@@ -20,7 +22,7 @@ def check(model: Model, rule: Rule, *, distance: float, angle: float, apart: flo
             related=[displaced.visual.place],
             cause="rpy_in_xyz" if displaced.has_angles_as_position else None,
             edits=displaced.propose_edits(),
-            severity=Severity.WARNING if displaced.moved > apart else None,
+            severity=Severity.WARNING if displaced.moved > apart or displaced.turned > rotated else None,
             link=displaced.link.name,
             mesh=collision.what,
             shape=f"mesh {collision.what}" if collision.shape.kind == "mesh" else collision.what,

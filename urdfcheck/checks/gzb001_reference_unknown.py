@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.source.text.tokens import build_replacement_edits
-from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.text.xml import Attribute, Element
 
 # ``${side}`` without its dollar sign; with the dollar sign it is XML that nothing has expanded.
 _TEMPLATE = re.compile(r"(?<!\$)\{[^{}]*\}")
@@ -27,7 +27,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if templates:
         yield _build_template_finding(rule, templates)
     for name, uses in unknown.items():
-        if not _TEMPLATE.search(name):
+        optional = _find_optional_part(model, name)
+        if optional is not None:
+            yield rule.finding(
+                "optional",
+                at=uses[0],
+                related=[optional, *uses[1:]],
+                severity=Severity.INFO,
+                reference=name,
+                kind=optional.tag,
+                content=_join_child_tags(uses),
+            )
+        elif not _TEMPLATE.search(name):
             near = find_only_near_name(name, known, SLIP_LIKENESS)
             yield rule.finding(
                 "unknown",
@@ -38,6 +49,17 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 near=format_name_hint(name, known),
                 content=_join_child_tags(uses),
             )
+
+
+def _find_optional_part(model: Model, name: str) -> Element | None:
+    """Return the link or joint of this name in a file that the model can include, which this variant leaves out."""
+    if not model.source.is_xacro:
+        return None
+    from urdfcheck.source.xacro.argument_values import read_included_trees  # loaded only if a reference is unknown
+
+    trees = read_included_trees(model.source.path, model.source.finder)
+    elements = (element for tree, _ in trees for element in tree.walk())
+    return next((e for e in elements if e.tag in {"link", "joint"} and e.get("name") == name), None)
 
 
 def _build_template_finding(rule: Rule, uses: list[Attribute]) -> Finding:

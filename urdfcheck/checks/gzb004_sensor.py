@@ -10,6 +10,7 @@ from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names, split_name_words
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import FixedJointReduction, reduce_fixed_joints
+from urdfcheck.model.gazebo import GazeboSensor, is_for_new_gazebo, list_sensors
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
@@ -30,34 +31,15 @@ _MOST_COMPARED = 1_000
 _CAMERA = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox")
 # Names of collisions that a message lists.
 _MOST_NAMED = 4
-_NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
-
 # What stands for "no topic given": SDFormat's default is written out where a model was converted or copied from its description.
 _NO_TOPIC = frozenset({"", "__default_topic__"})
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _GazeboSensor:
-    """A ``<sensor>`` in a ``<gazebo>`` block."""
-
-    element: Element
-    reference: str
-    """The link or joint that the block names."""
-
-    @property
-    def name(self) -> str:
-        return self.element.get("name")
-
-    @property
-    def type(self) -> str:
-        return self.element.get("type").strip()
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _UnknownCollision:
     """A collision that a contact sensor names but that no SDF shape has as its name."""
 
-    sensor: _GazeboSensor
+    sensor: GazeboSensor
     element: Element
     name: str
     body: str
@@ -67,14 +49,13 @@ class _UnknownCollision:
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    blocks = [block for block in model.robot.find_children("gazebo") if block.get("reference")]
-    sensors = [_GazeboSensor(e, b.get("reference")) for b in blocks for e in b.children if e.tag == "sensor"]
+    sensors = list_sensors(model)
     folded = {name.lower(): name for name in model.link_by_name}
     for sensor in sensors:
         yield from _check_type(sensor, rule)
         yield from _check_update_rate(sensor, rule)
         yield from _check_frames(model, rule, sensor, folded=folded)
-    if _is_for_new_gazebo(model):
+    if is_for_new_gazebo(model):
         for sensor in sensors:
             yield from _check_cpu_lidar(sensor, rule)
     yield from _check_duplicate_topics(sensors, rule)
@@ -96,7 +77,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         )
 
 
-def _check_type(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
+def _check_type(sensor: GazeboSensor, rule: Rule) -> Iterator[Finding]:
     typed = sensor.element.attributes.get("type")
     if typed is None or sensor.type in _TYPES:
         return
@@ -111,7 +92,7 @@ def _check_type(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
     )
 
 
-def _check_update_rate(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
+def _check_update_rate(sensor: GazeboSensor, rule: Rule) -> Iterator[Finding]:
     """Report a camera or lidar that renders a picture in every time step."""
     rate = sensor.element.find_child("update_rate")
     if _RENDERED.search(sensor.type) and (rate is None or parse_number(rate.text.strip()) == 0.0):
@@ -119,7 +100,7 @@ def _check_update_rate(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
         yield rule.finding("rate", at=at, severity=Severity.INFO, sensor=sensor.name, type=sensor.type)
 
 
-def _check_frames(model: Model, rule: Rule, sensor: _GazeboSensor, *, folded: Mapping[str, str]) -> Iterator[Finding]:
+def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Mapping[str, str]) -> Iterator[Finding]:
     """Report frames that are not links; ``folded`` has the names of the links by their lower case."""
     for element in sensor.element.walk():
         frame = element.text.strip().lstrip("/")
@@ -140,7 +121,7 @@ def _check_frames(model: Model, rule: Rule, sensor: _GazeboSensor, *, folded: Ma
         )
 
 
-def _find_optical_frame(sensor: _GazeboSensor, model: Model) -> str | None:
+def _find_optical_frame(sensor: GazeboSensor, model: Model) -> str | None:
     """Return the only optical frame on a camera's link or below it: pictures are stamped with that (REP 103)."""
     if not _CAMERA.search(sensor.type) or sensor.reference not in model.link_by_name:
         return None
@@ -156,7 +137,7 @@ def _find_optical_frame(sensor: _GazeboSensor, model: Model) -> str | None:
     return found[0] if len(found) == 1 else None
 
 
-def _guess_frame(frame: str, sensor: _GazeboSensor, model: Model) -> str | None:
+def _guess_frame(frame: str, sensor: GazeboSensor, model: Model) -> str | None:
     """Return the link that an unknown frame may mean: the sensor's own if only the words "link" and "frame" differ."""
     if sensor.reference in model.link_by_name and _strip_kind_words(frame) == _strip_kind_words(sensor.reference):
         return sensor.reference
@@ -167,20 +148,14 @@ def _strip_kind_words(name: str) -> list[str]:
     return [word.lower() for word in split_name_words(name) if word.lower() not in {"link", "frame"}]
 
 
-def _is_for_new_gazebo(model: Model) -> bool:
-    """Whether the robot uses a plugin that only the successor of Gazebo Classic can load."""
-    plugins = [e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin"]
-    return any(_NEW_GAZEBO.match(plugin.get("filename").strip()) for plugin in plugins)
-
-
-def _check_cpu_lidar(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
+def _check_cpu_lidar(sensor: GazeboSensor, rule: Rule) -> Iterator[Finding]:
     typed = sensor.element.attributes.get("type")
     if typed is not None and sensor.type in {"ray", "lidar"}:
         edits = edit_literal(typed, "gpu_lidar")
         yield rule.finding("cpu-lidar", at=typed, edits=edits, sensor=sensor.name, type=sensor.type)
 
 
-def _check_duplicate_topics(sensors: list[_GazeboSensor], rule: Rule) -> Iterator[Finding]:
+def _check_duplicate_topics(sensors: list[GazeboSensor], rule: Rule) -> Iterator[Finding]:
     """Report sensors of one type that publish under one name."""
     alike: dict[tuple[str, str], list[Element]] = {}
     for sensor in sensors:
@@ -194,10 +169,10 @@ def _check_duplicate_topics(sensors: list[_GazeboSensor], rule: Rule) -> Iterato
 
 
 def _check_duplicate_names(
-    sensors: list[_GazeboSensor], reduction: FixedJointReduction, rule: Rule
+    sensors: list[GazeboSensor], reduction: FixedJointReduction, rule: Rule
 ) -> Iterator[Finding]:
     """Report sensors with one name in one link of SDF, which drops all but the first."""
-    groups: dict[tuple[str, str], list[_GazeboSensor]] = {}
+    groups: dict[tuple[str, str], list[GazeboSensor]] = {}
     for sensor in sensors:
         if sensor.name and sensor.reference in reduction.body_by_link:
             groups.setdefault((reduction.body_by_link[sensor.reference], sensor.name), []).append(sensor)
@@ -216,7 +191,7 @@ def _check_duplicate_names(
 
 
 def _iter_unknown_collisions(
-    sensors: list[_GazeboSensor], reduction: FixedJointReduction
+    sensors: list[GazeboSensor], reduction: FixedJointReduction
 ) -> Iterator[_UnknownCollision]:
     names = {(shape.body, shape.name) for shape in reduction.collisions}
     names_by_link: dict[str, tuple[str, ...]] = {}

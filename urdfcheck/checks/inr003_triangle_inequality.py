@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import merge_identical
@@ -14,10 +14,11 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_triangle_excess,
     measure_tensor_rounding,
 )
-from urdfcheck.facts.inertials.mistakes.tensor_slips import find_filled_products
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.inertials.inertial_proposals import InertialProposal, propose_repair
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
+
+if TYPE_CHECKING:
+    from urdfcheck.model.inertials.inertial_proposals import InertialProposal
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
@@ -34,6 +35,9 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         excess = -compute_triangle_excess(declared.tensor)
         if not excess > rel_tol:  # INR004 covers a tensor whose largest moment is not positive
             continue
+        # Most models have no such tensor, and do without what a repair needs.
+        from urdfcheck.model.inertials.inertial_proposals import propose_repair
+
         whole = find_merged_body(model, declared.link)
         typed = measure_tensor_rounding(declared.texts, rel_tol)
         data = _collect_data(declared, excess, typed)
@@ -65,6 +69,8 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             **data,
         )
     if helpers:
+        from urdfcheck.facts.inertials.mistakes.tensor_slips import find_filled_products
+
         slips = {find_filled_products(declared.components, declared.texts) for declared in helpers}
         slip = slips.pop() if len(slips) == 1 else None
         yield rule.finding(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
@@ -16,10 +17,12 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     measure_tensor_rounding,
 )
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.inertials.inertial_proposals import propose_repair
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass
+
+if TYPE_CHECKING:
+    from urdfcheck.model.inertials.inertial_proposals import InertialProposal
 
 DIAGONAL = (0, 3, 5)
 PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
@@ -126,7 +129,7 @@ def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, 
     The edit drops their signs if that makes the tensor possible and no better repair is known.
     """
     declared, components = wrong.declared, wrong.declared.components
-    repair = propose_repair(model, declared.link)
+    repair = _propose_repair(model, declared)
     only_sign = _is_possible([abs(v) if i in DIAGONAL else v for i, v in enumerate(components)])
     message = "negative_sign" if only_sign and not repair.message else "negative"
     return rule.finding(
@@ -145,6 +148,13 @@ def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, 
     )
 
 
+def _propose_repair(model: Model, declared: DeclaredTensor) -> InertialProposal:
+    # Most models have no such tensor, and do without what a repair needs.
+    from urdfcheck.model.inertials.inertial_proposals import propose_repair
+
+    return propose_repair(model, declared.link)
+
+
 def _drop_signs(declared: DeclaredTensor, entries: Sequence[int]) -> list[Edit]:
     attributes = [declared.get_attribute(i) for i in entries]
     return edit_all_numbers((attribute, attribute.value.replace("-", "", 1)) for attribute in attributes)
@@ -152,7 +162,7 @@ def _drop_signs(declared: DeclaredTensor, entries: Sequence[int]) -> list[Edit]:
 
 def _build_product_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -> Finding:
     declared, components = wrong.declared, wrong.declared.components
-    repair = propose_repair(model, declared.link)
+    repair = _propose_repair(model, declared)
     # |Ixy| > sqrt(Ixx Iyy) alone makes the tensor indefinite; otherwise all three products together do.
     bounds = {i: (components[a] * components[b]) ** 0.5 for i, (a, b) in PRODUCTS.items()}
     worst = max(bounds, key=lambda i: abs(components[i]) - bounds[i])

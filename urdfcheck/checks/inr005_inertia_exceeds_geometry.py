@@ -16,7 +16,12 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
-from urdfcheck.model.inertials.inertial_proposals import describe_drawn_inertial, describe_mistake, propose_undo
+from urdfcheck.model.inertials.inertial_proposals import (
+    LARGEST_SOUND_MISMATCH,
+    describe_drawn_inertial,
+    describe_mistake,
+    propose_undo,
+)
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 
@@ -66,7 +71,12 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
 def _propose(model: Model, part: EnclosedInertial) -> tuple[InertialRepair | None, str, str]:
     """Return a repair, what the advice says about it, and the end of the message about its cause."""
     diagnosed = inertial_diagnoses(model).get(part.link.name)
-    if diagnosed is not None and diagnosed.diagnosis.at_fault and (undo := propose_undo(model, part.link)) is not None:
+    is_explained = (
+        diagnosed is not None
+        and diagnosed.diagnosis.at_fault
+        and diagnosed.diagnosis.mended_tensor_mismatch < LARGEST_SOUND_MISMATCH
+    )
+    if diagnosed is not None and is_explained and (undo := propose_undo(model, part.link)) is not None:
         mistake = describe_mistake(diagnosed.diagnosis.cause or "", diagnosed.diagnosis.detail)
         return undo, f"write {undo.words} if that is the mistake", f". One mistake explains it: {mistake}"
     is_known = has_drawn_shape(part.link) and len(part.readings) == 1

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array
-
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -16,13 +11,18 @@ import numpy as np
 
 from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
+from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
 
 # An equal mass is compared with the drawn geometry if at least this many links have it.
 _FEWEST = 4
@@ -54,6 +54,8 @@ class _PlaceholderInertial:
     declared: DeclaredTensor
     mass: float
     description: str
+    share: float
+    """Of the largest moment of the body that the link is part of."""
     misfit: _Misfit | None
     """None if the drawn shape is not known."""
 
@@ -94,7 +96,7 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
             if name in shares and shares[name][1] >= NEGLIGIBLE_SHARE:
                 declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
                 yield _PlaceholderInertial(
-                    declared, mass, description, misfit=_measure_misfit(model, declared, mass, factor)
+                    declared, mass, description, shares[name][1], misfit=_measure_misfit(model, declared, mass, factor)
                 )
 
 
@@ -158,7 +160,7 @@ def _build_tensor_finding(
             edits=_propose_edits(model, every),
             link=worst.declared.link.name,
             worst="" if len(names) == 1 else f"{worst.declared.link.name}: ",
-            severity=Severity.INFO if all(s.misfit is None or s.misfit.is_axial for s in known) else None,
+            severity=_judge_severity(model, known),
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),
@@ -168,6 +170,24 @@ def _build_tensor_finding(
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
+
+
+def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Severity | None:
+    """Return an error where a tensor is so large that no undrawn part makes up for it, and an info where only the moment of rods
+    about their own length is off; None: as the page says."""
+    if all(suspect.misfit is None or suspect.misfit.is_axial for suspect in known):
+        return Severity.INFO
+    return Severity.ERROR if any(_is_vast(model, suspect) for suspect in known) else None
+
+
+def _is_vast(model: Model, suspect: _PlaceholderInertial) -> bool:
+    """Whether the body would have a thousandth of its inertia with the tensor of the drawn part, if the drawing is that of a part
+    which can weigh as much."""
+    misfit, drawn = suspect.misfit, measure_link_geometry(model, suspect.declared.link)
+    if misfit is None or misfit.is_axial or drawn is None or misfit.expected >= max(suspect.declared.components):
+        return False
+    excess = suspect.share * (1.0 - 1.0 / suspect.factor)
+    return 1.0 - excess <= 1.0 / VAST and suspect.mass <= DENSEST * drawn.solid.volume
 
 
 def _rank_suspect(suspect: _PlaceholderInertial) -> tuple[bool, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from urdfcheck.core import Confidence, FactUnavailableError, Finding, Located, R
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import format_length, join_names, join_numbers
 from urdfcheck.facts.inertials.certainty import EXACT, FAR, VAST
+from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
     compute_mass_covariance,
@@ -19,6 +20,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     list_half_units,
 )
 from urdfcheck.facts.inertials.materials import DENSEST
+from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_proposals import (
@@ -30,7 +32,12 @@ from urdfcheck.model.inertials.inertial_proposals import (
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import (
+    describe_geometry_source,
+    explain_collision_stand_in,
+    has_up_axis_ambiguity,
+    measure_link_geometry,
+)
 from urdfcheck.source.text.xml import Attribute
 
 if TYPE_CHECKING:
@@ -59,6 +66,16 @@ NOTABLE, SIMILAR = 0.1, 1.33
 _MUCH_LESS = 0.25
 # A tensor so many times farther off than its principal moments is about other axes.
 _ROTATED = 1.5
+# Two fifths of the mass in a motor make a tensor differ by less from that of the drawn part (a share of its norm).
+_LUMPED = 0.4
+# The tensor that is left may differ by this share from the drawn part's where a mistake of the whole file is edited.
+_PROVEN = 0.1
+# A correction that changes the tensor by less than this part of it, and the COM by less than this part of the drawn part, or by
+# less than these metres, is worth an info: a motor or a cover changes as much.
+SLIGHT, SLIGHT_LENGTH = 0.05, 5e-3
+# Principal moments that agree in this share, of a part with its COM where it is drawn, are those of the part; moments that
+# differ by less than this share of the largest do not show their axes. The tensor differs by this share at least.
+_SAME_MOMENTS, _DISTINCT, _OTHER_AXES = 0.02, 0.1, 0.1
 # Causes that make a tensor too large or too small as a whole.
 SIZE_CAUSES = frozenset(
     {
@@ -122,14 +139,17 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
     habitual = _list_habitual_links(model)
     if habitual:
         yield _build_habit_finding(model, rule, habitual)
+    rotated = _find_rotated_tensors(model)
+    for name in rotated:
+        yield _build_axes_finding(model, rule, name, rotated)
     contradicted_links = find_contradicted_links(model)
     disputed = _find_disputed_units(model)
     for name, judged in inertial_diagnoses(model).items():
         tensor, diagnosis = model.tensor_by_name[name], judged.diagnosis
         if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged) or tensor.link in habitual:
             continue
-        if judged.is_habit and not _is_halved(diagnosis):
-            continue  # something else is wrong, too
+        if name in rotated or (judged.is_habit and not _shows_habit_alone(model, tensor.link, diagnosis)):
+            continue
         if diagnosis.cause is not None:
             by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
             if by_twin + unmirrored + (name in contradicted_links) < 2:
@@ -139,8 +159,12 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             and diagnosis.fits_geometry
             and max(diagnosis.tensor_mismatch, diagnosis.com_mismatch) > far
         ):
-            if diagnosis.com_mismatch <= far and _is_rounded_uniform(model, tensor, judged):
+            if diagnosis.com_mismatch <= far and (
+                _is_rounded_uniform(model, tensor, judged) or _is_placeholder(tensor, judged)
+            ):
                 continue
+            if explain_collision_stand_in(model, tensor.link) == "unread":
+                continue  # the shape of the part is not known
             if diagnosis.min_moment_ratio > concentrated or _is_light(model, tensor.link):
                 if _is_too_dense(model, tensor.link, judged):
                     continue
@@ -162,19 +186,32 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
 
 
 def _list_habitual_links(model: Model) -> list[Link]:
-    """List the links that have the mistake that most links of the file have, and of whose mismatch it makes at least half; none
-    where fewer than two are left to report."""
+    """List the links that have the mistake that most links of the file have, and of whose mismatch it makes at least half, or
+    that show it by themselves; none where fewer than two are left to report."""
     links = [
         model.link_by_name[name]
         for name, judged in inertial_diagnoses(model).items()
-        if judged.is_habit and _is_possible(judged) and _is_halved(judged.diagnosis)
+        if judged.is_habit and _is_possible(judged) and _shows_habit(model, model.link_by_name[name], judged.diagnosis)
     ]
     return links if len(links) > 1 else []
 
 
-def _is_halved(diagnosis: Diagnosis) -> bool:
-    """Whether undoing the mistake leaves less than half of the mismatch."""
+def _shows_habit(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
+    """Whether a link shows the mistake of its file: by itself, or because undoing it leaves less than half of the mismatch, and
+    the tensor of such a part."""
+    if diagnosis.unique:
+        return True
+    drawn, mended = measure_link_geometry(model, link), diagnosis.mended
+    left = 0.0 if drawn is None or mended is None else _measure_difference(mended, drawn)
+    if diagnosis.cause not in UNIT_CAUSES and left > _LUMPED:
+        return False
     return _measure_mismatch(diagnosis, is_mended=True) < 0.5 * _measure_mismatch(diagnosis, is_mended=False)
+
+
+def _shows_habit_alone(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
+    """Whether a link shows the mistake of its file, and not something else beside it. A unit that is left to one link has to
+    fit it exactly."""
+    return _shows_habit(model, link, diagnosis) and (diagnosis.cause not in UNIT_CAUSES or _is_proven(model, link))
 
 
 def _measure_mismatch(diagnosis: Diagnosis, *, is_mended: bool) -> float:
@@ -182,6 +219,57 @@ def _measure_mismatch(diagnosis: Diagnosis, *, is_mended: bool) -> float:
     if is_mended:
         return max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch)
     return max(diagnosis.tensor_mismatch, diagnosis.com_mismatch)
+
+
+def _is_placeholder(tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
+    """Whether the tensor was typed rather than computed: INR007 reports it where it matters."""
+    return describe_placeholder(judged.declared.mass, tensor.components) is not None
+
+
+def _find_rotated_tensors(model: Model) -> dict[str, float]:
+    """Return the links whose tensors have the principal moments of the drawn part about other axes, and no cause, each with the
+    share of the drawn part's tensor by which the two differ."""
+    rotated = {}
+    for name, judged in inertial_diagnoses(model).items():
+        diagnosis, declared, link = judged.diagnosis, judged.declared, model.link_by_name[name]
+        drawn = measure_link_geometry(model, link)
+        if (
+            diagnosis.cause is not None
+            or diagnosis.judged_by != "mesh"
+            or diagnosis.com_mismatch > NOTABLE
+            or diagnosis.tensor_mismatch < NOTABLE
+            or drawn is None
+            or not drawn.closed
+            or has_up_axis_ambiguity(model, [name])
+            or not _is_possible(judged)
+            or _is_light(model, link)
+        ):
+            continue
+        uniform = compute_solid_inertia(drawn.solid, declared.mass)
+        moments, expected = np.linalg.eigvalsh(declared.inertia), np.linalg.eigvalsh(uniform)
+        if np.abs(moments / expected - 1.0).max() < _SAME_MOMENTS and np.ptp(expected) > _DISTINCT * expected[-1]:
+            off = float(np.linalg.norm(declared.inertia - uniform) / np.linalg.norm(uniform))
+            if off > _OTHER_AXES:
+                rotated[name] = off
+    return rotated
+
+
+def _build_axes_finding(model: Model, rule: Rule, name: str, rotated: Mapping[str, float]) -> Finding:
+    """Report a tensor with the drawn part's principal moments about other axes."""
+    tensor, diagnoses = model.tensor_by_name[name], inertial_diagnoses(model)
+    others = [other for other in rotated if other != name]
+    others += [other for other, judged in diagnoses.items() if judged.diagnosis.cause == "axes_permuted"]
+    drawn = describe_drawn_inertial(model, tensor.link)
+    return rule.finding(
+        "axes",
+        at=tensor.element,
+        edit=f"write {drawn}, or export the tensor again in the axes of the link"
+        if drawn
+        else "export the tensor again",
+        percent=float(f"{100.0 * rotated[name]:.2g}"),
+        others=f". The tensors of {join_names(others)} are about other axes, too" if others else "",
+        **_collect_data(model, tensor.link, diagnoses[name]),
+    )
 
 
 def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Finding:
@@ -192,7 +280,8 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
     complete = [repair for repair in repairs if repair is not None and repair.edits]
     cause, detail = judged[0].diagnosis.cause or "", judged[0].diagnosis.detail
     is_vast = any(_is_vast(model, link, one) for link, one in zip(links, judged, strict=True))
-    edits = {edit.span: edit for repair in complete for edit in repair.edits} if len(complete) == len(links) else {}
+    is_proven = len(complete) == len(links) and all(_is_proven(model, link) for link in links)
+    edits = {edit.span: edit for repair in complete for edit in repair.edits} if is_proven else {}
     return build_group_finding(
         rule,
         "habit",
@@ -210,6 +299,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         mistake=describe_mistake(cause, detail),
         before=float(f"{_compute_median_mismatch(judged, is_mended=False):.2g}"),
         after=float(f"{_compute_median_mismatch(judged, is_mended=True):.2g}"),
+        better=_describe_median_agreement(model, links),
         edit="" if repairs[0] is None else repairs[0].words,
     )
 
@@ -217,6 +307,51 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
 def _compute_median_mismatch(judged: Sequence[DiagnosedInertial], *, is_mended: bool) -> float:
     """Return the median of how far the inertials are from the drawn parts; a tensor that no body has is infinitely far."""
     return float(np.median([_measure_mismatch(one.diagnosis, is_mended=is_mended) for one in judged]))
+
+
+def _is_proven(model: Model, link: Link) -> bool:
+    """Whether a mistake of the whole file leaves the tensor of the drawn part in this link, or shows by itself."""
+    diagnosis, drawn = inertial_diagnoses(model)[link.name].diagnosis, measure_link_geometry(model, link)
+    if diagnosis.unique:
+        return True
+    if diagnosis.mended is None or drawn is None:
+        return False
+    return _measure_difference(diagnosis.mended, drawn) <= _PROVEN
+
+
+def _describe_median_agreement(model: Model, links: Sequence[Link]) -> str:
+    """Describe how much nearer the numbers of links are to those of the drawn parts when their mistake is undone."""
+    shares, distances = [], []
+    for link in links:
+        judged, drawn = inertial_diagnoses(model)[link.name], measure_link_geometry(model, link)
+        if judged.diagnosis.mended is None or drawn is None:
+            continue
+        pair = (judged.declared, judged.diagnosis.mended)
+        shares.append([_measure_difference(numbers, drawn) for numbers in pair])
+        distances.append([float(np.linalg.norm(numbers.com - drawn.solid.com)) for numbers in pair])
+    if not shares:
+        return "they agree better with the drawn parts"
+    (before, after), (far, near) = np.median(shares, axis=0), np.median(distances, axis=0)
+    claims = []
+    if after < before:
+        claims.append(
+            f"the median tensor is {_format_share(after)} off the drawn part's instead of {_format_share(before)}"
+        )
+    if near < 0.5 * far:
+        claims.append(f"the median COM is {format_length(near)} off instead of {format_length(far)}")
+    return " and ".join(claims) or "they agree better with the drawn parts"
+
+
+def _measure_difference(numbers: DeclaredInertial, drawn: VisualGeometry) -> float:
+    """Measure how far a tensor is from that of the drawn part at the same mass, as a share of the latter (Frobenius norms)."""
+    uniform = compute_solid_inertia(drawn.solid, numbers.mass)
+    return float(np.linalg.norm(numbers.inertia - uniform) / np.linalg.norm(uniform))
+
+
+def _format_share(share: float) -> str:
+    if share < 1.0:
+        return f"{100.0 * share:.2g} %"
+    return f"{100.0 * share:.0f} %" if share < 10.0 else f"{float(f'{share:.3g}'):,.0f} times"
 
 
 def _find_disputed_units(model: Model) -> dict[str, str]:
@@ -284,7 +419,7 @@ def _build_cause_finding(
     elif others:
         message = "disputed"
     data = {**_collect_data(model, link, judged, is_certain=message == "exact"), "others": others}
-    mild = cause in MILD_CAUSES or _is_light(model, link)
+    mild = cause in MILD_CAUSES or _is_light(model, link) or _is_slight(model, link, judged)
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
@@ -294,6 +429,26 @@ def _build_cause_finding(
         severity=Severity.ERROR if _is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit="" if mended is None else mended.words,
         **data,
+    )
+
+
+def _is_slight(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether undoing the mistake changes next to nothing."""
+    declared, mended, drawn = judged.declared, judged.diagnosis.mended, measure_link_geometry(model, link)
+    if (
+        mended is None
+        or drawn is None
+        or judged.diagnosis.judged_by != "mesh"
+        or judged.diagnosis.cause == "mesh_scale"
+    ):
+        return False  # the scale of a mesh is not in the inertial
+    moved = float(np.linalg.norm(mended.com - declared.com))
+    changed = float(np.linalg.norm(mended.inertia - declared.inertia))
+    weight = abs(mended.mass - declared.mass)
+    return (
+        (moved < SLIGHT_LENGTH or moved < SLIGHT * measure_extent(drawn.points))
+        and changed < SLIGHT * float(np.linalg.norm(declared.inertia))
+        and weight < SLIGHT * declared.mass
     )
 
 
@@ -318,9 +473,10 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
 
 def _describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) -> str:
     """Say for a headline of which part the tensor is, by the direction in which it misses the drawn one most."""
-    drawn, declared = measure_link_geometry(model, link), judged.declared
+    drawn, declared, source = measure_link_geometry(model, link), judged.declared, describe_geometry_source(model, link)
     if drawn is None:
-        return "does not fit the drawn part"
+        return f"does not fit {source}"
+    which = "the drawn one" if source == "the drawn part" else "its collision shape"
     moments, uniform = (
         np.linalg.eigvalsh(t) for t in (declared.inertia, compute_solid_inertia(drawn.solid, declared.mass))
     )
@@ -329,16 +485,17 @@ def _describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) -
     variances, axes = np.linalg.eigh(drawn.solid.covariance)  # along the drawn part's axes, the longest last
     along = np.diag(axes.T @ compute_mass_covariance(declared.inertia, declared.mass) @ axes) / variances
     if along.max() < _MUCH_LESS:
-        return "fits a far smaller part than the drawn one"
+        return f"fits a far smaller part than {which}"
     least = int(along.argmin())
     is_rod = variances[1] < 0.5 * variances[2]
     word = "thinner" if least == 0 else "shorter" if least == 2 and is_rod else "narrower"
-    return f"fits a far {word} part than the drawn one"
+    return f"fits a far {word} part than {which}"
 
 
 def _collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_certain: bool = False) -> dict[str, Any]:
     declared, diagnosis = judged.declared, judged.diagnosis
     drawn = measure_link_geometry(model, link)
+    source = describe_geometry_source(model, link)
     moments, _ = compute_principal_moments(declared.inertia)
     expected = measured = size = apart = ""
     if drawn is not None:
@@ -356,7 +513,8 @@ def _collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_cer
         "fault": _describe_fault(
             diagnosis.cause or "", diagnosis.detail, size=size, apart=apart, is_certain=is_certain
         ),
-        "off": f", {apart} from the drawn part's" if apart else "",
+        "source": source,
+        "off": f", {apart} from {'the drawn part' if source == 'the drawn part' else 'the shape'}'s" if apart else "",
         "twins": join_names(judged.twins),
         "mass": f"{declared.mass:g}",
         "moments": join_numbers(moments, digits=3),
@@ -398,10 +556,11 @@ def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None)
     if diagnosis.mended_com_mismatch < diagnosis.com_mismatch - DIGITS:
         apart = format_length(float(np.linalg.norm(mended.com - drawn.solid.com)))
         left.append("the COM agrees" if diagnosis.mended_com_mismatch < DIGITS else f"the COM is {apart} off")
-    before, after = diagnosis.tensor_mismatch, diagnosis.mended_tensor_mismatch
-    if after < before - DIGITS:
-        falls = f"the mismatch of the tensor falls from {before:.2g} to {after:.2g}"
-        left.append("the tensor agrees" if after < DIGITS else falls)
+    before, after = (_measure_difference(numbers, drawn) for numbers in (judged.declared, mended))
+    is_own = diagnosis.cause not in MILD_CAUSES  # otherwise the numbers without the mistake come from the drawn part
+    if is_own and diagnosis.mended_tensor_mismatch < diagnosis.tensor_mismatch - DIGITS and after < before:
+        falls = f"the tensor is {_format_share(after)} off instead of {_format_share(before)}"
+        left.append("the tensor agrees" if diagnosis.mended_tensor_mismatch < DIGITS else falls)
     return " and ".join(left) or "the two agree better"
 
 

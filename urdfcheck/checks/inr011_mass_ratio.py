@@ -10,7 +10,6 @@ from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
-from urdfcheck.model.shapes.visual_solid import measure_links_volume
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,6 +84,8 @@ def _describe_suspects(model: Model, joint: Joint) -> str:
 
 
 def _has_implausible_density(model: Model, body: tuple[str, ...]) -> bool:
+    from urdfcheck.model.shapes.visual_solid import measure_links_volume  # most models need no volume here
+
     try:
         volume = measure_links_volume(model, [model.link_by_name[name] for name in body])
     except FactUnavailableError:  # meshes are not read

@@ -9,7 +9,6 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.model.shapes.bounds import compute_bounding_box
 
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
@@ -20,7 +19,7 @@ def check(model: Model, rule: Rule, *, least: float, most: float, unseen: float)
     total = sum(masses)
     if not masses:
         return
-    edge, is_seen = _measure_extent(model, unseen)
+    edge, is_seen = _measure_extent(model, unseen, enough=(total / DENSEST) ** (1 / 3))
     # A mesh that was not read may be larger than what is seen of the robot, but not in a robot of a hundred tonnes.
     if total > DENSEST * edge**3 and (is_seen or total > most):
         yield rule.finding(
@@ -46,19 +45,25 @@ def check(model: Model, rule: Rule, *, least: float, most: float, unseen: float)
         )
 
 
-def _measure_extent(model: Model, unseen: float) -> tuple[float, bool]:
+def _measure_extent(model: Model, unseen: float, *, enough: float) -> tuple[float, bool]:
     """Return the longest edge (m) of the box around the robot's frames and shapes, joints at zero, and whether it is certain.
 
-    If a mesh was not read, the edge is ``unseen`` times that of the others; inf if nothing shows a size.
+    If a mesh was not read, the edge is ``unseen`` times that of the others; inf if nothing shows a size, or if the frames alone
+    are ``enough`` (m) apart and the shapes make no difference.
     """
     try:
         frames = model.frames
     except FactUnavailableError:
         return math.inf, False
+    places = [frame[:3, 3] for frame in frames.values()]
+    if min(unseen, 1.0) * float(np.ptp(places, axis=0).max()) >= enough:
+        return math.inf, False
+    from urdfcheck.model.shapes.bounds import compute_bounding_box
+
     placed = [(s, frames[link.name]) for link in model.links for s in (*link.visuals, *link.collisions)]
     boxes = [compute_bounding_box(model, [item]) for item in placed]
     known = [box for box in boxes if box is not None]
-    corners = np.concatenate([*known, [frame[:3, 3] for frame in frames.values()]])
+    corners = np.concatenate([*known, places])
     extent = float(np.ptp(corners, axis=0).max())
     if not placed or not 0.0 < extent < math.inf:
         return math.inf, False

@@ -12,7 +12,6 @@ from urdfcheck.facts.inertials.materials import describe_density, format_density
 from urdfcheck.model import DeclaredMass, Model
 from urdfcheck.model.inertials.mesh_density import compute_mesh_density, find_tenfold_density
 from urdfcheck.model.shapes.solids import measure_link_solid
-from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity
 
 # kg/m³ of a part without a material -> the cause that names the programs.
 DEFAULTS = {1000.0: "unassigned", 7850.0: "steel"}
@@ -62,6 +61,10 @@ def _check_tenfold(
 ) -> Iterator[Finding]:
     """Report links that are ten times as dense as others: one program wrote both, and one of the two with another decimal
     point."""
+    if len(measured) < evidence:
+        return
+    from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity
+
     densities = {
         name: (model.mass_by_name[name], density)
         for name, density in measured.items()

@@ -11,10 +11,8 @@ from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
-from urdfcheck.model import Model
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
+from urdfcheck.model import CompleteInertial, Model
 from urdfcheck.model.inertials.reach import measure_own_size, measure_reach
-from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.parts import Link
 from urdfcheck.model.shapes.corners import collect_body_corners
 
@@ -42,7 +40,11 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
     least = measure_reach(model, with_shapes=False)
     if least is None:
         return
-    lengths = {name: pair for name in model.link_by_name if (pair := _measure_lengths(model, name)) is not None}
+    lengths = {
+        whole.link.name: pair
+        for whole in model.inertials
+        if model.link_by_name[whole.link.name] is whole.link and (pair := _measure_lengths(whole)) is not None
+    }
     if all(max(pair) <= share * least for pair in lengths.values()):
         return
     reach = measure_reach(model, with_shapes=True)
@@ -68,15 +70,13 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
                 yield _build_finding(rule, message, links, unit=unit, reach=reach, severity=severity)
 
 
-def _measure_lengths(model: Model, name: str) -> tuple[float, float] | None:
+def _measure_lengths(declared: CompleteInertial) -> tuple[float, float] | None:
     """Measure the distance of the COM from the link's frame, and the largest radius of gyration (m)."""
-    link = model.link_by_name[name]
-    declared = read_declared_inertial(link)
-    if declared is None or not declared.mass > 0 or is_massless_frame(link):
+    if not declared.mass > 0:
         return None
     with np.errstate(all="ignore"):
-        covariance = compute_mass_covariance(declared.inertia, declared.mass)
-        com = float(np.linalg.norm(declared.com))
+        covariance = compute_mass_covariance(declared.tensor_in_link, declared.mass)
+        com = float(np.linalg.norm(declared.pose[:3, 3]))
     if not (np.isfinite(covariance).all() and np.isfinite(com)):
         return None
     return com, max(0.0, float(np.linalg.eigvalsh(covariance)[-1])) ** 0.5
@@ -85,6 +85,11 @@ def _measure_lengths(model: Model, name: str) -> tuple[float, float] | None:
 def _is_unknown(model: Model, name: str, index: int) -> bool:
     """Whether it is not known how large the link's body is, and the link matters to how it moves; otherwise INR005 and INR006
     compare it with its geometry."""
+    # Few models have a link that is so far away: the others do without the geometry of inertials.
+    from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
+
+    if is_massless_frame(model.link_by_name[name]):
+        return False
     body = model.tree.list_body_links(name)
     shares = compute_body_shares(model, body).get(name)
     return collect_body_corners(model, body) is None and shares is not None and shares[index] >= NEGLIGIBLE_SHARE

@@ -52,7 +52,10 @@ def _is_degree_range(sizes: Sequence[float], least: float, most: float) -> bool:
 def _can_be_degree_range(sizes: Sequence[float], least: float, most: float) -> bool:
     """Whether an end would be beyond a turn in radians; enough in a robot with degrees elsewhere."""
     largest = max(sizes, default=0)
-    return math.tau < largest <= most and (largest >= least or all(size == round(size) for size in sizes))
+    if not math.tau < largest <= most:
+        return False
+    # 10 means "no limit" in radians too.
+    return largest >= least or all(size == round(size) and not _is_placeholder(size) for size in sizes if size)
 
 
 def _is_placeholder(size: float) -> bool:

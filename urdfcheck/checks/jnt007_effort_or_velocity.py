@@ -9,9 +9,12 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.source.text.grammar import is_attribute_missing
 
 _EFFORT_INTERFACE = "EffortJointInterface"
+# So many joints are a robot of which one joint can be the odd one.
+_MANY = 4
 # Hardware of ros2_control that a simulator provides.
 _SIMULATOR = re.compile(r"gazebo|gz_|ign_|mujoco|isaac", re.IGNORECASE)
 
@@ -41,9 +44,12 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     powerless = [joint for joint in driven if joint.get_limit_value("effort") == 0]
     simulated = _collect_simulated_motors(model)
     with_motor = [joint for joint in powerless if joint.name in simulated]
-    without = [joint for joint in powerless if joint.name not in simulated]
+    forgotten = [j for j in powerless if j not in with_motor and j.name not in still and _is_odd(j, powerless, driven)]
+    without = [joint for joint in powerless if joint not in with_motor and joint not in forgotten]
     if with_motor:
         yield _build_finding(rule, "effort-zero", "effort", with_motor)
+    if forgotten:
+        yield _build_finding(rule, "effort-odd", "effort", forgotten)
     # If no joint has either, the fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all
     # four, and this finding gives way to it.
     is_empty = len(without) == len(driven) > 1 and all(joint.name in still for joint in without)
@@ -51,9 +57,31 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     for is_locked in (True, False):
         if alike := [joint for joint in without if (joint.name in still and _is_locked(joint)) == is_locked]:
             yield _build_finding(rule, message, "effort", alike, severity=Severity.INFO)
-    if slow := [joint for joint in driven if joint.name in still and joint not in without]:
-        is_odd = any((joint.get_limit_value("velocity") or 0.0) > 0 for joint in driven)
+    is_odd = any((joint.get_limit_value("velocity") or 0.0) > 0 for joint in driven)
+    # A joint without effort has no motor, unless no joint has any: then nobody wrote the efforts.
+    unknown = is_odd and len(powerless) == len(driven)
+    if slow := [joint for joint in driven if joint.name in still and (unknown or joint not in without)]:
         yield _build_finding(rule, "velocity-zero", "velocity", slow, severity=None if is_odd else Severity.INFO)
+
+
+def _is_odd(joint: Joint, powerless: Sequence[Joint], driven: Sequence[Joint]) -> bool:
+    """Whether a joint without effort is like others that have one: those of its name elsewhere (``front_hip``, ``joint_3``), or
+    all of a robot.
+
+    Joints with springs and casters come in pairs at least, and all of them have none.
+    """
+    name = _strip_place(joint)
+    like = [
+        other for other in driven if other is not joint and other.type == joint.type and _strip_place(other) == name
+    ]
+    if like:
+        return not any(other in powerless for other in like)
+    return len(driven) >= _MANY and len(powerless) == 1 and joint.type != "continuous"
+
+
+def _strip_place(joint: Joint) -> tuple[str, ...]:
+    """Return the words of a name without places and numbers."""
+    return tuple(word for word in remove_places(joint.name) if not word.isdigit())
 
 
 def _is_locked(joint: Joint) -> bool:

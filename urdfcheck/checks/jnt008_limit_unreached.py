@@ -16,6 +16,9 @@ _ENDLESS = 1e6
 _TURN = 0.99 * math.tau
 # A limb; a lone steering joint with limits is not one.
 _LEAST_STOPS = 3
+# Which is likelier is named first.
+_LIMB_REPAIR = "make the joint revolute, or delete lower and upper if it has no stop"
+_WHEEL_REPAIR = "delete lower and upper, or make the joint revolute if it has a stop"
 
 
 def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
@@ -31,7 +34,7 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
     for message, joints in joints_by_message.items():
         if joints:
             is_limb = message == "continuous" and _are_stops(model, joints)
-            yield _build_limits_finding(rule, message, joints, severity=Severity.WARNING if is_limb else None)
+            yield _build_limits_finding(rule, message, joints, is_limb=is_limb)
 
 
 def _are_stops(model: Model, joints: Sequence[Joint]) -> bool:
@@ -43,18 +46,19 @@ def _are_stops(model: Model, joints: Sequence[Joint]) -> bool:
     return stops >= _LEAST_STOPS and 2 * stops > len(rotating)
 
 
-def _build_limits_finding(rule: Rule, message: str, joints: list[Joint], *, severity: Severity | None) -> Finding:
+def _build_limits_finding(rule: Rule, message: str, joints: list[Joint], *, is_limb: bool) -> Finding:
     """Report similar joints together: they come from one template or one exporter's default."""
     lower, upper = joints[0].get_limit_value("lower"), joints[0].get_limit_value("upper")
     return build_group_finding(
         rule,
         message,
         [joint.limit for joint in joints if joint.limit is not None],
-        severity=severity,
+        severity=Severity.WARNING if is_limb else None,
         joints=join_names(joint.name for joint in joints),
         count=format_count(len(joints), "joint"),
         verb="has" if len(joints) == 1 else "have",
         lower=lower,
         upper=upper,
+        repair=_LIMB_REPAIR if is_limb else _WHEEL_REPAIR,
         turns=((upper or 0) - (lower or 0)) / math.tau,
     )

@@ -14,7 +14,7 @@ from urdfcheck.core.text import format_point
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
 from urdfcheck.model import Inertial, Joint, Link, Model, Shape
-from urdfcheck.model.ground.wheels import WHEEL_CARRIER_NAME, WHEEL_NAME, rolling_wheels
+from urdfcheck.model.ground.wheels import LEVEL, WHEEL_CARRIER_NAME, WHEEL_NAME, Wheel, rolling_wheels
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
@@ -232,9 +232,26 @@ def _swap_moments(inertial: Inertial, own: Array, axis: Array) -> list[Edit]:
 
 
 def _choose_axis_sign(model: Model, joint: Joint, axis: Array) -> float:
-    """Return the sign that turns an axis of the joint's child to the robot's left, or along +x or +z if it is nearer to that."""
-    rotated = model.frames[joint.child][:3, :3] @ axis
+    """Return the sign that turns an axis of the joint's child to where those of the other wheels point.
+
+    Where left and right differ, those on its side count. Without such wheels it is turned to the robot's left, or along +x or
+    +z if it is nearer to that.
+    """
+    frame = model.frames[joint.child]
+    rotated = frame[:3, :3] @ axis
+    others = [w for w in rolling_wheels(model) if w.joint is not joint and measure_line_angle(w.axis, rotated) < LEVEL]
+    for group in (others, [w for w in others if _is_on_one_side(model, joint, w.joint, rotated, others)]):
+        signs = {math.copysign(1.0, float(wheel.axis @ rotated)) for wheel in group}
+        if len(signs) == 1:
+            return signs.pop()
     return math.copysign(1.0, float(rotated[int(np.abs(rotated).argmax())]))
+
+
+def _is_on_one_side(model: Model, one: Joint, other: Joint, across: Array, wheels: Sequence[Wheel]) -> bool:
+    """Whether two of the wheels are on one side of their middle, along a direction (3,) in root coordinates."""
+    middle = float(np.mean([model.frames[wheel.joint.child][:3, 3] @ across for wheel in wheels]))
+    first, second = (float(model.frames[joint.child][:3, 3] @ across) - middle for joint in (one, other))
+    return first * second > 0
 
 
 def _format_axis(axis: Array) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
@@ -14,6 +15,7 @@ _SHOWN = 12
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     children = {joint.child for joint in model.joints}
     rooted = any(link.name not in children for link in model.links)
+    repeated = {name for name, count in Counter(link.name for link in model.links).items() if count > 1}
     loss = "drops the loop without a message" if rooted else "refuses the file: no root link found"
     for loop in KinematicGraph.from_model(model).find_loops():
         closing = loop[-1]
@@ -27,4 +29,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joint=closing.name,
             loop=" → ".join([*shown, links[0]]),
             links=links,
+            # Which of two links of one name a joint means is open: the loop may be that mistake only.
+            between=[f"link[{name}]" for name in links if name in repeated],
         )

@@ -29,8 +29,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not bodies or any(_has_mass(links) for links in bodies.values()):
         return
     head, links = next(iter(bodies.items()))
-    moving = {joint.name for link in links for joint in model.tree.child_joints[link.name]}
-    joints = join_names(joint.name for joint in model.joints if joint.name in moving and joint.type != "fixed")
     yield rule.finding(
         "vanishes",
         at=links[0],
@@ -38,8 +36,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         with_it=f" (with {join_names(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",
         count=len(model.links),
         mass=sum(declared.mass for declared in model.masses),
-        joints=joints,
-        now=f" (now attached by {joints})" if joints else "",
     )
 
 

@@ -96,7 +96,7 @@ def _build_collision_finding(model: Model, rule: Rule, message: str, meshes: Seq
         message,
         at=at,
         related=related,
-        severity=Severity.INFO if message == "shared" else None,
+        severity=Severity.INFO,
         meshes=f"{len(meshes)} collision meshes are" if several else f"collision mesh {worst.filename.value} is",
         which=f"{len(meshes)} collision meshes are" if several else f"mesh {worst.name} is",
         edges=format_large_count(open_edges, "open edge"),

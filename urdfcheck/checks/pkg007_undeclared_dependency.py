@@ -37,7 +37,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     declared = {package.name, *package.dependencies}
     undeclared: dict[str, list[PackageMention]] = {}
     for mention in read_package_contents(package).mentions:
-        if mention.package not in declared:
+        if mention.package not in declared and not mention.optional:
             undeclared.setdefault(mention.package, []).append(mention)
     covered = _collect_dependencies(package, package.dependencies) if undeclared else set()
     parts = tuple(prefix for name in package.dependencies for prefix in _PARTS_OF.get(name, (f"{name}_",)))

@@ -19,7 +19,7 @@ from urdfcheck.facts.likeness.symmetry import (
     is_axis_renaming,
     measure_rotation_angle,
 )
-from urdfcheck.facts.motion.kinematics import matrix_to_rpy
+from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.likeness.sibling_joints import find_common_base, sibling_joints, trace_fixed_chain
@@ -237,7 +237,7 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
             **data,
         )
     at = locate_origin_attribute(correction.joint, "rpy")
-    rpy = [_snap_angle(angle) for angle in matrix_to_rpy(correction.expected)]
+    rpy = find_nearest_rpy(correction.expected, correction.joint.origin.rpy)
     data["expected"] = " ".join(_format_angle(angle, xacro=False) for angle in rpy)
     attribute, definitions = correction.joint.origin.get_attribute("rpy"), list_definitions(correction.joint, "rpy")
     around = [locate_origin_attribute(other, "rpy") for other in correction.counterparts]
@@ -332,6 +332,30 @@ def _describe_com_offset(model: Model, joint: Joint) -> str:
     com, axis = np.array(inertial.origin.xyz), np.array(joint.axis) / np.linalg.norm(joint.axis)
     distance = float(np.linalg.norm(com - (com @ axis) * axis))
     return f", its COM ({format_length(distance, micrometres=True)} off the axis)" if distance > 1e-9 else ""
+
+
+def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[float]:
+    """Return the angles of a rotation (3, 3), with two of the author's three where those do.
+
+    Near a pitch of 90° many angles are one rotation.
+    """
+    rpy = [_snap_angle(angle) for angle in matrix_to_rpy(rotation)]
+    if typed is None or sum(abs(a - b) > ANGLE_TOLERANCE for a, b in zip(rpy, typed, strict=True)) < 2:
+        return rpy
+    best, least = rpy, ANGLE_TOLERANCE
+    roll, pitch, yaw = (rpy_to_matrix(np.eye(3)[slot] * typed[slot]) for slot in range(3))
+    # The rotation is yaw @ pitch @ roll: what is left of it without the two that stay.
+    for slot, left in (
+        (0, (yaw @ pitch).T @ rotation),
+        (1, yaw.T @ rotation @ roll.T),
+        (2, rotation @ (pitch @ roll).T),
+    ):
+        kept = [float(angle) for angle in typed]
+        kept[slot] = _snap_angle(matrix_to_rpy(left)[slot])
+        off = measure_rotation_angle(rpy_to_matrix(kept), rotation)
+        if off < least:
+            best, least = kept, off
+    return best
 
 
 def _snap_angle(angle: float) -> float:

@@ -23,11 +23,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not against:
         return
     odd, rest = _pick_outliers(along, against)
+    # Of equally many either may be meant, and a controller may negate one side: nothing is edited then.
+    are_equal = len(odd) == len(rest)
     yield rule.finding(
-        "opposed" if len(odd) == len(rest) else "minority",
+        "opposed" if are_equal else "minority",
         at=odd[0].joint.axis_location,
         related=[wheel.joint.axis_location for wheel in (*odd[1:], *rest)],
-        edits=_propose_edits(odd),
+        edits=() if are_equal else _propose_edits(odd),
         odd=_join_joint_names(odd),
         rest=_join_joint_names(rest),
         odd_axis=format_point(odd[0].axis, decimals=3),

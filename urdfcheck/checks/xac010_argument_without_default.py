@@ -23,7 +23,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             find_argument_choices,
         )  # loaded only if an argument is missing
 
-        known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
+        known = {choice.name: choice.existing_values for choice in find_argument_choices(source.path, source.finder)}
         options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)
         yield rule.finding(
             "too-late" if declared else "missing",

@@ -99,9 +99,15 @@ def _describe_consequences(message: str, parent: str, places: list[Element]) -> 
 
 
 def _holds_zeros(element: Element) -> bool:
-    """Whether an element holds only zeros, as nearly all defaults are: then nothing is lost with it."""
+    """Whether an element holds only zeros, as nearly all defaults are, or is empty: then nothing is lost with it."""
+    if _is_empty(element):
+        return True
     words = [word for inner in element.walk() for a in inner.attributes.values() for word in a.value.split()]
     return bool(words) and all(parse_number(word) == 0 for word in words)
+
+
+def _is_empty(element: Element) -> bool:
+    return not element.attributes and not element.children and not element.text.strip()
 
 
 def _is_unknown_element(parent: str, child: Element) -> bool:
@@ -117,7 +123,8 @@ def _classify_element(parent: str, child: Element) -> tuple[str, Severity, dict[
     homes = [home for home, children in CHILDREN.items() if child.tag in children and home != "robot"]
     if homes:
         listed = " or ".join(f"<{home}>" for home in homes)
-        return "misplaced", Severity.WARNING, {"homes": listed}
+        repair = "delete it: it is empty" if _is_empty(child) else f"move it into {listed}"
+        return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
     if parent == "geometry":
         return "shape", Severity.ERROR, {}
     if parent == "robot":

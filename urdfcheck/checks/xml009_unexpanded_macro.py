@@ -33,13 +33,27 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         return
     if has_unbound_xacro(source):
         return  # XML001: xacro cannot read it either
-    left = [place for element in root.walk() for place in _find_unexpanded_xacro(element)]
-    if left:
-        yield _build_plain_finding(source, rule, left)
+    in_gazebo = {id(inner) for block in root.find_children("gazebo") for inner in block.walk()}
+    read, unread = (
+        [
+            place
+            for element in root.walk()
+            if (id(element) in in_gazebo) == inside
+            for place in _find_unexpanded_xacro(element)
+        ]
+        for inside in (False, True)
+    )
+    if read or unread:
+        yield _build_plain_finding(source, rule, [*read, *unread], has_read=bool(read))
 
 
-def _build_plain_finding(source: Source, rule: Rule, left: list[tuple[Location, str, bool]]) -> Finding:
-    """Report all xacro of a plain URDF together; as a note if the launch files of its package replace all of it."""
+def _build_plain_finding(
+    source: Source, rule: Rule, left: list[tuple[Location, str, bool]], *, has_read: bool
+) -> Finding:
+    """Report all xacro of a plain URDF together; as a note if the launch files of its package replace all of it.
+
+    :param has_read: whether URDF parsers read some of it: they ignore what is in <gazebo>.
+    """
     from urdfcheck.source.launch.passed_arguments import find_replaced_texts  # few models need it
 
     replaced = find_replaced_texts(source.path, source.finder)
@@ -48,6 +62,9 @@ def _build_plain_finding(source: Source, rule: Rule, left: list[tuple[Location, 
     counts = ((tags, "xacro element"), (len(remaining or left) - tags, "substitution"))
     held = " and ".join(format_count(count, what) for count, what in counts if count)
     where, text, _ = (remaining or left)[0]
+    if remaining and not has_read:
+        text = _shorten_expression(text)
+        return rule.finding("gazebo", at=where, severity=Severity.WARNING, text=text, held=held)
     if remaining:
         return rule.finding(
             "not_expanded",

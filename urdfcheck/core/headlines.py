@@ -24,6 +24,12 @@ _LAST_BRACKETS = re.compile(r" \([^()]*\)$")
 _LAST_LIST = re.compile(r": \{(\w+)\}$")
 _FIRST_LIST = re.compile(r"\{((link|joint)s?)\}: ")
 _BRACKETS = re.compile(r" \([^()]*\)")
+# A value that ends with the verb of the headline, as it depends on a number: `meshes a.dae, b.dae declare`.
+_ENDING_VERB = re.compile(r" (?:is|are|has|have|declares?|refers?)$")
+# What a headline leaves out, counted: ` (+7 joints)`.
+_COUNTED = re.compile(r" \(\+\d+ \w+\)")
+# A hint in brackets at the end that is left out rather than that the names before it lose so many letters.
+_MOST_LOST = 20
 _NAMES = re.compile(rf"{_NAME.pattern}(?:(?:, {_NAME.pattern})+(?:{_MORE.pattern})?|{_MORE.pattern})")
 
 
@@ -31,7 +37,7 @@ def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_H
     """Fill a template of ``[headlines]``, and shorten its longest texts until the whole has at most ``limit`` characters.
 
     Lists lose names and paths lose folders (`drop_parts`); if that is not enough, texts are cut (`cut_text`). The words of the
-    template stay.
+    template stay, and the verb at the end of a value.
 
     :raises KeyError: if ``data`` lacks a value of the template.
     """
@@ -41,8 +47,9 @@ def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_H
     for shorten in (drop_parts, cut_text):
         if shorten is cut_text and len(headline) > limit:
             # A name in pieces and a number without its end say less than a claim without them.
-            template = _leave_out(template, texts, limit - len(headline))
-            headline = _fill_line(template, values | texts)
+            shorter = _leave_out(template, texts, limit - len(headline))
+            if shorter != template:
+                return fill_headline(shorter, data, limit)
         most = min(max(map(len, texts.values()), default=0), limit)
         whole = texts
         while len(headline) > limit and most > _SHORTEST_VALUE:
@@ -70,7 +77,7 @@ def _leave_out(template: str, texts: Mapping[str, str], missing: int) -> str:
     """Leave out of a template what would be cut: a number in brackets at its end, the list at its end, which other lines have,
     or count the list at its beginning."""
     found = _LAST_BRACKETS.search(template)
-    if found is not None and not any(f"{{{key}}}" in found[0] for key in texts):
+    if found is not None and (missing < -_MOST_LOST or not any(f"{{{key}}}" in found[0] for key in texts)):
         return template[: found.start()]
     found = _LAST_LIST.search(template)
     names = texts.get(found[1], "") if found is not None else ""
@@ -105,7 +112,7 @@ def fill_joint_headline(
     """
     about = _ABOUT.fullmatch(template)
     if about is not None and _is_named(about[1], data, names):
-        claim = _BRACKETS.sub(lambda found: found[0] if _is_same(found[0], data) else "", about[2])
+        claim = _BRACKETS.sub(lambda found: "" if _is_other_number(found[0], data) else found[0], about[2])
         if _is_same(claim, data):
             everything = list(dict.fromkeys(name for some in names for name in some))
             named = fill_headline(f"{{{about[1]}}}: {claim}", {**data[0], about[1]: join_names(everything)})
@@ -124,6 +131,11 @@ def format_more_places(count: int) -> str:
 def _is_named(key: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]]) -> bool:
     """Whether a value is nothing but the names of the elements that a finding is about, for each finding."""
     return all(some and values[key] in (some[0], join_names(some)) for values, some in zip(data, names, strict=True))
+
+
+def _is_other_number(template: str, data: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a template says different numbers of the findings; different words, such as a cause, are part of a claim."""
+    return not _is_same(template, data) and any(re.search("[0-9]", template.format_map(values)) for values in data)
 
 
 def _is_same(template: str, data: Sequence[Mapping[str, Any]]) -> bool:
@@ -187,6 +199,11 @@ def cut_text(text: str, most: int) -> str:
     `` and 4 more``."""
     if len(text) <= most:
         return text
+    if _COUNTED.fullmatch(text):
+        return text
+    verb = _ENDING_VERB.search(text)
+    if verb is not None:
+        return cut_text(text[: verb.start()], most - len(verb[0])) + verb[0]
     more = _MORE.search(text)
     if more is not None and _NAMES.fullmatch(text):
         first, room = text[: more.start()], most - len(more[0])

@@ -45,12 +45,17 @@ class KinematicGraph:
         return cls(tuple(links), tuple(edges), tuple(broken))
 
     def guess_link(self, role: str, name: str) -> str | None:
-        """Return the link that an unknown ``name`` probably means; for a child, links without a parent come first."""
+        """Return the link that an unknown ``name`` probably means; for a child, links without a parent come first.
+
+        A macro may name its links below the name that it is given: the part ``wheel_1`` then begins with ``wheel_1/body``.
+        """
         if len(self.links) > _MOST_COMPARED or len(name) > _LONGEST_COMPARED:
             return None
         child_names = {joint.child for joint in (*self.edges, *self.broken)}
         unused = [link for link in self.links if link not in child_names]
-        return (_find_misspelt(name, unused) if role == "child" else None) or _find_misspelt(name, self.links)
+        if role == "child" and (near := _find_misspelt(name, unused) or _find_below(name, unused)):
+            return near
+        return _find_misspelt(name, self.links)
 
     def map_parent_joints(self) -> Mapping[str, tuple[Joint, ...]]:
         """Return the joints that have each link as their child."""
@@ -121,6 +126,12 @@ def _find_misspelt(name: str, known: Iterable[str]) -> str | None:
         if _strip_to_letters(name) == _strip_to_letters(k) or _is_similar(_split_words(name), _split_words(k))
     ]
     return max(alike, key=lambda k: difflib.SequenceMatcher(None, name, k).ratio(), default=None)
+
+
+def _find_below(name: str, known: Iterable[str]) -> str | None:
+    """Return the only known name below ``name``: ``wheel/body`` for ``wheel``."""
+    below = [k for k in known if k.startswith(f"{name}/")]
+    return below[0] if len(below) == 1 else None
 
 
 def _is_similar(one: list[str], other: list[str]) -> bool:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location, Span
 from urdfcheck.source.package.file_kinds import is_xacro as has_xacro_name
@@ -15,6 +16,9 @@ from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml, restore_breaks
 from urdfcheck.system.encodings import is_utf_8
+
+if TYPE_CHECKING:
+    from xml.dom import minidom
 
 _USES_XACRO = re.compile(r"<xacro:|\$\{|\$\((?:find|arg|eval|env|optenv|dirname)\b")
 # What xacro writes into its results.
@@ -48,6 +52,8 @@ class Source:
     """The places of definitions that conditions, texts and names of files read."""
     environment: frozenset[str] = frozenset()
     """Environment variables that xacro may read besides those of ROS."""
+    document: minidom.Document | None = None
+    """What xacro made of a xacro file, with its comments; None if xacro was not asked or failed."""
     found_arguments: Mapping[str, Location] = field(default_factory=dict)
     """The arguments that were not given, with the places in launch files that they were found at."""
 
@@ -106,12 +112,14 @@ def load_source(
     arguments_read: frozenset[str] = frozenset()
     loose_reads: frozenset[Span] = frozenset()
     found_arguments: dict[str, Location] = {}
+    document: minidom.Document | None = None
     if root is not None and is_xacro:
         from urdfcheck.source.found_arguments import expand_with_found_arguments
 
         complete = expand_with_found_arguments(path, arguments, finder, environment=environment, launches=launches)
         expansion, arguments = complete.expansion, complete.arguments
         found_arguments = {name: argument.location for name, argument in complete.found.items()}
+        document = expansion.document
         root, problems = expansion.root, [*problems, *expansion.problems]
         files.update(expansion.files)
         trees.update(expansion.trees)
@@ -133,6 +141,7 @@ def load_source(
         arguments_read=arguments_read,
         loose_reads=loose_reads,
         environment=environment,
+        document=document,
         found_arguments=found_arguments,
     )
 

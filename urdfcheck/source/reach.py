@@ -11,8 +11,11 @@ from pathlib import Path
 
 # The folders that make up one robot without a package.xml or a repository around them (robot/urdf/robot.urdf, robot/meshes/).
 _PARTS = frozenset({
-    *("config", "launch", "materials", "media", "meshes", "mesh", "rviz", "sdf", "srdf", "textures", "urdf", "urdfs", "xacro"),
+    *("assets", "config", "gazebo", "launch", "materials", "media", "mesh", "meshes", "mjcf", "mujoco", "robots", "ros2_control"),
+    *("rviz", "sdf", "srdf", "stl", "textures", "urdf", "urdfs", "usd", "worlds", "xacro", "xml"),
 })  # fmt: skip
+# One of these words makes a longer name that of a robot's part (basic_urdf, visual_meshes).
+_PART_WORDS = frozenset({"mesh", "meshes", "mjcf", "stl", "textures", "urdf", "urdfs", "xacro"})
 _TEMPORARY = ("/tmp", "/var/tmp", "/dev/shm")
 # The one hidden file that belongs to a robot: what the MoveIt Setup Assistant was told.
 _VISIBLE = f"{os.sep}.setup_assistant"
@@ -118,17 +121,22 @@ def _resolve_all(folders: tuple[str, ...]) -> frozenset[str]:
 def _list_sibling_parts(folder: Path) -> list[Path]:
     """Return the folders beside one that make up a robot with it; none if anything else is there."""
     above = folder.parent
-    if folder.name.lower() not in _PARTS or is_shared_by_all(above) or _is_writable_by_others(above):
+    if not _is_part_of_robot(folder.name) or is_shared_by_all(above) or _is_writable_by_others(above):
         return []
     try:
         with os.scandir(above) as entries:
             beside = [entry for entry in entries if not entry.name.startswith(".")]
         # A linked folder may be anything.
         folders = [above / entry.name for entry in beside if entry.is_dir(follow_symlinks=False)]
-        is_robot = all(entry.name.lower() in _PARTS for entry in beside if entry.is_dir())
+        is_robot = all(_is_part_of_robot(entry.name) for entry in beside if entry.is_dir())
     except OSError:
         return []
     return sorted(other for other in folders if other != folder) if is_robot else []
+
+
+def _is_part_of_robot(name: str) -> bool:
+    words = name.lower()
+    return words in _PARTS or not _PART_WORDS.isdisjoint(words.replace("-", "_").split("_"))
 
 
 def _is_writable_by_others(folder: Path) -> bool:

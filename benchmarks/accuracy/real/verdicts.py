@@ -61,10 +61,19 @@ def list_keys(run: Run) -> dict[Key, Severity]:
 
 
 def find_new(before: Mapping[Key, Severity], after: Run) -> list[tuple[Finding, set[str]]]:
-    """Find what is reported at warning or above and was not before, or not as severely, with the subjects."""
+    """Find what is reported at warning or above and was not before, or not as severely, with the subjects.
+
+    A cause that was named before in another message is not new: the robot had that mistake.
+    """
+    causes: dict[tuple[str, str, str], Severity] = {}
+    for (code, _, cause, subject), severity in before.items():
+        if cause:
+            causes[code, cause, subject] = max(severity, causes.get((code, cause, subject), severity))
     new: dict[int, tuple[Finding, set[str]]] = {}
     for finding, key, severity in _iter_keys(after):
-        if severity >= Severity.WARNING and before.get(key, Severity.INFO) < severity:
+        code, _, cause, subject = key
+        known = max(before.get(key, Severity.INFO), causes.get((code, cause, subject), Severity.INFO))
+        if severity >= Severity.WARNING and known < severity:
             new.setdefault(id(finding), (finding, set()))[1].add(key[3])
     return list(new.values())
 
@@ -95,7 +104,7 @@ def judge(
             verdict.lines.append(f"elsewhere: {describe(finding)}")
             continue
         verdict.found = True
-        text = "\n".join(_list_texts(finding))
+        text = "\n".join(list_texts(finding))
         repaired = _is_repaired(sound, texts, finding)
         if repaired is not None and not (kind.is_lossy and not repaired):
             verdict.edit = "wrong" if not repaired or verdict.edit == "wrong" else "right"
@@ -116,7 +125,8 @@ def describe(finding: Finding) -> str:
     return f"{finding.code} {finding.message_id} {finding.severity} {finding.confidence}: {finding.headline}{cause}"
 
 
-def _list_texts(finding: Finding) -> Iterator[str]:
+def list_texts(finding: Finding) -> Iterator[str]:
+    """Yield what a finding says to its reader."""
     yield finding.headline
     yield finding.message
     if finding.cause is not None:

@@ -40,6 +40,8 @@ _COARSE = frozenset(
 _UNITS = frozenset({"inertia_unit", "mass_unit", "units"})
 # Units that differ are told apart by the size alone: it shows one only if all moments of the part have one ratio, to 5 %.
 _ONE_RATIO = 0.1
+# A unit that changes mass or tensor by less is no more than what a motor does, where more than this is left of the mismatch.
+_SMALL_UNIT, _SMALL_UNIT_FITS = 5.0, 0.25
 # A tensor so many times that of the part is wrong whatever is inside. Where a unit is wrong by the square of it, it no longer
 # counts what is left of the mismatch, nor whether the COM is that of a uniform part.
 VAST = 1e3
@@ -53,23 +55,30 @@ def can_be_named(
         return False
     if ranking.best.id in _PRECISE and len({_name_changed_number(mistake) for mistake in ranking.contenders}) > 1:
         return False
-    if ranking.best.id in _UNITS and not _shows_unit(declared, reference, ranking):
+    is_of_file = habit is not None and ranking.best.id == habit.id
+    if ranking.best.id in _UNITS and not _shows_unit(declared, reference, ranking, is_of_file=is_of_file):
         return False
     least = TWIN_LIKE if reference.twin is not None else EFFECT
-    if habit is not None and ranking.best.id == habit.id:
+    if is_of_file:
         least = min(least, EXACT)
     return (
-        _is_convincing(ranking, reference, is_habit=habit is not None and ranking.best.id == habit.id)
+        _is_convincing(ranking, reference, is_habit=is_of_file)
         and _measure_effect(declared, ranking.numbers[0], ranking.best.factor) > least
     )
 
 
-def _shows_unit(declared: DeclaredInertial, reference: Reference, ranking: Ranking) -> bool:
+def _shows_unit(
+    declared: DeclaredInertial, reference: Reference, ranking: Ranking, *, is_of_file: bool = False
+) -> bool:
     """Whether the numbers are those of the part in another unit: not one number in place of three moments, which no unit makes
-    of a part that is not round, and not a size that several units explain where the moments have no common ratio."""
+    of a part that is not round, and not a size that several units explain where the moments have no common ratio. A unit as small
+    as a pound has to leave the part's own numbers, unless the whole file has it (``is_of_file``): mass that is not drawn changes
+    as much."""
     tensor = declared.tensor
     is_identity = bool((tensor == tensor[0, 0] * np.eye(3)).all())
     if is_identity and float(ranking.fit.tensor_mismatch[0]) > EFFECT:
+        return False
+    if not is_of_file and reference.twin is None and _leaves_another_part(ranking, 0):
         return False
     contenders = np.flatnonzero((ranking.leads <= MARGIN) & [m.id in _UNITS for m in ranking.mistakes])
     sizes = np.trace(ranking.numbers.tensor[contenders], axis1=1, axis2=2) / ranking.numbers.mass[contenders]
@@ -78,6 +87,15 @@ def _shows_unit(declared: DeclaredInertial, reference: Reference, ranking: Ranki
     white = reference.whitening
     ratios = np.linalg.eigvalsh(white @ compute_mass_covariance(declared.inertia, declared.mass) @ white)
     return bool(ratios[0] > 0.0 and ratios[-1] < (1.0 + _ONE_RATIO) * ratios[0])
+
+
+def _leaves_another_part(ranking: Ranking, row: int) -> bool:
+    """Whether undoing a unit as small as a pound leaves a tensor that is not the part's: a motor changes as much."""
+    if ranking.mistakes[row].id not in _UNITS or not float(ranking.fit.tensor_mismatch[row]) > _SMALL_UNIT_FITS:
+        return False
+    rows = [ranking.no_mistake, row]
+    sizes = np.trace(ranking.numbers.tensor[rows], axis1=1, axis2=2) / ranking.numbers.mass[rows]
+    return bool((sizes > 0.0).all()) and abs(math.log(float(sizes[0] / sizes[1]))) < math.log(_SMALL_UNIT)
 
 
 def _is_convincing(ranking: Ranking, reference: Reference, *, is_habit: bool = False) -> bool:

@@ -34,6 +34,7 @@ from urdfcheck.facts.inertials.inertial_fit import (
     measure_fit,
     measure_inertial_mismatch,
 )
+from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.facts.inertials.mistakes.file_habits import HABITS, Evidence, Habit
 from urdfcheck.facts.inertials.mistakes.mistake import Mistake, Suspect
 from urdfcheck.facts.inertials.ranking import Ranking, get_mistake_family, rank_explanations
@@ -43,6 +44,11 @@ if TYPE_CHECKING:
 
 # One of two parts is wrong when its numbers are this many nats less likely for its mesh.
 SIDE_MARGIN = 5.0
+# The three products of inertia in a tensor.
+_PRODUCTS = (np.array((0, 0, 1)), np.array((1, 2, 2)))
+# Products of a part, relative to its largest moment, that tessellation does not make; and how much products of one part differ
+# in length, and in direction (a cosine), by what is not drawn.
+_SHOWN_PRODUCTS, _ALIKE, _OPPOSED = 1e-3, 2.0, 0.95
 # Mistakes of the axes, which the COM may have in another way than the tensor.
 _OF_AXES = frozenset({"quarter_turn", "axes_permuted"})
 # Mistakes that lost the part's own numbers, or are not in them, so that undoing them does not lead to those of its twin.
@@ -80,7 +86,7 @@ class Diagnosis:
     """By how much the best explanation beats every other (nats)."""
     unique: bool
     """Whether of all single mistakes only the cause leaves numbers that agree with the reference to within what digits and
-    tessellation leave."""
+    tessellation leave; or the numbers show by themselves that they have the mistake of their file."""
     ruled_out: tuple[str, ...]
     """Ids of the mistakes that were undone and do not explain the numbers, likeliest first."""
     fits_geometry: bool
@@ -148,7 +154,38 @@ def measure_evidence(declared: DeclaredInertial, geometry: VisualGeometry | None
 
 
 def _diagnose_by_mesh(declared: DeclaredInertial, geometry: VisualGeometry, habit: Habit | None) -> Diagnosis:
-    return _diagnose_against(declared, build_geometry_reference(geometry), geometry, habit)
+    reference = build_geometry_reference(geometry)
+    found = _diagnose_against(declared, reference, geometry, habit)
+    if habit is None or habit.id != "products_sign" or found.cause is not None or not geometry.closed:
+        return found
+    return _join_flipped_products(found, declared, reference)
+
+
+def _join_flipped_products(found: Diagnosis, declared: DeclaredInertial, reference: Reference) -> Diagnosis:
+    """Return the verdict on a link of a file whose products have flipped signs: its own products may be too small to matter, but
+    they show their signs where they are the drawn part's and point the other way."""
+    uniform = np.trace(reference.covariance) * np.eye(3) - reference.covariance
+    drawn = declared.mass * (declared.rotation.T @ uniform @ declared.rotation)
+    products, expected = declared.tensor[_PRODUCTS], drawn[_PRODUCTS]
+    size = float(np.linalg.norm(expected))
+    if not size > _SHOWN_PRODUCTS * float(drawn.diagonal().max()):
+        return found
+    length = float(np.linalg.norm(products))
+    if not size / _ALIKE < length < size * _ALIKE or float(products @ expected) > -_OPPOSED * size * length:
+        return found
+    moments = np.diag(declared.tensor.diagonal())
+    mended = replace(declared, tensor=2.0 * moments - declared.tensor)
+    tensor_mismatch, com_mismatch = measure_inertial_mismatch(mended, reference.com, reference.covariance)
+    return replace(
+        found,
+        sound=False,
+        cause="products_sign",
+        detail="",
+        mended=mended,
+        mended_tensor_mismatch=float(tensor_mismatch),
+        mended_com_mismatch=float(com_mismatch),
+        unique=True,
+    )
 
 
 def _agrees_with_twin(mended: DeclaredInertial | None, twin: DeclaredInertial) -> bool:
@@ -165,7 +202,12 @@ def _has_cause(twin: DeclaredInertial, geometry: VisualGeometry, found: Diagnosi
 
 
 def _is_better_fit(one: DeclaredInertial, other: DeclaredInertial, geometry: VisualGeometry) -> bool:
-    """Whether a part of this geometry has the numbers ``one`` much more likely than ``other``."""
+    """Whether a part of this geometry has the numbers ``one`` much more likely than ``other``. No part is denser than any
+    material."""
+    if geometry.hull is not None:
+        possible = [numbers.mass <= DENSEST * geometry.hull.volume for numbers in (one, other)]
+        if possible[0] != possible[1]:
+            return possible[0]
     reference = build_geometry_reference(geometry)
     fit = measure_fit(reference, InertialBatch.from_inertials([one, other]), np.ones(2))
     scores = compute_log_likelihood(reference, fit, borrowed=np.zeros((2, 2)), is_other_body=np.zeros(2, dtype=bool))

@@ -33,8 +33,10 @@ LIGHTEST = 15.0
 
 # kg in one unit that a mass is typed in by mistake.
 MASS_UNITS = {"grams": 1e-3, "milligrams": 1e-6, "pounds": 0.45359237, "tonnes": 1e3}
+# The greatest density of an ordinary part: lead. Tungsten is rare.
+DENSEST_PART = 12000.0
 # Densities of whole parts, from a housing with air in it to one of lead. In a wider range almost any mass would fit some unit.
-_PART_DENSITIES = (600.0, 12000.0)
+_PART_DENSITIES = (600.0, DENSEST_PART)
 
 
 def describe_density(density: float) -> str:

@@ -143,7 +143,7 @@ def _diagnose_all(model: Model, numbers: Mapping[str, DeclaredInertial], known: 
         return found
     found.habit = asdict(habit)
     for name, (key, twins) in found.links.items():
-        if found.verdicts[key]["sound"] and key not in found.evidence:
+        if found.verdicts[key]["sound"] and key not in found.evidence and habit.id != "products_sign":
             continue
         key_with_habit = f"{key} {habit}"
         verdict = known.verdicts.get(key_with_habit)

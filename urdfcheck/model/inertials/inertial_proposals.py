@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Edit, Span
+from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import (
@@ -17,6 +18,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
     measure_tensor_rounding,
 )
+from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST
 from urdfcheck.facts.inertials.mistakes.tensor_slips import (
     TensorSlip,
     find_filled_products,
@@ -29,10 +31,11 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry, measure_role_geometry
+from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Mat3
+    from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
     from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
 
@@ -40,8 +43,10 @@ if TYPE_CHECKING:
 _UNDECIDED_CAUSES = frozenset(
     {"other_mass", "one_piece", "shell", "bounding_box", "convex_hull", "com_missing", "mesh_scale"}
 )
+# Units of mass and tensor: all links of a file have the same.
+_UNIT_CAUSES = frozenset({"inertia_unit", "mass_unit", "units"})
 # The undone mistake must leave no more than this part of the mismatch, and no more than lumps of a third of the mass make.
-_REMAINING, _SOUND = 0.3, 0.75
+_REMAINING, LARGEST_SOUND_MISMATCH = 0.3, 0.75
 # A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size.
 _FAR_COM = 0.1
 # The nearest possible tensor is offered as an edit without a cause where it changes less than mass properties are known by.
@@ -286,6 +291,7 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
         and is_evident(diagnosed.diagnosis)
         and _has_same_mistake(model, inertial.element.span)
         and not _contradicts_twins(model, diagnosed)
+        and not _is_lone_unit(model, diagnosed)
     )
     return change if is_certain else replace(change, edits=())
 
@@ -313,7 +319,7 @@ def is_evident(diagnosis: Diagnosis) -> bool:
     before, after = diagnosis.tensor_mismatch, diagnosis.mended_tensor_mismatch
     if diagnosis.mended_com_mismatch != diagnosis.com_mismatch:
         before, after = max(before, diagnosis.com_mismatch), max(after, diagnosis.mended_com_mismatch)
-    return after < _SOUND and after < _REMAINING * before
+    return after < LARGEST_SOUND_MISMATCH and after < _REMAINING * before
 
 
 def describe_drawn_inertial(model: Model, link: Link) -> str:
@@ -326,30 +332,59 @@ def describe_drawn_inertial(model: Model, link: Link) -> str:
     if change is None or drawn is None or not change.text:
         return ""
     body, why = "the drawn part" if drawn.closed else "the convex hull of the open mesh", ""
-    if drawn.closed and _is_collision_stand_in(model, link):
-        body, why = "the collision shape", "; the visual mesh is open"
+    if drawn.closed and (reason := explain_collision_stand_in(model, link)) is not None:
+        body = "the collision shape"
+        why = {"open": "; the visual mesh is open", "unread": "; the visual mesh could not be read"}.get(reason, "")
     return f"{change.text} ({body} at this mass and uniform density{why})"
 
 
-def _is_collision_stand_in(model: Model, link: Link) -> bool:
-    """Whether the collision shapes replace an open visual mesh."""
-    visible = measure_role_geometry(model, link, "visual")
-    return visible is not None and not visible.closed
+def _is_replaced_by_collision(model: Model, link: Link) -> bool:
+    """Whether the collision shapes replace a visual mesh that is open or could not be read."""
+    return explain_collision_stand_in(model, link) in {"open", "unread"}
 
 
 def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     """Propose the inertia of what the link draws, at its declared mass and uniform density, in place of a placeholder.
 
     None when that is not known, or there is no mass. Without edits where a macro wrote the same text for links that draw or
-    weigh something else, and where a hull or a collision shape replaces an open mesh.
+    weigh something else, where a hull or a collision shape replaces an open mesh, and where no ordinary material makes the shape
+    weigh this much: then the drawing, or the mass, is a placeholder too.
     """
     change = _compute_from_geometry(model, link)
     if change is None or link.inertial is None:
         return None
     drawn = measure_link_geometry(model, link)
-    is_exact = drawn is not None and drawn.closed and not _is_collision_stand_in(model, link)
+    is_exact = drawn is not None and drawn.closed and not _is_replaced_by_collision(model, link)
+    is_ordinary = is_exact and _has_ordinary_density(link, drawn)
     is_same = _has_same_geometry(model, link.inertial.element.span)
-    return change if is_exact and is_same else replace(change, edits=())
+    return change if is_ordinary and is_same else replace(change, edits=())
+
+
+def _has_ordinary_density(link: Link, drawn: VisualGeometry | None) -> bool:
+    mass = None if link.inertial is None else link.inertial.mass
+    if mass is None or drawn is None or not drawn.solid.volume > 0.0:
+        return False
+    return LIGHTEST <= mass / drawn.solid.volume <= DENSEST_PART
+
+
+def _is_lone_unit(model: Model, diagnosed: DiagnosedInertial) -> bool:
+    """Whether a unit was found in one link alone, and the numbers in that unit are not exactly the drawn part's: no program
+    writes one link of a file in another unit."""
+    from urdfcheck.model.inertials.inertia_diagnosis import (
+        inertial_diagnoses,
+    )  # heavy, and needed for wrong inertials only
+
+    diagnosis = diagnosed.diagnosis
+    is_exact = max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch) < EXACT
+    if is_exact or diagnosed.is_habit or diagnosis.judged_by == "twin" or diagnosis.cause not in _UNIT_CAUSES:
+        return False
+    numbers = {(one.declared.mass, *one.declared.tensor.ravel()) for one in inertial_diagnoses(model).values()}
+    with_unit = {
+        (one.declared.mass, *one.declared.tensor.ravel())
+        for one in inertial_diagnoses(model).values()
+        if one.diagnosis.cause == diagnosis.cause
+    }
+    return len(numbers) > len(with_unit) == 1
 
 
 def _contradicts_twins(model: Model, diagnosed: DiagnosedInertial) -> bool:
@@ -408,7 +443,7 @@ def _compute_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     tensor = rotation.T @ compute_solid_inertia(drawn.solid, inertial.mass) @ rotation
     own = None if matrix is None else matrix[:3, 3]
     # A COM that was typed is not part of the placeholder. What a mesh leaves of a zero is not a number to write.
-    is_exact = drawn.closed and not _is_collision_stand_in(model, link)
+    is_exact = drawn.closed and not _is_replaced_by_collision(model, link)
     com = own if own is not None and (own.any() or not is_exact) else _drop_noise(drawn.solid.com, size**0.5)
     tensor = _drop_noise(tensor, float(np.abs(tensor).max()))
     return build_inertial_repair(

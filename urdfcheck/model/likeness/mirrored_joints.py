@@ -150,7 +150,8 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
     distance = float(np.linalg.norm(shift))
     sides = float(np.linalg.norm(model.frames[pair.one][:3, 3] - model.frames[pair.other][:3, 3]))
     displaced_by = distance if PLACE < distance < APART * sides else 0.0
-    tilted_by = angle if distance <= PLACE and STRAIGHT < angle < ARRANGED else 0.0
+    is_slip = STRAIGHT < angle < ARRANGED or (angle > ARRANGED and _is_renamed(pair, joints))
+    tilted_by = angle if distance <= PLACE and is_slip else 0.0
     above = (p for p in known_pairs if p is not pair and pair.is_attached_to(p))
     if not (displaced_by or tilted_by) or not all(_is_mirrored_in_pose(p) for p in above):
         return None
@@ -165,6 +166,18 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
             _compute_image_place(model, pair, joint=other, source=pair.one),
         ),
     )
+
+
+def _is_renamed(pair: MirrorPair, joints: tuple[Joint, Joint]) -> bool:
+    """Whether both axes are along coordinates of frames that are turned alike, but not along the same one."""
+    one, other = (joint.axis or (1.0, 0.0, 0.0) for joint in joints)
+    origins = [joint.origin.matrix for joint in joints]
+    if any(matrix is None for matrix in origins) or joints[0].type == "continuous":
+        return False
+    turned = float(np.abs(origins[0][:3, :3] - origins[1][:3, :3]).max())  # type: ignore[index]
+    mirrored = bool(np.abs(np.abs(np.rint(pair.linear)) - np.eye(3)).max() < 0.5) and _is_axis_aligned(pair.linear)
+    single = all(int(np.count_nonzero(axis)) == 1 for axis in (one, other))
+    return turned < 1e-6 and mirrored and single and int(np.abs(one).argmax()) != int(np.abs(other).argmax())
 
 
 def _compute_expected_limit(

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 _ZERO = 1e-6
 # Parts that are apart by less than this share of the origin's length are where the origin puts them for a reason.
 _OPEN = 0.5
+# Without shapes: a part that reached so much of the way would have its COM there.
+_NO_SHAFT = 0.75
+# Names of a frame on the ground right below a robot.
+_FOOTPRINT = re.compile(r"(?i)foot_?print")
 # What hangs on an empty root without such a name may be so far away (m).
 _SCENE_SIZE = 20.0
 # Names of the root of a scene, on which robots and cameras stand wherever they are.
@@ -139,18 +143,23 @@ def _confirm_by_others(
     for joint in _iter_joints(model, suspects):
         length, parent, child = lengths[joint.name], sides[joint.parent], sides[joint.child]
         least = limits.least if joint.is_movable and len(suspects) == 1 else limits.least_fixed
-        if parent.is_empty:  # frames of a scene are where they are: robots, cameras, the frames of a map
+        if length > limits.undrawn * others and parent.is_drawn and child.is_drawn:
+            least = limits.least
+        if parent.is_empty and not _FOOTPRINT.search(joint.parent):
+            # Frames of a scene are where they are: robots, cameras, the frames of a map.
             least = np.inf if _SCENE.search(joint.parent) else _SCENE_SIZE
         if length < least:
             continue
         if child.is_empty and _has_suspects_below(model, joint.child, suspects):
             continue  # the next origin may lead back
         far = _measure(model, joint, length, parent, child, others=others)
+        between = 0.0
         if len(parent.points) and len(child.points):
             between = _measure_box_gap(parent.box, child.box)
             if between < _OPEN * length:
                 continue
-        if far.gap is None and length <= limits.undrawn * others:
+        # The COM of a long shaft, which may have short joints only, is in its middle.
+        if far.gap is None and length <= limits.undrawn * others and between < _NO_SHAFT * length:
             continue
         found.append(far)
     return found

@@ -42,6 +42,25 @@ def measure_link_geometry(
     return colliding if drawn is None or (colliding is not None and colliding.closed) else drawn
 
 
+def explain_collision_stand_in(model: Model, link: Link) -> str | None:
+    """Explain why `measure_link_geometry` returns the collision shapes of a link: ``open`` or ``unread`` visual meshes, or ``no
+    visual``. None where it returns the visual ones."""
+    visible = measure_role_geometry(model, link, "visual")
+    if visible is not None and visible.closed:
+        return None
+    colliding = measure_role_geometry(model, link, "collision")
+    if colliding is None or not (visible is None or colliding.closed):
+        return None
+    if visible is not None:
+        return "open"
+    return "unread" if any(not is_dummy_shape(shape) for shape in link.visuals) else "no visual"
+
+
+def describe_geometry_source(model: Model, link: Link) -> str:
+    """Name what `measure_link_geometry` measures, for a message about the link."""
+    return "the drawn part" if explain_collision_stand_in(model, link) is None else "the collision shape"
+
+
 @fact
 def measure_role_geometry(model: Model, link: Link, role: str) -> VisualGeometry | None:
     """Measure the shapes of one ``role`` (``visual`` or ``collision``) alone, like `measure_link_geometry`."""

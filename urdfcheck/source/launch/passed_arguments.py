@@ -181,16 +181,10 @@ class XacroCallReader:
 
     def read_command(self, command: ast.expr, model: str) -> Iterator[PassedArgument]:
         """Yield the arguments in ``xacro FILE name:=value …``, a text or the pieces of one."""
-        followed = self.texts.follow_name(command) or command
-        pieces = self.texts.list_elements(followed) or [followed]
-        texts = [self.evaluate(piece) for piece in pieces]
-        line = "".join(texts)
-        if len(line) > MAX_LENGTH:
-            return
-        words = split_command(line)
+        pieces, texts, words = self.split_command(command)
         if not words or "xacro" not in words[0]:
             return
-        paths = [word for word in words[1:] if ":=" not in word and not word.startswith("-")]
+        paths = _list_paths(words)
         if any(self.may_mean(path, model) for path in paths):
             beside = 0
         elif any(self.may_start(path, piece, model) for path in paths for piece in pieces):
@@ -204,6 +198,21 @@ class XacroCallReader:
                 typed = texts[place].rstrip().endswith(":=") and place + 1 < len(pieces)
                 passed = self.make_passed(name, value, pieces[place + 1] if typed else pieces[place])
                 yield replace(passed, rank=passed.rank + beside)
+
+    def split_command(self, command: ast.expr) -> tuple[Sequence[ast.expr], list[str], tuple[str, ...]]:
+        """Return the pieces of a command, their texts, and its words; no words where it is too long."""
+        followed = self.texts.follow_name(command) or command
+        pieces = self.texts.list_elements(followed) or [followed]
+        texts = [self.evaluate(piece) for piece in pieces]
+        line = "".join(texts)
+        return pieces, texts, () if len(line) > MAX_LENGTH else split_command(line)
+
+    def find_program(self, command: ast.Call, model: str) -> str:
+        """Return the program that a command runs on a model; empty if the command is not certainly about this model."""
+        _, _, words = self.split_command(command.args[0])
+        program = words[0].rpartition("/")[2] if words else ""
+        is_about_model = any(self.may_mean(path, model) for path in _list_paths(words))
+        return program if is_about_model and program in {"xacro", "cat"} else ""
 
     def read_mappings(self, mappings: ast.Dict) -> Iterator[PassedArgument]:
         """Yield the arguments of ``xacro.process_file(…, mappings={…})``."""
@@ -252,7 +261,7 @@ class XacroCallReader:
         if _UNKNOWN in path.rpartition("/")[2]:
             return False
         if _UNKNOWN not in path:
-            return os.path.realpath(path) == model
+            return os.path.realpath(self.reader.finder.find_source(Path(path))) == model
         pattern = "*".join(map(glob.escape, path.split(_UNKNOWN)))
         return fnmatch.fnmatchcase(model, pattern if pattern.startswith(("*", "/")) else f"*/{pattern}")
 
@@ -272,6 +281,11 @@ class XacroCallReader:
             elements = self.texts.list_elements(followed.args[0])
             followed = self.texts.follow_name(elements[-1]) if elements else None
         return followed is not None and self.texts.get_argument_name(followed) in self.declared
+
+
+def _list_paths(words: Sequence[str]) -> list[str]:
+    """Return the words of a command that are neither options nor assignments."""
+    return [word for word in words[1:] if ":=" not in word and not word.startswith("-")]
 
 
 def _get_endings(name: str) -> str:

@@ -310,9 +310,12 @@ class PythonLaunchReader:
         texts: list[ast.expr] = [n for n in inner if isinstance(n, ast.Constant) and isinstance(n.value, str)]
         if any(isinstance(n, ast.JoinedStr) for n in inner):
             texts = []  # before Python 3.12 the positions inside an f-string are not exact
-        last = max(texts, key=lambda n: (n.lineno, n.col_offset), default=node)
-        begin = self.compute_offset(last.lineno, last.col_offset)
-        end = self.compute_offset(last.end_lineno or last.lineno, last.end_col_offset or last.col_offset)
+        return self.locate_expression(max(texts, key=lambda n: (n.lineno, n.col_offset), default=node))
+
+    def locate_expression(self, node: ast.expr | ast.stmt) -> Location:
+        """Return the place of a whole node."""
+        begin = self.compute_offset(node.lineno, node.col_offset)
+        end = self.compute_offset(node.end_lineno or node.lineno, node.end_col_offset or node.col_offset)
         return Location("launch", self.file.make_span(begin, end))
 
     def compute_offset(self, line: int, column: int) -> int:

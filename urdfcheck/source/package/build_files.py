@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 from urdfcheck.source.package.cmake_installs import parse_commands, read_cmake_installs
 from urdfcheck.source.package.installed_files import InstalledFiles
-from urdfcheck.source.package.setup_py_installs import parse_setup, read_setup_installs
+from urdfcheck.source.package.setup_py_installs import read_setup_installs
+from urdfcheck.source.text.python import parse_python
 from urdfcheck.source.text.xml import Element
 
 LARGEST_BUILD_FILE = 1_000_000
@@ -30,5 +31,5 @@ def read_installed_files(name: str, build: str, read_text: Callable[[str], str |
         return None
     if build != "ament_python":
         return read_cmake_installs(list(parse_commands(text)), name, read_text)
-    tree = parse_setup(text)
+    tree = parse_python(text)
     return None if tree is None else read_setup_installs(tree, name)

@@ -362,7 +362,7 @@ class PackageFinder:
             package, _, rest = scheme.group(2).partition("/")
             folder = self.find(package)
             return self._look_up_file(
-                text, "package", None if folder is None else folder / unquote(rest), package=package
+                text, "package", None if folder is None else folder / unquote(rest).lstrip("/"), package=package
             )
         if scheme and scheme.group(1) == "file":
             return self._look_up_file(text, "file", Path(unquote(scheme.group(2))))

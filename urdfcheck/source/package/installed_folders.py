@@ -13,7 +13,8 @@ from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_
 from urdfcheck.source.package.cmake_installs import CmakeCommand, parse_commands, read_cmake_installs
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.installed_files import InstalledFiles
-from urdfcheck.source.package.setup_py_installs import parse_setup, read_setup_installs
+from urdfcheck.source.package.setup_py_installs import read_setup_installs
+from urdfcheck.source.text.python import parse_python
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular
 
@@ -117,7 +118,7 @@ def _find_share_folder(command: CmakeCommand, package: str) -> int | None:
 
 
 def _read_setup_py(file: SourceFile, package: Package) -> InstallRules | None:
-    tree = parse_setup(file.text)
+    tree = parse_python(file.text)
     if tree is None:
         return None
     nodes = list(ast.walk(tree))

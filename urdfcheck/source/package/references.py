@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ from urdfcheck.core import Location
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.text.python import parse_python
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular, walk
 
@@ -51,6 +53,8 @@ class PackageMention:
     package: str
     subpath: str
     location: Location
+    optional: bool = False
+    """Whether Python goes on without the package: the mention is in a ``try`` whose ``except`` does not raise again."""
 
     @property
     def folder(self) -> str:
@@ -175,6 +179,7 @@ def _iter_mentions(path: Path) -> Iterator[PackageMention]:
     file: SourceFile | None = None
     searched = 0
     bare = _remove_comments(text, path.suffix)
+    optional = _find_optional_lines(text) if path.suffix == ".py" and "except" in text else frozenset()
     for match in _MENTION.finditer(bare):
         file = file or SourceFile(path, format_path(path), text=text)
         group = next(i for i in (1, 3, 5) if match.group(i))
@@ -182,7 +187,25 @@ def _iter_mentions(path: Path) -> Iterator[PackageMention]:
         at = Location(f"package[{name}]", file.make_span(*match.span(group)))
         searched += group == 5
         for inside in [match.group(group + 1)] if group < 5 else _find_joined_paths(bare, match, searched):
-            yield PackageMention(name, inside, at)
+            yield PackageMention(name, inside, at, at.span is not None and at.span.line in optional)
+
+
+def _find_optional_lines(text: str) -> frozenset[int]:
+    """Return the numbers of the lines that a Python file can do without: those in a ``try`` that catches the failure."""
+    tree = parse_python(text)
+    if tree is None:
+        return frozenset()
+    caught = (node for node in ast.walk(tree) if isinstance(node, ast.Try) and node.handlers)
+    harmless = (node for node in caught if not any(_raises(handler) for handler in node.handlers))
+    return frozenset(line for node in harmless for part in node.body for line in _list_lines(part))
+
+
+def _raises(handler: ast.ExceptHandler) -> bool:
+    return any(isinstance(node, ast.Raise) for node in ast.walk(handler))
+
+
+def _list_lines(node: ast.stmt) -> range:
+    return range(node.lineno, (node.end_lineno or node.lineno) + 1)
 
 
 def _find_joined_paths(text: str, match: re.Match[str], searched: int) -> list[str]:

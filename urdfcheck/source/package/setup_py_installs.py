@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ast
 import posixpath
-import warnings
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -47,16 +46,6 @@ class _ReturnReachedError(Exception):
 
 class _TooLongError(Exception):
     """The file has more to follow than the limit."""
-
-
-def parse_setup(text: str) -> ast.Module | None:
-    """Return the syntax tree of a setup.py; None if it is not Python."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Python's warnings about a stranger's code do not belong on the terminal
-            return ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return None
 
 
 def read_setup_installs(tree: ast.Module, package: str) -> InstalledFiles | None:

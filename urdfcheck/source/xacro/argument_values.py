@@ -67,6 +67,13 @@ class ArgumentChoice:
     name: str
     default: str | None
     values: tuple[str, ...]
+    is_default_missing: bool = False
+    """Whether files exist for the other values only: `robots/$(arg model)/…` without a folder of the default's name."""
+
+    @property
+    def existing_values(self) -> tuple[str, ...]:
+        """The values, without a default that has no files."""
+        return tuple(v for v in self.values if not (self.is_default_missing and v == self.default))
 
 
 @dataclass(slots=True)
@@ -78,11 +85,13 @@ class _ArgumentUsage:
     in_macros: dict[str, None] = field(default_factory=dict)
     """Values that are compared with a macro parameter to which the argument is passed."""
     in_condition: bool = False
+    in_paths: set[str] = field(default_factory=set)
+    """Values for which a file exists."""
 
 
 def find_argument_choices(path: Path, finder: PackageFinder) -> list[ArgumentChoice]:
     """Return the arguments of a xacro that have more than one known value, in the order of their declarations."""
-    trees = _read_included_trees(path, finder)
+    trees = read_included_trees(path, finder)
     variables = _find_variables(trees)
     usages = _find_arguments(trees)
     if not usages:
@@ -97,6 +106,7 @@ def find_argument_choices(path: Path, finder: PackageFinder) -> list[ArgumentCho
                 ):
                     if name in usages and not _is_rest_of_name(value, usages[name]):
                         usages[name].values[value] = None
+                        usages[name].in_paths.add(value)
     choices = [_make_choice(name, usage) for name, usage in usages.items()]
     return variables + [choice for choice in choices if len(choice.values) > 1]
 
@@ -168,7 +178,8 @@ def _make_choice(name: str, usage: _ArgumentUsage) -> ArgumentChoice:
         values = dict.fromkeys(("1", "0"))
     if default is not None:
         values = {default: None, **values}
-    return ArgumentChoice(name, default, tuple(values)[:MOST_VALUES])
+    is_missing = default is not None and bool(usage.in_paths) and default not in usage.in_paths
+    return ArgumentChoice(name, default, tuple(values)[:MOST_VALUES], is_missing)
 
 
 def build_argument_sets(choices: Sequence[ArgumentChoice]) -> list[dict[str, str]]:
@@ -214,7 +225,7 @@ def _cover_pairs(values: Sequence[Sequence[str]], rows: Sequence[tuple[str, ...]
 # -- reading -----------------------------------------------------------------------------------------------------------
 
 
-def _read_included_trees(path: Path, finder: PackageFinder) -> list[tuple[Element, Path]]:
+def read_included_trees(path: Path, finder: PackageFinder) -> list[tuple[Element, Path]]:
     """Return the file and all files that it can include, each with its folder."""
     trees: list[tuple[Element, Path]] = []
     queue, visited = [path.absolute()], set[str]()

@@ -1,0 +1,115 @@
+"""CTL005 and CTL006: what the parser of ros2_control refuses, and values that do not fit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import find
+from conftest import command
+
+from urdfcheck.core import Finding, Severity
+
+ROBOT = (
+    '<robot name="r"><link name="base"/><link name="arm"/><link name="end"/>'
+    '<joint name="a" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>'
+    '<limit lower="-1.6" upper="1.6" effort="1" velocity="1"/></joint>'
+    '<joint name="m" type="revolute"><parent link="arm"/><child link="end"/><axis xyz="0 0 1"/>'
+    '<limit lower="-1.6" upper="1.6" effort="1" velocity="1"/><mimic joint="a"/></joint>{}</robot>'
+)
+HARDWARE = "<hardware><plugin>mock_components/GenericSystem</plugin></hardware>"
+STATE = '<state_interface name="position"/>'
+
+
+def block(inner: str, attributes: str = 'name="c" type="system"') -> str:
+    return f"<ros2_control {attributes}>{inner}</ros2_control>"
+
+
+def find_errors(folder: Path, control: str) -> list[Finding]:
+    return find(folder, ROBOT.format(control), "CTL005")
+
+
+@pytest.mark.parametrize(
+    ("control", "messages"),
+    [
+        (block(HARDWARE + f'<joint name="a">{STATE}</joint>'), []),
+        (block(HARDWARE + "<properties/><gpio name='g'/><sensor name='s'/>"), []),
+        (block(HARDWARE, 'type="system"'), ["attribute"]),
+        (block(HARDWARE, 'name="c"'), ["attribute"]),
+        (block(HARDWARE, 'name="c" type="robot"'), ["type"]),
+        (block(""), ["hardware"]),
+        (block("<hardware/>"), ["plugin"]),
+        (block("<hardware><plugin> </plugin></hardware>"), ["plugin-empty"]),
+        (block(HARDWARE + "<jiont/>"), ["tag"]),
+        (block(HARDWARE + "<joint/>"), ["attribute"]),
+        (block(HARDWARE + "<gpio><command_interface name='x'/></gpio>"), ["attribute"]),
+        (block(HARDWARE + "<sensor name='s'><state_interface/></sensor>"), ["attribute"]),
+        (block(HARDWARE.replace("</hardware>", "<param>1</param></hardware>")), ["attribute"]),
+        (block(HARDWARE) + block(HARDWARE), ["duplicate"]),
+        (block(HARDWARE) + block(HARDWARE, 'name="d" type="sensor"'), []),
+        (block(HARDWARE + f'<joint name="a">{STATE}</joint>' * 2), ["twice"]),
+        (block(HARDWARE + f'<joint name="a">{STATE}</joint><gpio name="a">{STATE}</gpio>'), ["twice"]),
+        (block(HARDWARE + f'<joint name="a">{STATE}</joint><sensor name="a"/>'), []),
+        (block(HARDWARE + '<joint name="a" mimic="true"/>'), ["mimic"]),
+        (block(HARDWARE + '<joint name="a" mimic="false"/>'), []),
+        (block(HARDWARE + '<joint name="m"/>'), ["leader"]),
+        (block(HARDWARE + '<joint name="m" mimic="false"/>'), []),
+        (block(HARDWARE + '<joint name="a"/><joint name="m"/>'), []),
+        (block(HARDWARE + '<transmission name="t"/>'), ["plugin"]),
+        (
+            block(HARDWARE + '<transmission name="t"><plugin>x/Y</plugin><joint name="a"/></transmission>'),
+            ["attribute"],
+        ),
+        ('<transmission name="outside"/>', []),
+    ],
+)
+def test_what_the_parser_refuses(tmp_path: Path, control: str, messages: list[str]) -> None:
+    findings = find_errors(tmp_path, control)
+    assert [f.message_id for f in findings] == messages
+    assert all((f.severity is Severity.ERROR) == (f.message_id != "leader") for f in findings)
+
+
+def command_interface(name: str, *params: tuple[str, str], tag: str = "command_interface") -> str:
+    inner = "".join(f'<param name="{key}">{value}</param>' for key, value in params)
+    return f'<{tag} name="{name}">{inner}</{tag}>'
+
+
+@pytest.mark.parametrize(
+    ("interface", "messages"),
+    [
+        (command_interface("position", ("min", "-1"), ("max", "1")), []),
+        (command_interface("postion"), ["name"]),
+        (command_interface("Velocity"), ["name"]),
+        (command_interface("kp"), []),
+        (command_interface("commanded_position"), []),
+        (command_interface("external_effort"), []),
+        (command_interface("position.x"), []),
+        (command_interface("velocity", ("min", "1"), ("max", "-1")), ["inverted"]),
+        (command_interface("effort", ("max", "much")), ["number"]),
+        (command_interface("effort", ("max", "")), []),
+        (command_interface("position", ("min", "-3"), ("max", "3")), ["loose", "loose"]),
+        (command_interface("position", ("min", "-3"), ("max", "3"), tag="state_interface"), []),
+        (command_interface("position", ("min", "2")), ["empty"]),
+        (command_interface("position", ("initial_value", "1.605")), []),
+        (command_interface("position", ("initial_value", "2")), ["start"]),
+        (command_interface("velocity", ("initial_value", "2")), []),
+    ],
+)
+def test_interfaces_and_values(tmp_path: Path, interface: str, messages: list[str]) -> None:
+    findings = find(tmp_path, ROBOT.format(block(f'{HARDWARE}<joint name="a">{interface}</joint>')), "CTL006")
+    assert [f.message_id for f in findings] == messages
+
+
+def test_degrees_are_recognised(tmp_path: Path) -> None:
+    interface = command_interface("position", ("initial_value", "45"))
+    (finding,) = find(tmp_path, ROBOT.format(block(f'{HARDWARE}<joint name="a">{interface}</joint>')), "CTL006")
+    assert "as degrees it is 0.785 rad" in finding.message
+
+
+def test_a_misspelled_interface_is_repaired(tmp_path: Path) -> None:
+    path = tmp_path / "r.urdf"
+    path.write_text(
+        ROBOT.format(block(f'{HARDWARE}<joint name="a">{command_interface("Position")}</joint>')), encoding="utf-8"
+    )
+    command("check", str(path), "--fix", "--unsafe-fixes", "--select", "CTL006")
+    assert '<command_interface name="position">' in path.read_text(encoding="utf-8")

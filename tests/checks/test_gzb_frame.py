@@ -1,0 +1,56 @@
+"""GZB006: sensors without a frame."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import find
+
+from urdfcheck.core import Finding
+
+NEW = '<gazebo><plugin filename="gz-sim-sensors-system" name="s"/></gazebo>'
+CLASSIC = '<gazebo><plugin filename="libgazebo_ros_control.so" name="s"/></gazebo>'
+ROBOT = '<robot name="r"><link name="base"/><gazebo reference="base">{}</gazebo>{}</robot>'
+
+
+def sensor(kind: str = "gpu_lidar", inner: str = "", name: str = "scan") -> str:
+    return f'<sensor name="{name}" type="{kind}">{inner}</sensor>'
+
+
+def find_frames(folder: Path, inner: str, plugin: str = NEW, **files: str) -> list[Finding]:
+    texts = {f"launch/{name}.launch.py": text for name, text in files.items()}
+    model = {"package.xml": "<package format='3'><name>r</name></package>", "urdf/r.urdf": ROBOT.format(inner, plugin)}
+    return find(folder / "r", model | texts, "GZB006", name="urdf/r.urdf")
+
+
+@pytest.mark.parametrize(
+    ("inner", "plugin", "count"),
+    [
+        (sensor(), NEW, 1),
+        (sensor("camera") + sensor("imu", name="imu"), NEW, 2),
+        (sensor("contact"), NEW, 0),
+        (sensor("altimeter"), NEW, 0),
+        (sensor(), CLASSIC, 0),
+        (sensor(), "", 0),
+        (sensor(inner="<gz_frame_id>base</gz_frame_id>"), NEW, 0),
+        (sensor(inner="<ignition_frame_id>base</ignition_frame_id>"), NEW, 0),
+        (sensor(inner="<gz_frame_id> </gz_frame_id>"), NEW, 1),
+        (sensor("camera", "<camera><optical_frame_id>base</optical_frame_id></camera>"), NEW, 0),
+    ],
+)
+def test_data_without_a_frame_of_the_robot(tmp_path: Path, inner: str, plugin: str, count: int) -> None:
+    findings = find_frames(tmp_path, inner, plugin)
+    assert [f.data["count"] for f in findings] == [count] * bool(count)
+
+
+def test_a_broadcaster_of_ros2_control_names_the_frame(tmp_path: Path) -> None:
+    control = '<ros2_control name="c" type="system"><sensor name="{}"/></ros2_control>'
+    assert not find_frames(tmp_path / "a", sensor("imu"), NEW + control.format("scan"))
+    assert find_frames(tmp_path / "b", sensor("imu"), NEW + control.format("other"))
+
+
+def test_a_transform_may_supply_the_frame(tmp_path: Path) -> None:
+    transform = "Node(executable='static_transform_publisher', arguments=['--child-frame-id', 'r/base/scan'])"
+    assert not find_frames(tmp_path / "a", sensor(), go=transform)
+    assert find_frames(tmp_path / "b", sensor(), go=transform.replace("scan", "imu"))

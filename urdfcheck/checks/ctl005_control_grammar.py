@@ -1,0 +1,125 @@
+"""CTL005 reports what the parser of ros2_control refuses in a `<ros2_control>` block."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import format_name_hint
+from urdfcheck.model import Model
+from urdfcheck.source.text.xml import Element
+
+# What `parse_resource_from_xml` reads; any other tag makes it throw.
+_TAGS = frozenset({"hardware", "properties", "joint", "sensor", "gpio", "transmission"})
+_TYPES = ("system", "sensor", "actuator")
+_COMPONENTS = frozenset({"joint", "sensor", "gpio"})
+_INTERFACES = frozenset({"command_interface", "state_interface"})
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    first: dict[str, Element] = {}
+    for block in model.robot.find_children("ros2_control"):
+        yield from _check_block(rule, block)
+        name = block.get("name").strip()
+        if name and name in first:
+            yield rule.finding("duplicate", at=block, related=[first[name]], name=name)
+        first.setdefault(name, block)
+        for element in block.children:
+            if element.tag not in _TAGS:
+                near = format_name_hint(element.tag, _TAGS)
+                yield rule.finding("tag", at=element, name=name, tag=element.tag, near=near)
+            elif element.tag in _COMPONENTS:
+                yield from _check_component(model, rule, block, element)
+            elif element.tag == "transmission":
+                yield from _check_transmission(rule, element)
+        yield from _check_repeated_components(rule, block)
+
+
+def _check_block(rule: Rule, block: Element) -> Iterator[Finding]:
+    """Check the attributes of a block and its hardware."""
+    yield from _require(rule, block, "name")
+    yield from _require(rule, block, "type")
+    kind = block.attributes.get("type")
+    if kind is not None and kind.value.strip() not in _TYPES:
+        yield rule.finding("type", at=kind, name=block.get("name"), value=kind.value.strip())
+    hardware = block.find_children("hardware")
+    if not hardware:
+        yield rule.finding("hardware", at=block, name=block.get("name"))
+    for element in hardware:
+        yield from _require_plugin(rule, element, block.get("name"))
+        yield from _check_params(rule, element, block.get("name"))
+
+
+def _require(rule: Rule, element: Element, attribute: str, of: str = "") -> Iterator[Finding]:
+    """Report an attribute without which the parser throws."""
+    if attribute not in element.attributes:
+        yield rule.finding("attribute", at=element, tag=element.tag, attribute=attribute, of=f" of {of}" if of else "")
+
+
+def _require_plugin(rule: Rule, element: Element, name: str) -> Iterator[Finding]:
+    plugin = element.find_child("plugin")
+    if plugin is None or not plugin.text.strip():
+        message = "plugin" if plugin is None else "plugin-empty"
+        yield rule.finding(message, at=plugin or element, tag=element.tag, name=name)
+
+
+def _check_component(model: Model, rule: Rule, block: Element, component: Element) -> Iterator[Finding]:
+    name = component.get("name")
+    yield from _require(rule, component, "name")
+    yield from _check_params(rule, component, name)
+    for interface in component.children:
+        if interface.tag in _INTERFACES:
+            yield from _require(rule, interface, "name", name)
+            yield from _check_params(rule, interface, name)
+    joint = model.joint_by_name.get(name) if component.tag == "joint" else None
+    if joint is None:
+        return  # CTL001 reports unknown joints
+    mimic = component.attributes.get("mimic")
+    follows = mimic is None or mimic.value.strip().lower() not in {"false", "0"}
+    if mimic is not None and follows and joint.mimic is None:
+        yield rule.finding("mimic", at=mimic, related=[joint], joint=name)
+    elif joint.mimic is not None and follows:
+        leader = joint.mimic.get("joint")
+        if not any(other.get("name") == leader for other in block.find_children("joint")):
+            yield rule.finding(
+                "leader",
+                at=component,
+                severity=Severity.WARNING,
+                related=[joint.mimic],
+                joint=name,
+                leader=leader,
+                name=block.get("name"),
+            )
+
+
+def _check_transmission(rule: Rule, transmission: Element) -> Iterator[Finding]:
+    yield from _require(rule, transmission, "name")
+    yield from _require_plugin(rule, transmission, transmission.get("name"))
+    for element in transmission.children:
+        if element.tag in {"joint", "actuator"}:
+            yield from _require(rule, element, "name", transmission.get("name"))
+            yield from _require(rule, element, "role", transmission.get("name"))
+
+
+def _check_params(rule: Rule, element: Element, name: str) -> Iterator[Finding]:
+    for param in element.find_children("param"):
+        yield from _require(rule, param, "name", name)
+
+
+def _check_repeated_components(rule: Rule, block: Element) -> Iterator[Finding]:
+    """Report components of one name with an interface of the same name: the second cannot be registered."""
+    seen: dict[tuple[str, str, str], Element] = {}
+    reported: set[str] = set()
+    for component in block.children:
+        if component.tag not in _COMPONENTS:
+            continue
+        name = component.get("name").strip()
+        keys = [(name, e.tag, e.get("name").strip()) for e in component.children if e.tag in _INTERFACES]
+        twice = next((key for key in keys if key in seen and seen[key] is not component), None)
+        if twice is not None and name and name not in reported:
+            reported.add(name)
+            yield rule.finding(
+                "twice", at=component, related=[seen[twice]], name=block.get("name"), tag=component.tag, part=name
+            )
+        for key in keys:
+            seen.setdefault(key, component)

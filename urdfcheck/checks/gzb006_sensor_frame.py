@@ -1,0 +1,80 @@
+"""GZB006 reports sensors of the new Gazebo that name no frame: their data has one that the robot lacks."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.text import join_names
+from urdfcheck.model import Model
+from urdfcheck.model.gazebo import GazeboSensor, is_for_new_gazebo, list_sensors
+from urdfcheck.system.files import read_regular, walk
+
+_FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_frame_id"})
+# The sensors whose data programs place by its frame.
+_PLACED = re.compile(r"camera|depth|rgbd|thermal|segmentation|lidar|ray|imu|sonar")
+_TEXTS = (".py", ".xml", ".launch", ".yaml", ".yml")
+# Files of the package that are searched for the frame: a transform or a node may supply it.
+_MOST_FILES, _LARGEST = 200, 200_000
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    if not is_for_new_gazebo(model):
+        return
+    broadcast = _collect_broadcast_names(model)
+    without = [sensor for sensor in list_sensors(model) if _lacks_frame(sensor) and sensor.name not in broadcast]
+    texts = list(_read_texts(model)) if without else []
+    without = [sensor for sensor in without if not any(_names_frame(text, sensor) for text in texts)]
+    if without:
+        first = without[0]
+        yield build_group_finding(
+            rule,
+            "absent",
+            [sensor.element for sensor in without],
+            sensors=join_names(f"{sensor.name} ({sensor.type})" for sensor in without),
+            count=len(without),
+            noun="sensor" if len(without) == 1 else "sensors",
+            verb="names" if len(without) == 1 else "name",
+            example=f"{model.name}/{first.reference}/{first.name}",
+            link=first.reference,
+        )
+
+
+def _collect_broadcast_names(model: Model) -> frozenset[str]:
+    """Return the sensors that ros2_control reads: its broadcasters name the frame."""
+    blocks = model.robot.find_children("ros2_control")
+    return frozenset(sensor.get("name") for block in blocks for sensor in block.find_children("sensor"))
+
+
+def _lacks_frame(sensor: GazeboSensor) -> bool:
+    named = any(element.tag in _FRAMES and element.text.strip() for element in sensor.element.walk())
+    return _PLACED.search(sensor.type) is not None and not named
+
+
+def _names_frame(text: str, sensor: GazeboSensor) -> bool:
+    """Whether a file names the frame that the data has, ``ROBOT/LINK/SENSOR``, or builds it."""
+    return sensor.name != "" and (f"{sensor.reference}/{sensor.name}" in text or f"::{sensor.name}" in text)
+
+
+def _read_texts(model: Model) -> Iterator[str]:
+    """Yield the launch files and settings of the model's package."""
+    package, finder = model.package, model.source.finder
+    if package is None or not finder.can_open(package.path):
+        return
+    files = (
+        Path(folder, name)
+        for top in ("launch", "config", "params")
+        for folder, _, names in walk(package.path / top)
+        for name in sorted(names)
+        if name.endswith(_TEXTS)
+    )
+    for path in itertools.islice(files, _MOST_FILES):
+        try:
+            if finder.can_open(path):
+                yield read_regular(path, _LARGEST).decode("utf-8", "replace")
+        except OSError:
+            continue

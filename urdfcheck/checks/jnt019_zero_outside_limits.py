@@ -1,0 +1,89 @@
+"""JNT019 reports joints that may not be at zero, where programs put them without further notice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.text import join_names
+from urdfcheck.model import Joint, Model
+from urdfcheck.source.text.values import parse_number
+
+_SIMULATED = ("gazebo", "ros2_control", "transmission", "mujoco")
+
+
+def check(model: Model, rule: Rule, *, rel_tol: float, notable: float) -> Iterator[Finding]:
+    placed = _collect_initial_positions(model)
+    outside, limiting = [], []
+    for joint in model.joints:
+        span = joint.position_range
+        if span is None or joint.mimic is not None or joint.name in placed:
+            continue
+        slack = rel_tol * (span[1] - span[0])
+        if span[0] > slack or span[1] < -slack:
+            outside.append(joint)
+        elif 0 in span:
+            limiting.append(joint)
+    is_simulated = any(model.robot.find_child(tag) is not None for tag in _SIMULATED) and not _starts_elsewhere(model)
+    is_far = any(_measure_share(joint) > notable for joint in outside)
+    if outside:
+        yield _build_finding(rule, "outside", outside, None if is_simulated and is_far else Severity.INFO)
+    if limiting:
+        yield _build_finding(rule, "on-limit", limiting, Severity.INFO)
+
+
+def _starts_elsewhere(model: Model) -> bool:
+    """Whether a plugin of the simulator gets a start of some joints (``<initialConfiguration>``, ``<initial_position>``)."""
+    return any(
+        "initial" in element.tag.lower()
+        for block in model.robot.find_children("gazebo")
+        for plugin in block.find_children("plugin")
+        for element in plugin.walk()
+    )
+
+
+def _measure_share(joint: Joint) -> float:
+    """Return how far zero is outside the limits, as a share of the range."""
+    lower, upper = joint.position_range or (-1.0, 1.0)
+    return max(lower, -upper, 0.0) / (upper - lower)
+
+
+def _collect_initial_positions(model: Model) -> frozenset[str]:
+    """Return the joints that start elsewhere by ``initial_value`` of a ros2_control interface."""
+    placed: set[str] = set()
+    for control in model.robot.find_children("ros2_control"):
+        for joint in control.find_children("joint"):
+            params = (param for param in joint.walk() if param.tag == "param" and param.get("name") == "initial_value")
+            if any(parse_number(param.text) != 0 for param in params):
+                placed.add(joint.get("name"))
+    return frozenset(placed)
+
+
+def _get_bound(joint: Joint, lower: float) -> Located:
+    """Return the limit on whose side zero is; the element where it is left out."""
+    name = "lower" if lower >= 0 else "upper"
+    limit = joint.limit
+    return joint if limit is None else limit.attributes.get(name, limit)
+
+
+def _build_finding(rule: Rule, message: str, joints: Sequence[Joint], severity: Severity | None) -> Finding:
+    """Return one finding about all joints, at the limit that zero violates or is on."""
+    ranges = [(joint, *joint.position_range) for joint in joints if joint.position_range is not None]
+    first, lower, upper = max(ranges, key=lambda r: max(r[1], -r[2]))
+    return build_group_finding(
+        rule,
+        message,
+        [_get_bound(joint, lower) for joint, lower, _ in ranges],
+        severity=severity,
+        joints=join_names(
+            f"{joint.name} ({low:.3g} … {high:.3g} {joint.position_unit})" for joint, low, high in ranges
+        ),
+        count=len(ranges),
+        which="joint cannot" if len(ranges) == 1 else "joints cannot",
+        noun="joint" if len(ranges) == 1 else "joints",
+        verb="is" if len(ranges) == 1 else "are",
+        worst=first.name,
+        off=max(lower, -upper, 0.0),
+        unit=first.position_unit,
+    )

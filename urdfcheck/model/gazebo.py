@@ -1,0 +1,40 @@
+"""What the `<gazebo>` blocks of a robot say about the simulator that it is for, and their sensors."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from urdfcheck.model.robot import Model
+from urdfcheck.source.text.xml import Element
+
+_NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GazeboSensor:
+    """A ``<sensor>`` in a ``<gazebo>`` block."""
+
+    element: Element
+    reference: str
+    """The link or joint that the block names."""
+
+    @property
+    def name(self) -> str:
+        return self.element.get("name")
+
+    @property
+    def type(self) -> str:
+        return self.element.get("type").strip()
+
+
+def list_sensors(model: Model) -> list[GazeboSensor]:
+    """Return the sensors of all blocks that name a link or joint."""
+    blocks = [block for block in model.robot.find_children("gazebo") if block.get("reference")]
+    return [GazeboSensor(e, b.get("reference")) for b in blocks for e in b.children if e.tag == "sensor"]
+
+
+def is_for_new_gazebo(model: Model) -> bool:
+    """Whether the robot uses a plugin that only the successor of Gazebo Classic can load."""
+    plugins = [e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin"]
+    return any(_NEW_GAZEBO.match(plugin.get("filename").strip()) for plugin in plugins)
