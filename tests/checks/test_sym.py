@@ -96,12 +96,6 @@ def test_the_limits_of_a_revolute_joint_turn_with_it(tmp_path: Path) -> None:
     assert "the joint's limits" in finding.message
 
 
-@pytest.mark.parametrize(("pitch", "severity"), [("0.0345", Severity.INFO), ("0.0353", Severity.WARNING)])
-def test_an_adjustment_of_less_than_two_degrees_is_an_info(tmp_path: Path, pitch: str, severity: Severity) -> None:
-    (finding,) = find(tmp_path, car("revolute", front_left=f"0 {pitch} 0"), "SYM001")
-    assert (finding.message_id, finding.severity) == ("limits", severity)
-
-
 def test_the_distance_of_the_centre_of_mass_from_the_axis_is_told(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, car(front_left="0 0.3 0"), "SYM001")
     assert "1 mm off the axis" in finding.message

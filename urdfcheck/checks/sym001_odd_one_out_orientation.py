@@ -73,7 +73,7 @@ class _OrientationOutlier:
     """The evidence, as a clause."""
 
 
-def check(model: Model, rule: Rule, *, slight: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
     outliers: dict[str, _OrientationOutlier] = {}
     pairs: dict[str, tuple[Joint, Joint, SuspectFrames]] = {}
     for group in sibling_joints(model):
@@ -108,9 +108,7 @@ def check(model: Model, rule: Rule, *, slight: float) -> Iterator[Finding]:
         if before & (outliers.keys() | pairs.keys()):
             continue  # the joint before it rotates it
         yield (
-            _build_finding(model, rule, outliers[name], slight=slight)
-            if name in outliers
-            else _build_pair_finding(rule, pairs[name])
+            _build_finding(model, rule, outliers[name]) if name in outliers else _build_pair_finding(rule, pairs[name])
         )
 
 
@@ -232,7 +230,7 @@ def _join_joint_names(others: Sequence[Joint]) -> str:
     return ", ".join(other.name for other in others)
 
 
-def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier, *, slight: float) -> Finding:
+def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Finding:
     joint, others = odd.joint, odd.others
     correction = _find_rotation_correction(model, joint, others, expected=odd.expected)
     data: dict[str, Any] = {
@@ -276,7 +274,6 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier, *, slight
     return rule.finding(
         message,
         at=at,
-        severity=Severity.INFO if message == "limits" and math.degrees(abs(odd.angle)) < slight else None,
         cause="free_mate" if odd.kind == "zero_offset" and message not in {"computed", "mount"} else None,
         edits=_propose_edits(model, correction.joint, rpy),
         related=[*definitions, *(other for other in around if other.span != at.span)],
