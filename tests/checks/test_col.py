@@ -454,6 +454,34 @@ def test_the_headline_says_where_a_joint_collides(tmp_path: Path, limit: str, wh
     assert finding.headline == f"base_arm self-collides at {where} rad, inside its range"
 
 
+@pytest.mark.parametrize(
+    ("limit", "kind", "message"),
+    [
+        ("lower='-1' upper='2'", "revolute", "reached"),
+        ("lower='-1' upper='1.7'", "revolute", "pose"),  # as near to the limit as shapes are inexact
+        ("", "continuous", "pose"),
+    ],
+)
+def test_collisions_that_no_limit_should_prevent_are_on_request(
+    tmp_path: Path, limit: str, kind: str, message: str
+) -> None:
+    (finding,) = find(tmp_path, swinging(limit, kind), "COL005")
+    assert finding.message_id == message
+
+
+@pytest.mark.parametrize(("between", "message"), [("fixed", "reached"), ("revolute", "pose")])
+def test_a_collision_that_another_joint_avoids_is_on_request(tmp_path: Path, between: str, message: str) -> None:
+    parts = [
+        make_link("base", "-0.7 0 0|" + box("1 4 1")),
+        make_joint("base", "arm", "0 0 0", limit="lower='-1' upper='2'"),
+        make_link("arm"),
+        make_joint("arm", "hand", "0.5 0 0", between, axis="0 1 0", limit="lower='-0.1' upper='0.1'"),
+        make_link("hand", "0.5 0 0|" + sphere("0.1")),
+    ]
+    (finding,) = [f for f in find(tmp_path, robot(*parts), "COL005") if "base_arm" in f.headline]
+    assert finding.message_id == message
+
+
 def test_the_message_names_three_collisions_and_the_data_all(tmp_path: Path) -> None:
     """Five arms far apart, each with a wall."""
     parts = [make_link("base", *(f"-0.7 {10 * i} 0|" + box("1 4 1") for i in range(5)))]

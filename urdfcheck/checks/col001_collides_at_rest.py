@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 _LEAST_STAGES = 2
 # A shallow overlap is less than this part of the smaller shape.
 _SHALLOW_SHARE = 0.02
+# Of the configurations.
+_RARELY, _USUALLY = 0.05, 0.5
 # Cosine of the angle between the stages: 0.1°.
 _PARALLEL = 1 - 1.5e-6
 
@@ -51,7 +53,12 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
     by_design = [(pair, contact) for pair, contact in deep if samples > 1 and pair.hit_share >= always]
     rest = [item for item in deep if item not in by_design]
     nested = [item for item in rest if _is_telescope(model, item[0])]
-    shallow = [item for item in rest if item not in nested and _is_shallow(item[1], slight)]
+    shallow = [
+        item
+        for item in rest
+        if item not in nested
+        and (_is_shallow(item[1], slight) or (item[1].depth < slight and _meets_at_stop(model, item[0])))
+    ]
     harmless = [*nested, *shallow]
     for group in _group_by_shape([item for item in rest if item not in harmless]):
         yield _build_overlap_finding(model, rule, group, samples=samples)
@@ -100,6 +107,29 @@ def _find_restored_origins(
 def _is_shallow(contact: Contact, slight: float) -> bool:
     """Whether an overlap is as deep as shapes are inaccurate; in a tiny robot it is not if it is much of a shape."""
     return contact.depth < min(slight, _SHALLOW_SHARE * contact.size)
+
+
+def _meets_at_stop(model: Model, pair: CollisionPair) -> bool:
+    """Whether two links hardly ever overlap but at rest, where each joint between them is at a limit: a closed gripper."""
+    paths = [set(model.tree.find_path_to(name)) for name in pair.links]
+    moving = [joint for joint in paths[0] ^ paths[1] if joint.is_movable]
+    spans = [joint.position_range for joint in moving]
+    return pair.hit_share <= _RARELY and all(span is not None and _get_rest(span) in span for span in spans)
+
+
+def _get_rest(span: tuple[float, float]) -> float:
+    """Return the value of a joint at rest: zero, or the limit nearest to it."""
+    return min(max(0.0, span[0]), span[1])
+
+
+def _is_at_unused_pose(model: Model, pair: CollisionPair) -> bool:
+    """Whether a joint that places one of the links cannot be at zero, and other poses are usually free of the overlap.
+
+    The robot never is at zero then, and its limits, which are nearest to it, are no pose to start from either (JNT019).
+    """
+    joints = {joint for name in pair.links for joint in model.tree.find_path_to(name) if joint.is_movable}
+    spans = [span for joint in joints if joint.mimic is None and (span := joint.position_range) is not None]
+    return pair.hit_share < _USUALLY and any(_get_rest(span) != 0 for span in spans)
 
 
 def _is_telescope(model: Model, pair: CollisionPair) -> bool:
@@ -222,6 +252,7 @@ def _build_overlap_finding(
             locate_geometry(other),
             *(locate_geometry(s) for _, c in group[1:] for s in c.shapes if s is not shape),
         ],
+        severity=Severity.INFO if all(_is_at_unused_pose(model, p) for p, _ in group) else None,
         link=pair.links[place],
         other=pair.links[1 - place],
         others=join_names([f"{name} ({c.depth * 1e3:.3g} mm)" for name, c in others]),

@@ -72,7 +72,9 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     if now.tip_angle >= -SLACK:
         # On a slope the plumb line meets the ground farther down, as if the COM were there on level ground.
         downhill = com + math.tan(math.radians(slope)) * now.height * now.outwards
-        if not meant or math.degrees(shape.measure_rest_tilt(downhill).tilt) <= rest:
+        if not meant or now.tip_angle <= SLACK:  # on the edge of its supports: the slope is not what it is about
+            return
+        if math.degrees(shape.measure_rest_tilt(downhill).tilt) <= rest:
             return
         message, severity, details = "slope", Severity.INFO, {"slope": slope}
     else:

@@ -56,6 +56,12 @@ class _BoxPair:
         return float(np.linalg.norm(self.collision_box.mean(axis=0) - self.visual_box.mean(axis=0)))
 
 
+# What may be wrong if the sizes differ, as advice. Two boxes are as long along an axis to within this fraction.
+_SCALE = "for a mesh check its scale first"
+_LONE_PART = "a scale does not explain it, because one dimension agrees: look for a piece of a mesh far from the others"
+_SAME = 0.02
+
+
 def check(model: Model, rule: Rule, *, overlap: float, ratio: float, covered: float) -> Iterator[Finding]:
     def classify_pair(pair: _BoxPair) -> str | None:
         if not 1 / ratio <= pair.ratio <= ratio:
@@ -177,7 +183,14 @@ def _collect_data(link: Link, pair: _BoxPair, units: str | None) -> dict[str, An
         "collision": format_box_size(pair.collision_box[1] - pair.collision_box[0]),
         "overlap": float(f"{pair.overlap:.3g}"),
         "units": units or "",
+        "first": _LONE_PART if _agrees_along_axis(pair) else _SCALE,
     }
+
+
+def _agrees_along_axis(pair: _BoxPair) -> bool:
+    """Whether the boxes are as long along one axis: then no scale explains that one is larger."""
+    sizes = zip(*(box[1] - box[0] for box in (pair.visual_box, pair.collision_box)), strict=True)
+    return any(math.isclose(one, other, rel_tol=_SAME) for one, other in sizes)
 
 
 def _guess_unit_mismatch(ratio: float) -> str | None:
