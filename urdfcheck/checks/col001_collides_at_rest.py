@@ -111,10 +111,15 @@ def _is_shallow(contact: Contact, slight: float) -> bool:
 
 def _meets_at_stop(model: Model, pair: CollisionPair) -> bool:
     """Whether two links hardly ever overlap but at rest, where each joint between them is at a limit: a closed gripper."""
-    paths = [set(model.tree.find_path_to(name)) for name in pair.links]
-    moving = [joint for joint in paths[0] ^ paths[1] if joint.is_movable]
-    spans = [joint.position_range for joint in moving]
+    spans = [joint.position_range for joint in _list_joints_between(model, pair)]
     return pair.hit_share <= _RARELY and all(span is not None and _get_rest(span) in span for span in spans)
+
+
+def _list_joints_between(model: Model, pair: CollisionPair) -> list[Joint]:
+    """Return the joints that move one link of a pair against the other."""
+    one, other = (model.tree.find_path_to(name) for name in pair.links)
+    joints = (*(j for j in one if j not in other), *(j for j in other if j not in one))
+    return [joint for joint in joints if joint.is_movable]
 
 
 def _get_rest(span: tuple[float, float]) -> float:
@@ -123,13 +128,16 @@ def _get_rest(span: tuple[float, float]) -> float:
 
 
 def _is_at_unused_pose(model: Model, pair: CollisionPair) -> bool:
-    """Whether a joint that places one of the links cannot be at zero, and other poses are usually free of the overlap.
+    """Whether two links overlap where no joint between them is at a limit, in a pose that the robot is never in.
 
-    The robot never is at zero then, and its limits, which are nearest to it, are no pose to start from either (JNT019).
+    A joint that carries both cannot be at zero then, for which JNT019 wants a start from elsewhere, and there most poses are
+    free of the overlap.
     """
-    joints = {joint for name in pair.links for joint in model.tree.find_path_to(name) if joint.is_movable}
-    spans = [span for joint in joints if joint.mimic is None and (span := joint.position_range) is not None]
-    return pair.hit_share < _USUALLY and any(_get_rest(span) != 0 for span in spans)
+    between = _list_joints_between(model, pair)
+    carrying = [j for name in pair.links for j in model.tree.find_path_to(name) if j.is_movable and j not in between]
+    inside = all((span := joint.position_range) is None or span[0] < 0 < span[1] for joint in between)
+    spans = [span for joint in carrying if joint.mimic is None and (span := joint.position_range) is not None]
+    return inside and pair.hit_share < _USUALLY and any(_get_rest(span) != 0 for span in spans)
 
 
 def _is_telescope(model: Model, pair: CollisionPair) -> bool:
