@@ -524,6 +524,8 @@ def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: s
     ("subpath", "files", "message"),
     [
         ("robots/r.urdf", ["p/urdf/r.urdf"], "misnamed"),
+        ('robots/r.urdf"/><node args="-d $(find arm5)/urdf.rviz', ["p/urdf/r.urdf"], "misnamed"),
+        ('robots/r.urdf"/><include file="$(find arm5)/launch/arm.launch', ["p/urdf/r.urdf"], "undeclared"),
         ("robots/other.urdf", ["p/urdf/r.urdf"], "undeclared"),
         ("robots/r.urdf", ["p/urdf/r.urdf", "q/urdf/r.urdf"], "undeclared"),  # whose file is meant is open
         ("launch/world.launch", ["p/urdf/r.urdf", "p/launch/world.launch"], "undeclared"),  # all have such files

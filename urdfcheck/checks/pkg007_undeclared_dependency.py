@@ -37,6 +37,7 @@ _TEST_FOLDERS = {"test", "tests"}
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 # Files of a robot: a package of this repository that has one of the same name is where a mention of no known package leads.
 _ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
+_VIEW_SUFFIX = ".rviz"
 # So many files of each package of the repository are compared.
 _MOST_FILES = 20_000
 
@@ -124,11 +125,12 @@ def _build_misnamed_finding(
 
 def _find_home(package: Package, name: str, uses: Sequence[PackageMention]) -> tuple[str, str] | None:
     """Return the only package of the repository that has all robot files for which a package that is not found is named, and
-    the path of the first in it; None if there is none, or not all mentions are of such files."""
+    the path of the first in it; None if there is none, or a mention is of another file than these and views of them."""
     if package.finder is None or package.finder.find(name) is not None:
         return None
-    wanted = list(dict.fromkeys(PurePosixPath(use.subpath).name for use in uses))
-    if not all(file.lower().endswith(_ROBOT_SUFFIXES) and "$" not in file for file in wanted):
+    files = dict.fromkeys(PurePosixPath(use.subpath).name for use in uses)
+    wanted = [file for file in files if file.lower().endswith(_ROBOT_SUFFIXES) and "$" not in file]
+    if not wanted or any(file not in wanted and not file.endswith(_VIEW_SUFFIX) for file in files):
         return None
     folders = {package.name: package.path, **package.finder.list_workspace_packages()}
     found: dict[str, dict[str, str]] = {}
