@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,7 @@ from injected import KINDS, plan_tasks, run_injections
 from injections import tensor_of
 from real import inertial_slips, joint_slips
 from real.changes import Part, ReadRobot, read_robot
-from real.evidence import find_inertial_evidence
+from real.evidence import find_inertial_evidence, find_reversal_evidence, find_zero_evidence
 from real.harmless_edits import EDITS
 from real.injection import Case, inject
 from real.kinds import Broken, Kind
@@ -200,6 +201,17 @@ def test_nothing_is_new_in_a_sound_robot(read: ReadRobot) -> None:
     assert find_new(list_keys(run), run) == []
 
 
+def test_what_shows_a_broken_joint_depends_on_others(read: ReadRobot) -> None:
+    part = find_part(read, "left_arm")
+    assert part.joint is not None
+    shared = {"joint[right_shoulder]"}
+    assert find_zero_evidence(part, "effort") == {"twin"}
+    assert not find_zero_evidence(part, "effort", shared) & {"twin"}
+    # The range is not symmetric: that of the other side contradicts a reversed axis.
+    assert find_reversal_evidence(part) == {"twin"}
+    assert not find_reversal_evidence(part, shared)
+
+
 def test_evidence_is_what_the_file_shows(read: ReadRobot) -> None:
     part = find_part(read, "left_arm")
     assert part.numbers is not None
@@ -220,6 +232,32 @@ def test_evidence_is_what_the_file_shows(read: ReadRobot) -> None:
     assert "reach" in find(inertial_slips.all_units, with_meshes=False)
     # The mirror image of a COM is at the same distance: only the mesh shows which it is.
     assert find(inertial_slips.com_mirrored, with_meshes=False) == set()
+
+
+def test_what_the_same_text_changes_and_light_parts_show_nothing(read: ReadRobot) -> None:
+    part = find_part(read, "left_arm")
+    assert part.numbers is not None
+    heavy = replace(part.numbers, mass=part.numbers.mass * 10)
+    assert find_inertial_evidence(part, heavy, with_meshes=False) == {"twin"}
+    assert find_inertial_evidence(part, heavy, with_meshes=False, shared={"link[right_arm]"}) == set()
+    # Without meshes the frames of equal parts may be anywhere: the COM's distance is no evidence.
+    moved = replace(part.numbers, com=part.numbers.com + 0.01)
+    assert "twin" not in find_inertial_evidence(part, moved, with_meshes=False)
+    assert "twin" in find_inertial_evidence(part, moved, with_meshes=True)
+
+
+def test_a_cause_that_was_named_before_is_not_new(robot: RealRobot, read: ReadRobot) -> None:
+    part = find_part(read, "left_arm")
+    broken = find_kind("tensor_unit").make(part, np.random.default_rng(4))
+    assert broken is not None
+    changes = broken.changes if isinstance(broken, Broken) else broken
+    run = check_robot(robot, read.apply(changes))
+    keys = {key: severity for key, severity in list_keys(run).items() if key[2]}
+    assert keys
+    elsewhere = {(code, "another", cause, subject): severity for (code, _, cause, subject), severity in keys.items()}
+    named = [finding for finding, _ in find_new(elsewhere, run) if finding.cause is not None]
+    assert not named
+    assert [finding for finding, _ in find_new({}, run) if finding.cause is not None]
 
 
 def test_tables_count_what_the_cases_say(cases: list[Case]) -> None:

@@ -196,6 +196,9 @@ def test_a_slipped_mass_is_named_where_the_tensor_is_that_of_the_right_one(tmp_p
     finding = one(tmp_path, arm_on_base(fitting, drawn), {"INR010"})
     assert finding.cause is not None
     assert "the mass is 0.0949 kg (0.01 times what is written)" in finding.cause.text
+    grams = one(tmp_path, arm_on_base(inertial(94.9, ixx=xx, iyy=yy, izz=zz), drawn), {"INR010"})
+    assert grams.cause is not None
+    assert "If the number is in grams" in grams.cause.text
     unexplained = one(tmp_path, arm_on_base(other, drawn), {"INR010"})
     assert unexplained.cause is None or unexplained.cause.id != "decimal"
 

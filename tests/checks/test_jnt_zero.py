@@ -62,6 +62,11 @@ def test_a_note_unless_it_is_for_a_simulator(tmp_path: Path) -> None:
     assert (note.severity, warning.severity) == (Severity.INFO, Severity.WARNING)
     (small,) = find_zero(tmp_path, 'lower="0.07" upper="2.5"', more='<transmission name="t"/>')
     assert small.severity is Severity.INFO
+    plugin = (
+        '<gazebo><plugin name="p" filename="p.so"><initialConfiguration>0.7</initialConfiguration></plugin></gazebo>'
+    )
+    (placed,) = find_zero(tmp_path, 'lower="0.5" upper="2"', more=plugin)
+    assert placed.severity is Severity.INFO
     path = tmp_path / "arm.urdf"
     path.write_text(ARM.format(limit='lower="0.5" upper="2"', kind="revolute", inner="", more=""), encoding="utf-8")
     severities = {t: check(path, codes={"JNT019"}, targets=(t,)).findings[0].severity for t in ("mujoco", "rviz")}

@@ -569,6 +569,68 @@ def test_without_drawings_only_what_mirror_and_copy_have_in_common_counts(tmp_pa
     assert told(finding) == ("moments", None, "link[right_arm]/inertial/mass@value")
 
 
+def strip_drawings(robot: Robot) -> Robot:
+    """The robot whose arms draw nothing."""
+    for side in ("left", "right"):
+        for part in PARTS:
+            robot = without(robot, f"link[@name='{side}_{part}']", "visual")
+    return robot
+
+
+def scale_inertial(robot: Robot, path: str, *, mass: float = 1.0, tensor: float = 1.0) -> Robot:
+    value = float(numbers(robot, f"{path}/mass")["value"])
+    six = {name: repr(tensor * float(value)) for name, value in numbers(robot, f"{path}/inertia").items()}
+    return with_(with_(robot, f"{path}/mass", value=repr(mass * value)), f"{path}/inertia", **six)
+
+
+@pytest.mark.parametrize(
+    ("mass", "tensor", "cause", "words"),
+    [
+        (1.0, 1e7, "unit", "10,000,000 times that of its twin, in all moments. It fits if it was written in g·cm²"),
+        (1e3, 1.0, "mass_unit", "if the mass of right_arm was written in g"),
+        (1e3, 1e9, "slip", "g and g·mm²"),
+        (10.0, 1.0, "decimal", "a power of ten"),
+        (10.0, 10.0, "decimal", "a power of ten"),
+    ],
+)
+def test_without_drawings_one_mistake_that_leads_to_the_twin_is_named(
+    tmp_path: Path, mass: float, tensor: float, cause: str, words: str
+) -> None:
+    finding = one(tmp_path, scale_inertial(strip_drawings(ROBOT), RIGHT, mass=mass, tensor=tensor))
+    assert finding.message_id == "moments"
+    assert finding.cause is not None
+    assert finding.cause.id == cause
+    assert words in finding.cause.text
+    assert finding.severity is Severity.WARNING
+
+
+def test_a_tensor_about_the_origin_is_named_on_the_side_that_has_it(tmp_path: Path) -> None:
+    robot = strip_drawings(ROBOT)
+    six = {name: float(value) for name, value in numbers(robot, f"{LEFT}/inertia").items()}
+    element = robot.find(f"{LEFT}/origin")
+    assert element is not None
+    com = np.array([float(word) for word in element.attrib["xyz"].split()])
+    mass = float(numbers(robot, f"{LEFT}/mass")["value"])
+    shift = mass * (com @ com * np.eye(3) - np.outer(com, com))
+    for (i, j), name in zip(((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)), SIX, strict=True):
+        six[name] += float(shift[i, j])
+    finding = one(tmp_path, with_(robot, f"{LEFT}/inertia", **{name: repr(value) for name, value in six.items()}))
+    assert told(finding)[1] == "slip"
+    assert finding.location.subject.startswith("link[left_arm]")
+    assert finding.cause is not None
+    assert "one mistake in left_arm is undone: tensor about the origin" in finding.cause.text
+
+
+def test_numbers_of_another_part_are_recognized(tmp_path: Path) -> None:
+    robot = strip_drawings(ROBOT)
+    upper = "link[@name='left_shoulder']/inertial"
+    mass, six = numbers(robot, f"{upper}/mass"), numbers(robot, f"{upper}/inertia")
+    finding = one(tmp_path, with_(with_(robot, f"{RIGHT}/mass", **mass), f"{RIGHT}/inertia", **six))
+    assert told(finding)[1] == "other_part"
+    assert finding.cause is not None
+    assert finding.cause.text.startswith("right_arm has the same numbers as left_shoulder")
+
+
 def test_one_side_only_is_no_pair(tmp_path: Path) -> None:
     robot = copy.deepcopy(ROBOT)
     robot.append(make_box_link("left_camera", PARTS["hand"][0]))

@@ -152,3 +152,19 @@ def test_an_angle_that_only_one_of_four_limbs_has_is_repaired(tmp_path: Path) ->
         (tmp_path / angle).mkdir()
         found = [f for f in find(tmp_path / angle, turned, "SYM004") if f.message_id == "odd"]
         assert len(found) == count
+
+
+def test_the_only_wheel_in_its_place_is_not_blamed_for_two_that_share_one(tmp_path: Path) -> None:
+    parts = ['<link name="left_base"/><link name="right_base"/><link name="base"/>']
+    parts += [
+        joint(f"{side}_mount", "base", f"{side}_base", kind="fixed", xyz=f"0 {y} 0")
+        for side, y in (("left", 0.2), ("right", -0.2))
+    ]
+    places = {"left_front": 0.1, "left_back": 0.1, "right_front": 0.1, "right_back": -0.1}
+    for name, x in places.items():
+        parts.append(f'<link name="{name}_wheel">{BOX.format(z=0)}</link>')
+        side = name.partition("_")[0]
+        parts.append(
+            joint(f"{name}_joint", f"{side}_base", f"{name}_wheel", kind="continuous", xyz=f"{x} 0 -0.1", axis="0 1 0")
+        )
+    assert "sign" not in {f.message_id for f in find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')}

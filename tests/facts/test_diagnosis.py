@@ -331,6 +331,19 @@ def test_a_wrong_twin_does_not_accuse_the_right_one(cause: str, detail: str, mis
     assert found.sound or not found.at_fault
 
 
+def test_the_side_that_is_denser_than_any_material_is_the_wrong_one() -> None:
+    """Its tensor fits its mass, which no material has."""
+    shown = geometry(CASTING)
+    assert shown.hull is not None
+    light = replace(TRUE, tensor=TRUE.tensor * 1e3)
+    heavy = replace(light, mass=max(TRUE.mass * 1e3, 30_000.0 * shown.hull.volume))
+    of_heavy, of_light = diagnose_inertial(heavy, shown, light), diagnose_inertial(light, shown, heavy)
+    assert of_heavy is not None
+    assert of_light is not None
+    assert of_heavy.at_fault
+    assert not (of_light.judged_by == "twin" and of_light.at_fault)
+
+
 def test_without_a_drawing_a_twin_accuses_only_when_it_is_trusted() -> None:
     wrong = BY_ID["products_sign"](TRUE, DRAWN)
     alone, trusted = diagnose_inertial(wrong, None, TRUE), diagnose_inertial(wrong, None, TRUE, trusted=True)

@@ -148,9 +148,7 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
         tensor, diagnosis = model.tensor_by_name[name], judged.diagnosis
         if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged) or tensor.link in habitual:
             continue
-        if judged.is_habit and not _shows_habit(model, tensor.link, diagnosis):
-            continue  # something else is wrong, too
-        if name in rotated:
+        if name in rotated or (judged.is_habit and not _shows_habit_alone(model, tensor.link, diagnosis)):
             continue
         if diagnosis.cause is not None:
             by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
@@ -208,6 +206,12 @@ def _shows_habit(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
     if diagnosis.cause not in UNIT_CAUSES and left > _LUMPED:
         return False
     return _measure_mismatch(diagnosis, is_mended=True) < 0.5 * _measure_mismatch(diagnosis, is_mended=False)
+
+
+def _shows_habit_alone(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
+    """Whether a link shows the mistake of its file, and not something else beside it. A unit that is left to one link has to
+    fit it exactly."""
+    return _shows_habit(model, link, diagnosis) and (diagnosis.cause not in UNIT_CAUSES or _is_proven(model, link))
 
 
 def _measure_mismatch(diagnosis: Diagnosis, *, is_mended: bool) -> float:

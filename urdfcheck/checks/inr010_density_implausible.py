@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 # The moments of a part with a hub or a motor in it, to those of its uniform solid.
 _LIKE_TENSOR = 2.0
+# A mass that is a thousand times too large is in grams rather than a slip.
+_GRAMS = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +97,8 @@ def _find_slipped_mass(model: Model, link: Link, mass: float) -> dict[str, Any]:
         density = slipped / drawn.solid.volume
         fits = np.abs(np.log(np.maximum(own_mass, 1e-300) / slipped)).max() < math.log(_LIKE_TENSOR)
         if is_part_density(density) and fits:
+            if power == _GRAMS and not is_round(mass):
+                return {"cause": "unit", "unit": "grams", "plausible": describe_density(density)}
             return {
                 "cause": "decimal",
                 "factor": f"{10.0**-power:g}",

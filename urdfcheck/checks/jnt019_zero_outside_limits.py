@@ -25,12 +25,22 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float) -> Iterat
             outside.append(joint)
         elif 0 in span:
             limiting.append(joint)
-    is_simulated = any(model.robot.find_child(tag) is not None for tag in _SIMULATED)
+    is_simulated = any(model.robot.find_child(tag) is not None for tag in _SIMULATED) and not _starts_elsewhere(model)
     is_far = any(_measure_share(joint) > notable for joint in outside)
     if outside:
         yield _build_finding(rule, "outside", outside, None if is_simulated and is_far else Severity.INFO)
     if limiting:
         yield _build_finding(rule, "on-limit", limiting, Severity.INFO)
+
+
+def _starts_elsewhere(model: Model) -> bool:
+    """Whether a plugin of the simulator gets a start of some joints (``<initialConfiguration>``, ``<initial_position>``)."""
+    return any(
+        "initial" in element.tag.lower()
+        for block in model.robot.find_children("gazebo")
+        for plugin in block.find_children("plugin")
+        for element in plugin.walk()
+    )
 
 
 def _measure_share(joint: Joint) -> float:

@@ -10,19 +10,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule, Severity
-from urdfcheck.core.text import format_point, join_names, join_numbers
+from urdfcheck.core.text import format_length, format_point, join_names, join_numbers
 from urdfcheck.facts.inertials.certainty import FAR
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
+from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs, measure_principal_deviation
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
+from urdfcheck.model.inertials.inertial_proposals import describe_mistake
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
     PairSide,
     compare_sides,
     find_cause,
+    find_copied_side,
     find_wrong_side,
     get_comparable_inertial,
     list_inertial_changes,
@@ -55,9 +58,9 @@ if TYPE_CHECKING:
 
 # INR009 leaves this mistake to SYM004.
 UNMIRRORED = "unmirrored"
-# Between kg·m² and g·m², kg·cm², kg·mm², g·cm², g·mm²; twins agree to within 5 % otherwise.
-_UNIT_FACTORS = (10**3, 10**4, 10**6, 10**7, 10**9)
-_ONE_FACTOR = 0.05
+# Mistakes that change the mass, or its ratio to the tensor: no other explains that one side is heavier by more than this share.
+_MASS_CAUSES = frozenset({"mass_unit", "units", "other_mass", "decimal_point", "mesh_scale"})
+_SAME_MASS = 0.2
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
@@ -182,27 +185,31 @@ def _has_com_elsewhere(model: Model, link: Link) -> bool:
 
 
 def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
-    """Whether INR009 reports a mistake in one of the links, which explains the difference."""
+    """Whether INR009 reports a mistake in one of the links, which explains the difference: that of the masses, too."""
+    masses = [model.mass_by_name[name].mass for name in (pair.one, pair.other) if name in model.mass_by_name]
+    is_mass_off = len(masses) == 2 and not math.isclose(*masses, rel_tol=_SAME_MASS)
     causes = []
     for name in (pair.one, pair.other):
         diagnosed = inertial_diagnoses(model).get(name)
         cause = None if diagnosed is None or not diagnosed.diagnosis.at_fault else diagnosed.diagnosis.cause
-        causes.append(None if cause == UNMIRRORED else cause)
+        causes.append(None if cause == UNMIRRORED or (is_mass_off and cause not in _MASS_CAUSES) else cause)
     return causes[0] != causes[1]
 
 
 def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, shares: _Shares) -> Finding | None:
-    """Compare what mirror images and copies have in common, for a pair whose drawings are not related."""
-    if pair.drawn_as not in {None, "neither"} or not (
-        pair.is_named and pair.is_in_place and pair.is_alike is not False
-    ):
+    """Compare what mirror images and copies have in common, for a pair whose drawings are not related.
+
+    Frames that are not mirror images may belong to parts that are not: there, only one mistake that explains all counts.
+    """
+    if pair.drawn_as not in {None, "neither"} or not pair.is_named or pair.is_alike is False:
         return None
     one, other = (model.link_by_name[name] for name in (pair.one, pair.other))
     first, second = get_comparable_inertial(one), get_comparable_inertial(other)
     if first is None or second is None:
         return None
     deviation, note = measure_principal_deviation(second, first), shares.note
-    if deviation is None or not deviation.worst > note:
+    slip = find_slip_between_twins(first, second)
+    if slip is None and not (pair.is_in_place and deviation.worst > note):
         return None
     differences = []
     if deviation.mass > note:
@@ -210,30 +217,44 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
     if deviation.spread > note:
         moments = _format_principal_moments(first), _format_principal_moments(second)
         differences.append(f"principal moments of ({moments[0]}) and ({moments[1]}) kg·m²")
-    factor = _find_unit_factor(first, second)
+    if not differences:
+        distances = [format_length(float(np.linalg.norm(numbers.com))) for numbers in (first, second)]
+        differences.append(f"COMs {distances[0]} and {distances[1]} from their frames")
+    ratio = float(np.trace(first.tensor)) / float(np.trace(second.tensor))
+    copied = None if slip is not None else find_copied_side(model, one, other)
+    wrong, right = (
+        (one, other) if (slip is not None and slip.is_first) or (copied and copied[0] is one) else (other, one)
+    )
     return rule.finding(
         "moments",
-        at=_locate_difference(model, other, deviation, note=note),
-        related=[_locate_difference(model, one, deviation, note=note)],
-        severity=shares.choose_severity(deviation.worst, pair),
-        cause="unit" if factor else None,
-        factor=f"{factor:,}",
-        wrong=(one if np.trace(first.tensor) > np.trace(second.tensor) else other).name,
+        at=_locate_difference(model, wrong, deviation, note=note),
+        related=[_locate_difference(model, right, deviation, note=note)],
+        severity=Severity.WARNING if slip is not None else shares.choose_severity(deviation.worst, pair),
+        cause=_name_slip(slip) if slip is not None else "other_part" if copied is not None else None,
+        factor=f"{max(ratio, 1.0 / ratio):,.0f}",
+        wrong=wrong.name,
+        source="" if copied is None else copied[1].name,
+        detail="" if slip is None else slip.mistake.detail,
+        mistake="" if slip is None else _describe_slip(slip),
         one=one.name,
         other=other.name,
         differences=" and ".join(differences),
-        share=deviation.worst,
+        share=max(deviation.worst, shares.differ) if slip is not None else deviation.worst,
         between=_list_subjects(one, other),
     )
 
 
-def _find_unit_factor(first: DeclaredInertial, second: DeclaredInertial) -> int:
-    """Return the factor between two tensors of one shape and mass that a unit explains; 0 if none does."""
-    small, large = sorted((np.linalg.eigvalsh(numbers.tensor) for numbers in (first, second)), key=np.sum)
-    if not small[0] > 0.0 or not math.isclose(first.mass, second.mass, rel_tol=_ONE_FACTOR):
-        return 0
-    ratios = large / small
-    return next((factor for factor in _UNIT_FACTORS if np.abs(ratios / factor - 1.0).max() < _ONE_FACTOR), 0)
+def _describe_slip(slip: TwinSlip) -> str:
+    if slip.mistake.id == "com_unit":
+        return f"the COM in {slip.mistake.detail}"
+    return describe_mistake(slip.mistake.id, slip.mistake.detail)
+
+
+def _name_slip(slip: TwinSlip) -> str:
+    """Return the id of the cause on the page."""
+    if slip.is_either:
+        return "decimal"
+    return {"inertia_unit": "unit", "mass_unit": "mass_unit"}.get(slip.mistake.id, "slip")
 
 
 def _format_principal_moments(numbers: DeclaredInertial) -> str:

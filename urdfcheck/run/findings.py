@@ -51,7 +51,7 @@ class FinalFindings:
 
     findings: tuple[Finding, ...]
     unrequested: tuple[Finding, ...]
-    """Notes that nobody asked for: they are not reported, and tell what programs do with the model."""
+    """Notes on request only: they are not reported, but what they say about programs counts."""
     needed_comments: frozenset[Span]
     """Comments in the source that suppress some of them."""
     size: int

@@ -20,11 +20,15 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.model.parts import Shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
-# A sound part may be so far from one of uniform density (`scoring.effect`, without the mass), and a defect must take it so much
-# further away.
-_SOUND, _FURTHER = 1.0, 0.5
-# kg/m³: air and tungsten, with room.
+# A part whose numbers are so near to those of its drawing at uniform density (`scoring.effect`, without the mass) shows a defect
+# that takes it so much further away, and beyond where 99 % of the sound parts are that have up to 60 % of their mass in lumps.
+_SOUND, _FURTHER, _LUMPED = 1.0, 0.5, 1.8
+# So near its uniform solid a part also shows which defect it is: half the step between neighbouring units (a factor of 3.2).
+_NEAR = 0.57
+# kg/m³, of the convex hull, for what is drawn may be a cover: air and tungsten, with room.
 _DENSITIES = 1.2, 25_000.0
+# A part of a rigid body that is lighter than this share of it hardly changes how the body moves.
+_LIGHT = 0.05
 # What no robot's part may exceed: its COM or radius of gyration, in lengths of the whole robot.
 _REACH = 1.0
 # The triangle inequality is broken beyond rounding.
@@ -33,12 +37,16 @@ _SIDES = re.compile(r"(?i)(?<![a-z])(left|right|l|r|fl|fr|rl|rr|bl|br|front|rear
 _NUMBERS = re.compile(r"[0-9]+")
 # A number that differs by less from a twin's is not seen.
 _UNLIKE = 0.05
+# So many other joints say what a robot's joints are like.
+_LEAST_JOINTS = 3
 
 
-def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool) -> set[str]:
+def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool, shared: Collection[str] = ()) -> set[str]:
     """Find what shows that an inertial with ``new`` numbers is wrong.
 
-    :returns: some of ``impossible``, ``reach``, ``mesh``, ``density``, ``twin``.
+    :param shared: labels of links that the same text changes, such as those of one macro: they do not show anything.
+    :returns: some of ``impossible``, ``reach``, ``mesh``, ``near`` (the mesh shows which defect it is, too), ``density``,
+        ``twin``.
     """
     old = part.numbers
     assert old is not None
@@ -48,11 +56,23 @@ def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool) -> se
     reach = measure_reach(part.owner)
     if max(_size(new)) > _REACH * reach >= max(_size(old)):
         found.add("reach")
+    if max(old.mass, new.mass) < _LIGHT * _measure_body_mass(part):
+        return found
     if with_meshes:
         found |= _find_drawn_evidence(part, old, new)
-    if _differs_from_twins(part, old, new):
+    if _differs_from_twins(part, old, new, with_meshes=with_meshes, shared=shared):
         found.add("twin")
     return found
+
+
+def _measure_body_mass(part: Part) -> float:
+    """Return the mass (kg) of the links that are fixed to a link, itself included; zero where the tree is broken."""
+    model = part.owner.model
+    try:
+        body = set(model.tree.list_body_links(part.link.name))
+    except FactUnavailableError:
+        return 0.0
+    return sum(n.mass for other in part.owner.parts if other.link.name in body and (n := other.numbers) is not None)
 
 
 def find_joint_evidence(part: Part, old: Array, new: Array, shared: Collection[str] = ()) -> set[str]:
@@ -63,6 +83,8 @@ def find_joint_evidence(part: Part, old: Array, new: Array, shared: Collection[s
     """
     joint = part.joint
     assert joint is not None
+    if joint.type == "fixed" and not _carries_something(part):
+        return set()  # where a bare frame should be shows nowhere
     found = set()
     mine = np.linalg.norm(joint.origin.xyz or (0, 0, 0))
     sides = row = 0
@@ -77,9 +99,53 @@ def find_joint_evidence(part: Part, old: Array, new: Array, shared: Collection[s
             row += other.parent == joint.parent and _strip(other.name) == _strip(joint.name)
     if sides or row >= 2:
         found.add("twin")
-    if len(new) == 3 and np.linalg.norm(new) > 10 * max(lengths) and np.linalg.norm(new) > 2 * np.linalg.norm(old):
+    # One or two other joints do not say how large a robot is.
+    known = sum(length > 1e-6 for length in lengths) >= _LEAST_JOINTS
+    if (
+        known
+        and len(new) == 3
+        and np.linalg.norm(new) > 10 * max(lengths)
+        and np.linalg.norm(new) > 2 * np.linalg.norm(old)
+    ):
         found.add("reach")
     return found
+
+
+def find_reversal_evidence(part: Part, shared: Collection[str] = ()) -> set[str]:
+    """Find what shows that an axis has the other sign: three others of its name with the axis that it had, or a joint on the
+    other side whose range is not symmetric, or that is a wheel.
+
+    Published robots have both conventions for left and right: axes that are mirrored, and axes that are parallel.
+    """
+    joint = part.joint
+    assert joint is not None
+    evidence = find_joint_evidence(part, np.zeros(3), np.zeros(3), shared)
+    others = [
+        other
+        for other in part.owner.model.joints
+        if other is not joint and other.type == joint.type and _name_without_side(other.name) == _name_without_side(joint.name)
+        and f"joint[{other.name}]" not in shared
+    ]  # fmt: skip
+    if joint.type == "continuous" or sum(other.axis == joint.axis for other in others) >= _LEAST_JOINTS:
+        return evidence
+    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
+    return evidence if lower is not None and upper is not None and not np.isclose(lower, -upper, atol=1e-3) else set()
+
+
+def find_zero_evidence(part: Part, name: str, shared: Collection[str] = ()) -> set[str]:
+    """Find what shows that an effort or a velocity must not be 0: all joints of its name have one, or all others, three
+    at least. A robot of one joint, or one whose other joints have 0 too, does not show it."""
+    joint = part.joint
+    assert joint is not None
+    others = [
+        (other, other.get_limit_value(name) or 0.0)
+        for other in part.owner.model.joints
+        if other is not joint and other.is_driven and f"joint[{other.name}]" not in shared
+    ]
+    like = [value for other, value in others if other.type == joint.type and _strip(other.name) == _strip(joint.name)]
+    if like:
+        return {"twin"} if min(like) > 0 else set()
+    return {"others"} if len(others) >= _LEAST_JOINTS and min(value for _, value in others) > 0 else set()
 
 
 def find_shape_evidence(part: Part, shape: Shape, moved: float) -> set[str]:
@@ -91,6 +157,28 @@ def find_shape_evidence(part: Part, shape: Shape, moved: float) -> set[str]:
         return {"drawn"} if any(other is not None and other.value == name.value for other in drawn) else set()
     size = 2 * max(shape.size) if shape.size else np.inf
     return {"drawn"} if moved > size else set()
+
+
+def find_size_evidence(part: Part, shared: Collection[str]) -> set[str]:
+    """Find what shows that a collision shape has another size: two others of a row, or the other side, have the old one.
+
+    What is drawn does not: of the collision boxes of published robots 98 % are 0.49 to 1.47 times as large as what is drawn, and
+    sound ones 0.2 to 5 times (`rules/GEO003-*.md`).
+
+    :param shared: labels of links that the same text changes.
+    """
+    mine = _list_sizes(part)
+    sides = row = 0
+    for other in part.owner.parts:
+        if other is part or f"link[{other.link.name}]" in shared or _list_sizes(other) != mine:
+            continue
+        sides += _is_other_side(other.link.name, part.link.name)
+        row += _strip(other.link.name) == _strip(part.link.name)
+    return {"twin"} if sides or row >= 2 else set()
+
+
+def _list_sizes(part: Part) -> list[tuple[str, tuple[float, ...]]]:
+    return [(shape.kind, tuple(shape.size or ())) for shape in part.link.collisions]
 
 
 def measure_reach(read: ReadRobot) -> float:
@@ -137,22 +225,34 @@ def _find_drawn_evidence(part: Part, old: Numbers, new: Numbers) -> set[str]:
 
     with np.errstate(all="ignore"):
         sound, broken = differ(old), differ(new)
-    if sound < _SOUND and broken > sound + _FURTHER:
-        found.add("mesh")
+    if sound < _SOUND and broken > max(sound + _FURTHER, _LUMPED):
+        found |= {"mesh", "near"} if sound < _NEAR else {"mesh"}
     low, high = _DENSITIES
-    if low < old.mass / solid.volume < high and not low < new.mass / solid.volume < high:
+    volume = solid.volume if drawn.hull is None else drawn.hull.volume
+
+    def is_material(mass: float) -> bool:
+        return low * solid.volume < mass < high * volume
+
+    if is_material(old.mass) and not is_material(new.mass):
         found.add("density")
     return found
 
 
-def _differs_from_twins(part: Part, old: Numbers, new: Numbers) -> bool:
-    """Whether mass, moments or the COM's distance now differ from those of the other side, or of two others of a row."""
-    if np.allclose(_list_invariants(new), _list_invariants(old), rtol=_UNLIKE):
+def _differs_from_twins(part: Part, old: Numbers, new: Numbers, *, with_meshes: bool, shared: Collection[str]) -> bool:
+    """Whether mass, moments or the COM's distance now differ from those of the other side, or of two others of a row. Without
+    meshes the frames may be at different points of equal parts, and the COM's distance says nothing."""
+    count = 5 if with_meshes else 4
+    if np.allclose(_list_invariants(new)[:count], _list_invariants(old)[:count], rtol=_UNLIKE):
         return False
     sides = row = 0
     for other in part.owner.parts:
         n = other.numbers
-        if other is part or n is None or not np.allclose(_list_invariants(n), _list_invariants(old), rtol=1e-2):
+        if (
+            other is part
+            or f"link[{other.link.name}]" in shared
+            or n is None
+            or not np.allclose(_list_invariants(n), _list_invariants(old), rtol=1e-2)
+        ):
             continue
         sides += _is_other_side(other.link.name, part.link.name)
         row += _strip(other.link.name) == _strip(part.link.name)
@@ -162,6 +262,27 @@ def _differs_from_twins(part: Part, old: Numbers, new: Numbers) -> bool:
 def _list_invariants(n: Numbers) -> list[float]:
     """What another frame or a mirror does not change."""
     return [n.mass, *np.linalg.eigvalsh(tensor_of(n.six)).tolist(), _size(n)[0] + 1e-4]
+
+
+def _carries_something(part: Part) -> bool:
+    """Whether a link behind the joint has a shape or a mass, or another joint moves; true of robots without any of these."""
+    model = part.owner.model
+
+    def has_body(name: str) -> bool:
+        link = model.link_by_name[name]
+        return bool(link.visuals or link.collisions or link.inertial is not None)
+
+    if not any(has_body(link.name) for link in model.links):
+        return True
+    names = [part.link.name]
+    for name in names:
+        names += [below.child for below in model.tree.child_joints[name]]
+    return any(map(has_body, names))
+
+
+def _name_without_side(name: str) -> str:
+    """The name in lower case, without words for sides."""
+    return _SIDES.sub("#", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).replace("_", " ")).lower()
 
 
 def _is_other_side(one: str, other: str, *, or_same: bool = False) -> bool:

@@ -211,7 +211,10 @@ def _swapped(six: Array, first: int, second: int) -> Array:
 
 def _kind(make: Make, says: str = "", *codes: str, nameless: bool = False, habit: bool = False) -> Kind:
     lossy = make in (six_equal, com_moved, com_missing, copied, placeholder, rounded)
-    return Kind(make, "inertial", says, frozenset(codes), is_nameless=nameless, is_lossy=lossy, habit=habit)
+    itself = make in (moment_sign, six_equal)
+    return Kind(
+        make, "inertial", says, frozenset(codes), is_nameless=nameless, is_lossy=lossy, shows_itself=itself, habit=habit
+    )
 
 
 _DECIMAL = r"decimal|ten times|10 times|100 times|\b10\b|\b100\b"
@@ -219,6 +222,7 @@ _PRODUCTS_SIGN = (
     r"products of inertia (have|with) the (wrong|other) sign|sign of (all |its )?(three )?products|products.*\bsign"
 )
 _ORIGIN = r"about the link's origin|about the origin|output coordinate system"
+_POSITIVE = r"positive|output coordinate system|origin, with products of the other sign"
 _SLOTS = r"changed places|two of the six|moved by one slot|order (Ixx|of)|other axes|axes are|round about|swap"
 
 KINDS = (
@@ -227,7 +231,7 @@ KINDS = (
     _kind(com_unit),
     _kind(all_units),
     _kind(about_origin, _ORIGIN),
-    _kind(positive_notation, r"positive|output coordinate system"),
+    _kind(positive_notation, _POSITIVE),
     _kind(products_sign, _PRODUCTS_SIGN),
     _kind(one_product_sign, r"wrong sign|the other sign|\bsigns?\b"),
     _kind(moment_sign, r"\bsign\b|negative moment"),
@@ -252,7 +256,7 @@ KINDS = (
     _kind(mass_unit, habit=True),
     _kind(com_unit, habit=True),
     _kind(about_origin, _ORIGIN, habit=True),
-    _kind(positive_notation, r"positive|output coordinate system", habit=True),
+    _kind(positive_notation, _POSITIVE, habit=True),
     _kind(products_sign, _PRODUCTS_SIGN, habit=True),
     _kind(density_tenfold, r"dens|times (as|too) (heavy|dense)|ten times|10 times|decimal", habit=True),
     _kind(tensor_power, _DECIMAL + r"|g·m²|kg·cm²|times", habit=True),

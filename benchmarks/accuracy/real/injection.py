@@ -14,7 +14,14 @@ from injections import Body, Numbers, Rng, rotation_of, tensor_of
 from scoring import LEAST_EFFECT, effect
 
 from real.changes import Change, Part, ReadRobot, Texts, read_numbers, read_robot
-from real.evidence import find_inertial_evidence, find_joint_evidence, find_shape_evidence
+from real.evidence import (
+    find_inertial_evidence,
+    find_joint_evidence,
+    find_reversal_evidence,
+    find_shape_evidence,
+    find_size_evidence,
+    find_zero_evidence,
+)
 from real.kinds import Broken, Kind
 from real.robots import RealRobot, check_robot
 from real.verdicts import Key, Verdict, find_new, judge, list_keys
@@ -51,6 +58,9 @@ class Case:
     has_meshes: bool
     evidence: tuple[str, ...]
     """What shows it; empty: nothing that this benchmark knows of."""
+    shows_cause: bool = True
+    """Whether the file also shows which defect it is: a twin, a drawing that the sound numbers fit well, or the text itself. A
+    bound (the robot's length, the hull, the densest material) does not: several defects exceed it alike."""
     verdict: Verdict = field(default_factory=Verdict)
     seconds: float = 0.0
     """Processor time of the check, and that of the sound robot."""
@@ -147,6 +157,8 @@ def _break(stages: Sequence[_Stage], kind: Kind, rng: Rng) -> list[Case]:
         made = _make(kind, parts[index], rng)
         if made is None or not _is_sound(first, parts[index], kind):
             continue
+        if kind.family == "inertial" and _is_mass_doubted(first):
+            return []
         tried += 1
         if tried > _TRIES:
             break
@@ -171,10 +183,11 @@ def _break_all(stages: Sequence[_Stage], kind: Kind, order: Sequence[int], rng: 
     """Make the same defect in all links that can have it: three at least, and most of those with numbers."""
     cases = []
     state = rng.bit_generator.state
+    first = stages[0]
     for stage in stages if kind.family == "inertial" else stages[:1]:
         changes: dict[tuple[str, int], Change] = {}
         labels: set[str] = set()
-        says, makeable, evidence = "", 0, set()
+        says, makeable, sound, evidence = "", 0, 0, set()
         for index in order:
             part = stage.read.parts[index]
             rng.bit_generator.state = state  # the same unit everywhere
@@ -186,9 +199,13 @@ def _break_all(stages: Sequence[_Stage], kind: Kind, order: Sequence[int], rng: 
             for change in broken.changes:
                 changes[change.span.file, change.span.start] = change
                 labels |= stage.read.list_subjects(change.span)
-            evidence |= _find_evidence(stage, kind, part, broken) - {"twin"}
+            if _is_sound(first, part, kind):
+                sound += 1
+                evidence |= _find_evidence(stage, kind, part, broken) - {"twin"}
         if makeable < 3 or 2 * makeable < sum(p.numbers is not None for p in stage.read.parts):
             continue
+        if 3 * sound < 2 * makeable or _is_mass_doubted(first):
+            continue  # a robot that is wrong already
         subject = f"{makeable} links"
         cases.append(_check(stage, kind, list(changes.values()), says, subject, labels, evidence))
     return cases
@@ -263,11 +280,23 @@ def _is_sound(stage: _Stage, part: Part, kind: Kind) -> bool:
     )
 
 
+def _is_mass_doubted(stage: _Stage) -> bool:
+    """Whether the mass of the whole robot is said to be impossible."""
+    return any(key[0] == "INR015" and severity >= Severity.WARNING for key, severity in stage.said.items())
+
+
 def _find_evidence(stage: _Stage, kind: Kind, part: Part, broken: Broken) -> set[str]:
-    if kind.family == "inertial":
-        return find_inertial_evidence(part, _read_new(part, broken), with_meshes=stage.has_meshes)
     shared = set().union(*(stage.read.list_subjects(change.span) for change in broken.changes))
-    if kind.family == "joint" and kind.make.__name__ not in ("axis_zero", "joint_rpy_degrees"):
+    if kind.family == "inertial":
+        return find_inertial_evidence(part, _read_new(part, broken), with_meshes=stage.has_meshes, shared=shared)
+    if kind.make.__name__ in ("effort_zero", "velocity_zero"):
+        return find_zero_evidence(part, kind.make.__name__.removesuffix("_zero"), shared)
+    if kind.make.__name__ == "axis_reversed":
+        return find_reversal_evidence(part, shared)
+    if kind.make.__name__ == "joint_rpy_degrees":
+        # Less than a turn may be meant in radians.
+        return {"text"} if max(abs(float(word)) for word in broken.changes[0].text.split()) > 2 * np.pi else set()
+    if kind.family == "joint" and kind.make.__name__ != "axis_zero":
         change = broken.changes[0]
         new = np.array([float(word) for word in change.text.split()])
         assert part.joint is not None
@@ -286,6 +315,8 @@ def _find_evidence(stage: _Stage, kind: Kind, part: Part, broken: Broken) -> set
         ]
         new = np.array([float(word) for word in broken.changes[0].text.split()])
         return find_shape_evidence(part, shapes[0], float(np.linalg.norm(new - (shapes[0].origin.xyz or (0, 0, 0)))))
+    if kind.make.__name__ == "collision_size":
+        return find_size_evidence(part, shared)
     if kind.make.__name__ in ("mesh_typo", "mesh_case", "mesh_scale"):
         # The file must be there to be missed.
         return (
@@ -303,6 +334,8 @@ def _check(
     start = time.process_time()
     run = check_robot(stage.read.robot, texts)
     seconds = time.process_time() - start
+    if kind.habit:
+        labels = labels | {f"robot[{stage.read.model.name}]"}
     verdict = judge(kind, says, labels, stage.read, texts, find_new(stage.said, run))
     return Case(
         kind=kind.name,
@@ -310,6 +343,7 @@ def _check(
         subject=subject,
         has_meshes=stage.has_meshes,
         evidence=tuple(sorted(evidence)),
+        shows_cause=kind.family != "inertial" or kind.shows_itself or bool(evidence & {"twin", "near"}),
         verdict=verdict,
         seconds=seconds,
         sound_seconds=stage.seconds,

@@ -259,7 +259,7 @@ KINDS = (
         "shape",
         (mesh_scale, r"scale|times as large", ("MSH008",)),
         (collision_shifted, "", ("GEO003", "GEO005", "COL001")),
-        (collision_size, r"times", ("GEO003",)),
+        (collision_size, r"times", ("GEO003", "SYM007")),
     ),
     *_kinds(
         "name",

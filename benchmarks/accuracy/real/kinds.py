@@ -37,6 +37,8 @@ class Kind:
     """Whether it is none of the common mistakes: every cause that is named is wrong."""
     is_lossy: bool = False
     """Whether the true numbers are lost, so that no repair can bring them back."""
+    shows_itself: bool = False
+    """Whether its numbers show by themselves which mistake it is, whatever the part: six equal ones, a moment below zero."""
     habit: bool = False
     """Whether it is made in all links of the file."""
 

@@ -59,7 +59,7 @@ def _build_summary(cases: Sequence[Case], families: dict[str, str], nameless: se
     lines.append(_build_row("all", cases, nameless))
     decidable = [case for case in cases if case.evidence]
     found = [case for case in decidable if case.verdict.found]
-    nameable = [case for case in cases if case.verdict.found and case.kind not in nameless]
+    nameable = _list_nameable(cases, nameless)
     shares = (
         ("found of decidable", len(found), len(decidable), FOUND, True),
         ("named of found", sum(case.verdict.named for case in nameable), len(nameable), NAMED, True),
@@ -85,8 +85,7 @@ def _build_summary(cases: Sequence[Case], families: dict[str, str], nameless: se
 def _build_row(name: str, cases: Sequence[Case], nameless: set[str]) -> str:
     decidable = [case for case in cases if case.evidence]
     rest = [case for case in cases if not case.evidence]
-    found = [case for case in cases if case.verdict.found]
-    nameable = [case for case in found if case.kind not in nameless]
+    nameable = _list_nameable(cases, nameless)
     edits = [sum(case.verdict.edit == state for case in cases) for state in ("right", "wrong")]
     cells = (
         str(len(cases)),
@@ -101,6 +100,11 @@ def _build_row(name: str, cases: Sequence[Case], nameless: set[str]) -> str:
     return f"| {name} | {' | '.join(cells)} |"
 
 
+def _list_nameable(cases: Iterable[Case], nameless: set[str]) -> list[Case]:
+    """List the cases that were found and whose cause the file shows."""
+    return [case for case in cases if case.verdict.found and case.shows_cause and case.kind not in nameless]
+
+
 def _format_share(part: int, whole: int) -> str:
     return f"{100 * part / whole:.0f} % ({part})" if whole else "–"
 
@@ -112,7 +116,7 @@ def describe_cases(cases: Iterable[Case]) -> Iterator[str]:
         states = []
         if case.evidence and not verdict.found:
             states.append("NOT FOUND")
-        if verdict.found and not verdict.named:
+        if verdict.found and case.shows_cause and not verdict.named:
             states.append("not named")
         if verdict.wrong:
             states.append("WRONG CAUSE")

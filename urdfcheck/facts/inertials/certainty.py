@@ -78,7 +78,7 @@ def _shows_unit(
     is_identity = bool((tensor == tensor[0, 0] * np.eye(3)).all())
     if is_identity and float(ranking.fit.tensor_mismatch[0]) > EFFECT:
         return False
-    if not is_of_file and reference.twin is None and leaves_another_part(ranking, 0):
+    if not is_of_file and reference.twin is None and _leaves_another_part(ranking, 0):
         return False
     contenders = np.flatnonzero((ranking.leads <= MARGIN) & [m.id in _UNITS for m in ranking.mistakes])
     sizes = np.trace(ranking.numbers.tensor[contenders], axis1=1, axis2=2) / ranking.numbers.mass[contenders]
@@ -89,7 +89,7 @@ def _shows_unit(
     return bool(ratios[0] > 0.0 and ratios[-1] < (1.0 + _ONE_RATIO) * ratios[0])
 
 
-def leaves_another_part(ranking: Ranking, row: int) -> bool:
+def _leaves_another_part(ranking: Ranking, row: int) -> bool:
     """Whether undoing a unit as small as a pound leaves a tensor that is not the part's: a motor changes as much."""
     if ranking.mistakes[row].id not in _UNITS or not float(ranking.fit.tensor_mismatch[row]) > _SMALL_UNIT_FITS:
         return False

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.certainty import EXACT, FAR, TWIN_LIKE, UNIFORM, can_be_named, leaves_another_part
+from urdfcheck.facts.inertials.certainty import EXACT, FAR, TWIN_LIKE, UNIFORM, can_be_named
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.inertial_fit import (
@@ -34,6 +34,7 @@ from urdfcheck.facts.inertials.inertial_fit import (
     measure_fit,
     measure_inertial_mismatch,
 )
+from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.facts.inertials.mistakes.file_habits import HABITS, Evidence, Habit
 from urdfcheck.facts.inertials.mistakes.mistake import Mistake, Suspect
 from urdfcheck.facts.inertials.ranking import Ranking, get_mistake_family, rank_explanations
@@ -201,7 +202,12 @@ def _has_cause(twin: DeclaredInertial, geometry: VisualGeometry, found: Diagnosi
 
 
 def _is_better_fit(one: DeclaredInertial, other: DeclaredInertial, geometry: VisualGeometry) -> bool:
-    """Whether a part of this geometry has the numbers ``one`` much more likely than ``other``."""
+    """Whether a part of this geometry has the numbers ``one`` much more likely than ``other``. No part is denser than any
+    material."""
+    if geometry.hull is not None:
+        possible = [numbers.mass <= DENSEST * geometry.hull.volume for numbers in (one, other)]
+        if possible[0] != possible[1]:
+            return possible[0]
     reference = build_geometry_reference(geometry)
     fit = measure_fit(reference, InertialBatch.from_inertials([one, other]), np.ones(2))
     scores = compute_log_likelihood(reference, fit, borrowed=np.zeros((2, 2)), is_other_body=np.zeros(2, dtype=bool))
@@ -267,10 +273,10 @@ def _collect_evidence(ranking: Ranking) -> Evidence:
     likelihoods: dict[tuple[str, str], float] = {}
     priors: dict[tuple[str, str], float] = {}
     alternative = -math.inf
-    for row, (mistake, score) in enumerate(zip(ranking.mistakes, ranking.scores.tolist(), strict=True)):
+    for mistake, score in zip(ranking.mistakes, ranking.scores.tolist(), strict=True):
         if mistake.id not in HABITS:
             alternative = max(alternative, score)
-        elif math.isfinite(score) and not leaves_another_part(ranking, row):
+        elif math.isfinite(score):
             key = mistake.id, mistake.detail
             likelihoods.setdefault(key, score - mistake.log_prior)
             priors.setdefault(key, mistake.log_prior)

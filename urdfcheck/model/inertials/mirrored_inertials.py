@@ -24,6 +24,7 @@ from urdfcheck.facts.likeness.mirror import (
 from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_inertial, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_elsewhere, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
+from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import TENSOR_NAMES, Link
 from urdfcheck.model.repairs.edits import AttributeChange
 from urdfcheck.model.repairs.number_text import write_numbers
@@ -166,6 +167,26 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
         return "mirrored"
     signs = find_wrong_signs(side.actual, side.expected, threshold)
     return "products_sign" if signs == PRODUCTS else "signs" if signs else None
+
+
+def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] | None:
+    """Find the side whose mass and tensor are those of a link that is no counterpart of either, digit for digit, and that link;
+    None where neither side or both have such numbers."""
+    found: list[tuple[Link, Link]] = []
+    for side in (one, other):
+        declared = model.tensor_by_name[side.name]
+        telling = max(map(abs, declared.components), default=0.0)
+        if telling == float(f"{telling:.1e}"):
+            continue  # two digits are twice there by chance
+        sources = [
+            known.link
+            for known in model.tensors
+            if known.components == declared.components
+            and known.inertial.mass == declared.inertial.mass
+            and remove_places(known.link.name) != remove_places(side.name)
+        ]
+        found += [(side, source) for source in sources[:1]]
+    return found[0] if len(found) == 1 else None
 
 
 def find_contradicted_links(model: Model, threshold: float = 0.01) -> frozenset[str]:

@@ -219,7 +219,11 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
             continue
         origins = [np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in group]
         index = _find_odd(origins)
-        if index is not None and _name_slip(origins[index], origins[index - 1]) == "sign":
+        # Two and two become three and one by a slip of one of the three: it is then in one place with another.
+        is_shared = len({(joint.parent, *np.round(xyz, 6)) for joint, xyz in zip(group, origins, strict=True)}) < len(
+            group
+        )
+        if index is not None and not is_shared and _name_slip(origins[index], origins[index - 1]) == "sign":
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
         axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in group]
         index = _find_odd(axes)

@@ -161,7 +161,7 @@ class _UntypedCommandReader:
     def import_type(self) -> list[Edit] | None:
         """Return the edit that imports the class below an import at the top of the file; nothing if it is imported.
 
-        None where no import at the top has a line of its own.
+        None where each import at the top shares its line with another statement.
         """
         imports = [n for n in self.tree.body if isinstance(n, (ast.Import, ast.ImportFrom))]
         if _imports_type(imports):

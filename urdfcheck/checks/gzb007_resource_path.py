@@ -1,0 +1,106 @@
+"""GZB007 reports launch files that spawn meshes by `package://` in a Gazebo that is not told where the packages are."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from urdfcheck.core import Finding, Location, Rule
+from urdfcheck.core.text import join_names
+from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.launch.nodes_python import read_python_actions
+from urdfcheck.source.launch.nodes_xml import LaunchAction, LaunchContents, read_launch_actions
+from urdfcheck.source.package.finder import Package, PackageFinder
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.text.xml import Attribute
+from urdfcheck.system.files import read_regular, walk
+
+# Whatever leads Gazebo to a package: an export, an environment hook or a variable that a launch file sets.
+_PATH = re.compile(r"gazebo_model_path|GAZEBO_MODEL_PATH|(?:GZ_SIM|IGN_GAZEBO)_RESOURCE_PATH|SDF_PATH|package://")
+_SPAWNERS = frozenset({("ros_gz_sim", "create"), ("ros_ign_gazebo", "create"), ("gazebo_ros", "spawn_entity.py")})
+# These read the exports of all packages and set the variable of Gazebo.
+_SIMULATORS = {
+    "ros_gz_sim": re.compile(r"gz_sim\.launch\.py|gz_server\.launch\.py"),
+    "ros_ign_gazebo": re.compile(r"ign_gazebo\.launch\.py"),
+    "gazebo_ros": re.compile(r"(?:gazebo|gzserver)\.launch\.py"),
+}
+_TEXTS = (".py", ".xml", ".launch", ".txt", ".in", ".dsv", ".sh", ".yaml", ".env")
+_MOST_FILES, _LARGEST = 300, 300_000
+
+
+def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
+    launch, model = context.launch, context.model
+    if model is None or launch.dialect == "ros1":
+        return
+    meshes = {
+        name: attribute
+        for link in model.links
+        for shape in (*link.visuals, *link.collisions)
+        if (attribute := shape.mesh_filename) is not None and (name := _read_package(attribute))
+    }
+    if not meshes or not _starts_gazebo(contents := _read_actions(launch)):
+        return
+    finder = launch.finder
+    found = [package for name in meshes if (package := _load_package(finder, name)) is not None]
+    if len(found) < len(meshes):
+        return  # a package that is not here may have what it needs
+    packages = {package.path: package for package in (*found, launch.package, model.package) if package is not None}
+    if any(_PATH.search(text) for package in packages.values() for text in _read_texts(package, finder)):
+        return
+    spawner = next(node for node in contents.nodes if (node.package, node.program) in _SPAWNERS and not node.off)
+    first = next(iter(meshes))
+    yield rule.finding(
+        "absent",
+        at=Location("launch", spawner.spans[0]),
+        related=[meshes[first]],
+        packages=join_names(meshes),
+        which="package" if len(meshes) == 1 else "packages",
+        package=first,
+        spawner=spawner.program,
+    )
+
+
+def _read_package(attribute: Attribute) -> str:
+    scheme, _, rest = attribute.value.strip().partition("://")
+    return rest.partition("/")[0] if scheme == "package" else ""
+
+
+def _read_actions(launch: Launch) -> LaunchContents:
+    return read_launch_actions(launch) if launch.python is None else read_python_actions(launch)
+
+
+def _starts_gazebo(contents: LaunchContents) -> bool:
+    """Whether one launch file starts Gazebo and spawns the robot: only then are its variables those of Gazebo."""
+    nodes = [node for node in contents.nodes if not node.off]
+    spawns = any((node.package, node.program) in _SPAWNERS and node.spans for node in nodes)
+    others = [node for node in nodes if node.kind == "launch file" and not _is_simulator(node)]
+    return spawns and any(map(_is_simulator, nodes)) and not others
+
+
+def _is_simulator(node: LaunchAction) -> bool:
+    pattern = _SIMULATORS.get(node.package)
+    return node.kind == "launch file" and pattern is not None and pattern.search(node.program) is not None
+
+
+def _load_package(finder: PackageFinder, name: str) -> Package | None:
+    folder = finder.find(name)
+    return None if folder is None else finder.find_package_of(folder / "package.xml")
+
+
+def _read_texts(package: Package, finder: PackageFinder) -> Iterator[str]:
+    """Yield the manifest, the build files, the launch files and the hooks of a package."""
+    for path in itertools.islice(_iter_texts(package.path), _MOST_FILES) if finder.can_open(package.path) else ():
+        try:
+            if finder.can_open(path):
+                yield read_regular(path, _LARGEST).decode("utf-8", "replace")
+        except OSError:
+            continue
+
+
+def _iter_texts(package: Path) -> Iterator[Path]:
+    for folder, inner, names in walk(package):
+        inner[:] = sorted(name for name in inner if not name.startswith(".") and name not in BUILD_FOLDERS)
+        yield from (Path(folder, name) for name in sorted(names) if name.endswith(_TEXTS))

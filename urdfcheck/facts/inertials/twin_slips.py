@@ -1,0 +1,117 @@
+"""One mistake that leads from the numbers of a part to those of its twin, wherever the frames of both are.
+
+Compared is what neither another frame nor a mirror changes: the mass, the principal moments, and, where the mistake changes it,
+the distance of the COM from the link's frame.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.facts.inertials.inertial_fit import InertialBatch, build_twin_reference, is_body, is_computable
+from urdfcheck.facts.inertials.mistakes.mistake import Mistake, Suspect
+from urdfcheck.facts.inertials.mistakes.mixing_mistakes import list_explanations
+from urdfcheck.facts.inertials.ranking import get_mistake_family
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Bools
+    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+
+# What three typed digits leave of equal numbers.
+_EQUAL = 0.005
+# Twins of published robots that differ by less do so for other reasons; a sign or a swap of slots explains that by chance.
+_UNLIKE = 1.2
+# A COM nearer to the frame than this part of the radius of gyration is zero and noise: a power of ten of it shows nothing.
+_NEAR_FRAME = 0.1
+# A mistake that is rarer than another by this many nats is not the one (e² = 7 : 1).
+_RARER = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class TwinSlip:
+    """The one mistake without which two sides agree."""
+
+    mistake: Mistake
+    is_first: bool
+    """Whether the first side has it, rather than the second."""
+    is_either: bool
+    """Whether either may have it: a decimal point is as easily moved to the left as to the right."""
+
+
+def find_slip_between_twins(first: DeclaredInertial, second: DeclaredInertial) -> TwinSlip | None:
+    """Find the one mistake without which two sides agree, on the side on which it is the likelier one."""
+    of_first, of_second = find_twin_slip(first, second), find_twin_slip(second, first)
+    if of_second is None:
+        return None if of_first is None else TwinSlip(of_first, is_first=True, is_either=False)
+    if of_first is None:
+        return TwinSlip(of_second, is_first=False, is_either=False)
+    if math.isclose(of_first.log_prior, of_second.log_prior):
+        is_decimal = of_first.id == of_second.id == "decimal_point"
+        return TwinSlip(of_second, is_first=False, is_either=True) if is_decimal else None
+    is_first = of_first.log_prior > of_second.log_prior
+    return TwinSlip(of_first if is_first else of_second, is_first=is_first, is_either=False)
+
+
+def find_twin_slip(wrong: DeclaredInertial, right: DeclaredInertial) -> Mistake | None:
+    """Find the one common mistake in ``wrong`` without which it has the mass, the principal moments and, if the mistake changes
+    it, the distance of the COM of ``right``; None where none does, several unlike ones do, or the two agree.
+
+    Only mistakes that keep the part's own numbers count: nothing is taken from the twin.
+    """
+    if not (is_computable(wrong) and is_body(right)):
+        return None
+    mistakes, numbers = list_explanations(Suspect(wrong, build_twin_reference(right), None))
+    fits, is_near = _agree_in_size(numbers, right), _agree_in_distance(numbers, right)
+    is_moved = np.linalg.norm(numbers.com - wrong.com, axis=1) > 0.0
+    if fits[0]:  # only the COM can be wrong
+        if is_near[0] or float(np.linalg.norm(right.com)) <= _NEAR_FRAME * _measure_size(right):
+            return None
+        # One coordinate more or less explains many distances; a power of ten of all of them does not.
+        is_scaled = np.linalg.norm(np.cross(numbers.com, wrong.com), axis=1) < 1e-9 * float(wrong.com @ wrong.com)
+        fits &= is_moved & is_near & is_scaled
+    elif _measure_ratio(wrong, right) < _UNLIKE:
+        return None
+    else:
+        fits &= ~is_moved | is_near
+    own = [m.borrowed == (0, 0) and m.source_body is None and m.factor == 1.0 for m in mistakes]
+    found = [
+        m for m, is_fit, is_own in zip(mistakes, fits, own, strict=True) if is_fit and is_own and m.id != "other_mass"
+    ]
+    best = max(found, key=lambda mistake: mistake.log_prior, default=None)
+    if best is None:
+        return None
+    rivals = [m for m in found if m.log_prior > best.log_prior - _RARER]
+    return best if len({get_mistake_family(m) for m in rivals}) == 1 else None
+
+
+def _agree_in_size(numbers: InertialBatch, right: DeclaredInertial) -> Bools:
+    """Whether (N,) masses and principal moments are those of ``right``."""
+    moments, wanted = np.linalg.eigvalsh(numbers.tensor), np.linalg.eigvalsh(right.tensor)
+    same: Bools = (np.abs(moments - wanted) <= _EQUAL * wanted[-1]).all(axis=1)
+    same &= np.abs(moments[:, 0] - wanted[0]) <= 2.0 * _EQUAL * abs(wanted[0])
+    same &= np.abs(numbers.mass - right.mass) <= _EQUAL * right.mass
+    return same
+
+
+def _agree_in_distance(numbers: InertialBatch, right: DeclaredInertial) -> Bools:
+    """Whether (N,) the COMs are as far from the link's frame as that of ``right``."""
+    distance = float(np.linalg.norm(right.com))
+    tolerance = _EQUAL * max(distance, _NEAR_FRAME * _measure_size(right))
+    near: Bools = np.abs(np.linalg.norm(numbers.com, axis=1) - distance) <= tolerance
+    return near
+
+
+def _measure_ratio(wrong: DeclaredInertial, right: DeclaredInertial) -> float:
+    """Measure the largest ratio of masses or of principal moments, at least 1; infinite where a moment is not positive."""
+    one, other = ((numbers.mass, *np.linalg.eigvalsh(numbers.tensor)) for numbers in (wrong, right))
+    pairs = [(float(a), float(b)) for a, b in zip(one, other, strict=True)]
+    return max(max(a / b, b / a) if a > 0.0 and b > 0.0 else math.inf for a, b in pairs)
+
+
+def _measure_size(numbers: DeclaredInertial) -> float:
+    """Measure the radius of gyration (m)."""
+    return float(np.sqrt(max(0.0, float(np.trace(numbers.tensor))) / (2.0 * numbers.mass)))
