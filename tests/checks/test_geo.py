@@ -165,6 +165,30 @@ def test_a_small_piece_between_two_that_collide_is_an_info(
 
 
 @pytest.mark.parametrize(
+    ("sides", "hand", "messages"),
+    [
+        (("left", "right"), BOTH, {"pairs"}),
+        (("left",), BOTH, {"missing"}),
+        (("left", "right"), "", {"missing"}),  # the ends of the limbs
+    ],
+)
+def test_what_is_left_out_on_both_sides_is_meant_unless_it_is_the_end(
+    tmp_path: Path, sides: tuple[str, ...], hand: str, messages: set[str]
+) -> None:
+    parts = link("base", BOTH) + link("head", BOTH) + make_joint("base", "head", xyz="0 0 2")
+    for name, y in (("left", 1), ("right", -1)):
+        parts += link(f"{name}_arm", box("visual", "1 1 1") if name in sides else BOTH)
+        parts += make_joint("base", f"{name}_arm", xyz=f"0 {y} 0")
+        if hand:
+            parts += link(f"{name}_hand", hand) + make_joint(f"{name}_arm", f"{name}_hand", xyz=f"0 {y} 0")
+    if not hand:
+        parts += link("tail", BOTH) + make_joint("base", "tail", xyz="-2 0 0")
+    found = find(tmp_path, robot(parts), "GEO002")
+    assert {f.message_id for f in found} == messages
+    assert all((f.severity is Severity.INFO) == (f.message_id == "pairs") for f in found)
+
+
+@pytest.mark.parametrize(
     "inside",
     ["", BOTH, box("collision"), geometry("visual", '<box size="0.005 0.001 0.001"/>')],
     ids=["frame", "both", "not drawn", "token"],
@@ -242,6 +266,13 @@ def test_a_rotor_inside_its_housing_needs_no_collision(tmp_path: Path, size: str
 def test_how_far_and_how_large(tmp_path: Path, collision: str, message: str | None) -> None:
     found = find(tmp_path, robot(link("a", box("visual") + collision)), "GEO003")
     assert [f.message_id for f in found] == ([message] if message else [])
+
+
+@pytest.mark.parametrize(("size", "said"), [("0.6 0.6 0.6", "its scale"), ("0.8 0.1 0.8", "one dimension agrees")])
+def test_a_scale_is_no_explanation_where_one_dimension_agrees(tmp_path: Path, size: str, said: str) -> None:
+    (finding,) = find(tmp_path, robot(link("a", box("visual") + box("collision", size))), "GEO003")
+    assert finding.fix is not None
+    assert said in finding.fix.title
 
 
 @pytest.mark.parametrize(

@@ -391,6 +391,12 @@ def test_how_much_slope_it_bears(tmp_path: Path, x: float, said: str | None) -> 
     assert messages == ([] if said is None else [said])
 
 
+def test_two_wheels_in_a_line_have_no_slope_of_their_own(tmp_path: Path) -> None:
+    """The caster is 5 mm short, so that the COM is on the line of the wheels."""
+    cart = replace(THREE, caster=(0.2, 0, -0.025), com=(-0.0002, 0, 0.05))
+    assert not find_in_car(tmp_path, "DYN004", cart)
+
+
 def test_a_short_caster_only_leans_the_robot(tmp_path: Path) -> None:
     assert not find_in_car(tmp_path / "a", "DYN004", replace(THREE, caster=(0.2, 0, -0.02)))
     assert not find_in_car(tmp_path / "b", "DYN004", replace(THREE, caster=(0.2, 0, -0.036)))

@@ -41,6 +41,8 @@ ANGLE_TOLERANCE = 2e-3
 ROUND_STEP = math.pi / 12
 # An angle within 0.06° of a multiple of 0.5°, or with at most three decimals, may have been typed by hand (JNT016).
 MAX_ROUND_DEVIATION, MAX_TYPED_DECIMALS = 0.06, 3
+# Fingers of grippers are drawn in poses that differ by about a degree.
+_SLIGHT = math.radians(2)
 NUMBER_WORDS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven"}
 
 
@@ -209,8 +211,10 @@ def _has_round_angles(joint: Joint) -> bool:
 
 def _build_pair_finding(rule: Rule, pair: tuple[Joint, Joint, SuspectFrames]) -> Finding:
     first, second, suspects = pair
+    angle = abs(suspects.angles[0])
+    zeros = "pair" if angle >= _SLIGHT else "pair_slight"
     return rule.finding(
-        "pair" if suspects.kind == "zero_offset" else "pair_tilt",
+        zeros if suspects.kind == "zero_offset" else "pair_tilt",
         at=locate_origin_attribute(first, "rpy"),
         related=[locate_origin_attribute(second, "rpy")],
         severity=Severity.INFO,
@@ -218,7 +222,7 @@ def _build_pair_finding(rule: Rule, pair: tuple[Joint, Joint, SuspectFrames]) ->
         joint=first.name,
         sibling=second.name,
         pattern=suspects.pattern,
-        size=math.degrees(abs(suspects.angles[0])),
+        size=math.degrees(angle),
     )
 
 
