@@ -68,6 +68,8 @@ AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 DIGITS = 0.01
 # A tenth of a radius of gyration, or of a second moment, is worth saying; so are moments that differ by a third in size.
 NOTABLE, SIMILAR = 0.1, 1.33
+# Moments so many times too small are those of a part of a tenth of the size.
+_TINY = 100.0
 # All second moments below this part of the drawn part's are those of a smaller part.
 _MUCH_LESS = 0.25
 # A tensor so many times farther off than its principal moments is about other axes.
@@ -500,15 +502,25 @@ def _is_vast(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
     drawn = describe_drawn_inertial(model, tensor.link, with_com=judged.diagnosis.com_mismatch > NOTABLE)
+    is_tiny = _is_tiny(model, tensor.link, judged)
     return rule.finding(
         "disagrees",
         at=tensor.element,
-        severity=Severity.INFO,
-        confidence=Confidence.HEURISTIC,
+        severity=None if is_tiny else Severity.INFO,
+        confidence=None if is_tiny else Confidence.HEURISTIC,
         edit=f", or write {drawn}" if drawn else "",
         unlike=_describe_other_shape(model, tensor.link, judged),
         **_collect_data(model, tensor.link, judged),
     )
+
+
+def _is_tiny(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the moments are so small that the mass would be in a tenth of the drawn part's size."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None:
+        return False
+    uniform = compute_solid_inertia(drawn.solid, judged.declared.mass)
+    return float(np.trace(uniform)) >= _TINY * float(np.trace(judged.declared.tensor))
 
 
 def _describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) -> str:
@@ -523,7 +535,7 @@ def _describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) -
     is_similar = bool(((moments < SIMILAR * uniform) & (uniform < SIMILAR * moments)).all())
     if judged.diagnosis.com_mismatch > (NOTABLE if is_similar else judged.diagnosis.tensor_mismatch):
         return f"COM {format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))} from that of {source}"
-    if moments.sum() > SIMILAR * uniform.sum():
+    if moments.sum() > SIMILAR * uniform.sum() or uniform.sum() >= _TINY * moments.sum():
         return f"inertia {_compare_sizes(moments, uniform, '×', digits=2)}"
     variances, axes = np.linalg.eigh(drawn.solid.covariance)  # along the drawn part's axes, the longest last
     along = np.diag(axes.T @ compute_mass_covariance(declared.inertia, declared.mass) @ axes) / variances
