@@ -402,6 +402,16 @@ def test_a_short_caster_only_leans_the_robot(tmp_path: Path) -> None:
     assert not find_in_car(tmp_path / "b", "DYN004", replace(THREE, caster=(0.2, 0, -0.036)))
 
 
+@pytest.mark.parametrize("x", [0.0, 0.0005])
+def test_two_wheels_in_a_line_have_no_support_polygon(tmp_path: Path, x: float) -> None:
+    """A base that hangs low enough to catch the robot is no caster."""
+    text = replace(THREE, com=(x, 0, 0.03), caster=None).text()
+    box = '<visual><origin xyz="0 0 -0.0295"/><geometry><box size="0.2 0.2 0.02"/></geometry></visual>'
+    (finding,) = find_in_car(tmp_path, "DYN004", text.replace("</inertial>", f"</inertial>{box}", 1))
+    assert (finding.message_id, finding.severity) == ("line", Severity.INFO)
+    assert "°" not in finding.headline
+
+
 def test_a_balancer_is_kept_upright_by_its_controller(tmp_path: Path) -> None:
     assert not find_in_car(tmp_path, "DYN004", replace(THREE, com=(0.02, 0, 0.3), caster=None))
 

@@ -32,6 +32,8 @@ _SIDES = ("+x (ahead)", "+y (to the left)", "-x (to the rear)", "-y (to the righ
 _FEWEST_SUPPORTS = 3
 # Beyond this tilt it lies on its side.
 _FALLEN = math.radians(60)
+# Supports whose places are this much nearer to a line than they are apart are on it.
+_LINE = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,6 +82,8 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
         if math.degrees(shape.measure_rest_tilt(downhill).tilt) <= rest:
             return
         message, severity, details = "slope", Severity.INFO, {"slope": slope}
+        if _is_line(now.polygon):
+            message = "line"
     else:
         end = shape.measure_rest_tilt(com)
         if math.degrees(end.tilt) <= rest:
@@ -117,6 +121,12 @@ def _is_standing(model: Model, supports: Sequence[str], wheels: Collection[str])
     if wheels:  # most of them touch, unless the root's z does not point up
         return 2 * sum(name in wheels for name in supports) > len(wheels)
     return all(_is_leg(model, name) for name in supports)
+
+
+def _is_line(polygon: Array) -> bool:
+    """Whether the corners (k, 3) of a support polygon are on one line: two wheels on one axis, and nothing before or behind."""
+    spread = np.linalg.svd(polygon[:, :2] - polygon[:, :2].mean(axis=0), compute_uv=False)
+    return len(polygon) < 3 or bool(spread[1] <= _LINE * spread[0])
 
 
 def _is_leg(model: Model, name: str) -> bool:

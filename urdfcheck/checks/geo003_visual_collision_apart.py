@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
 from urdfcheck.core.text import format_box_size
 from urdfcheck.model import Link, Model
+from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 
@@ -27,6 +28,10 @@ _UNITS = {1000.0: "millimetres and metres", 100.0: "centimetres and metres", 25.
 _UNIT_TOL = 0.02
 # Ratio of the diagonals up to which a neighbour's shape may stand for a part, rather than contain it or be in it.
 _ALIKE = 1.5
+# A shape is of the part with which it shares this much of the smaller box.
+_OWN = 0.5
+# A scale changes all edges of a box: those that agree to this factor had none.
+_SAME_EDGE = 1.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,12 +61,6 @@ class _BoxPair:
         return float(np.linalg.norm(self.collision_box.mean(axis=0) - self.visual_box.mean(axis=0)))
 
 
-# What may be wrong if the sizes differ, as advice. Two boxes are as long along an axis to within this fraction.
-_SCALE = "for a mesh check its scale first"
-_LONE_PART = "a scale does not explain it, because one dimension agrees: look for a piece of a mesh far from the others"
-_SAME = 0.02
-
-
 def check(model: Model, rule: Rule, *, overlap: float, ratio: float, covered: float) -> Iterator[Finding]:
     def classify_pair(pair: _BoxPair) -> str | None:
         if not 1 / ratio <= pair.ratio <= ratio:
@@ -78,9 +77,16 @@ def check(model: Model, rule: Rule, *, overlap: float, ratio: float, covered: fl
         for link, message, pair in suspects:
             if message == "apart" and _is_covered(model, body, link, pair, covered):
                 continue
-            cause = _guess_unit_mismatch(pair.ratio)
+            units = _guess_unit_mismatch(pair.ratio)
+            owner = None if units else _find_owner(model, body, link)
             yield rule.finding(
-                message, at=_locate(link, message), cause="units" if cause else None, **_collect_data(link, pair, cause)
+                message,
+                at=_locate(link, message),
+                cause="units" if units else "neighbour" if owner else None,
+                repair=_describe_repair(message, pair, owner),
+                owner=owner.link.name if owner else "",
+                twin=owner.twin if owner else "",
+                **_collect_data(link, pair, units),
             )
 
 
@@ -89,14 +95,8 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
 
     A cylinder about a joint's axis may belong to either of the links that the joint connects.
     """
-    tree = model.tree
-    near = [j.child for name in body.links for j in tree.child_joints[name]]
-    if body.links[0] in tree.parent_joint:
-        near.append(tree.parent_joint[body.links[0]].parent)
     home = np.linalg.inv(model.frames[link.name])
-    for name in dict.fromkeys(name for neighbour in near for name in tree.list_body_links(neighbour)):
-        if name in body.links:
-            continue
+    for name in _list_neighbours(model, body):
         placed = [(s, home @ model.frames[name]) for s in model.link_by_name[name].collisions if not is_dummy_shape(s)]
         box = compute_bounding_box(model, placed)
         if box is None or not _measure_diagonal(box):
@@ -105,6 +105,66 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
         if stand_in.overlap >= covered and 1 / _ALIKE <= stand_in.ratio <= _ALIKE:
             return True
     return False
+
+
+def _list_neighbours(model: Model, body: RigidLinkGroup) -> list[str]:
+    """Return the links of the bodies in front and behind."""
+    tree = model.tree
+    near = [j.child for name in body.links for j in tree.child_joints[name]]
+    if body.links[0] in tree.parent_joint:
+        near.append(tree.parent_joint[body.links[0]].parent)
+    found = dict.fromkeys(name for neighbour in near for name in tree.list_body_links(neighbour))
+    return [name for name in found if name not in body.links]
+
+
+@dataclass(frozen=True, slots=True)
+class _Owner:
+    """The link to which collision geometry belongs that another link has."""
+
+    link: Link
+    twin: str
+    """Its counterpart, which has the like geometry itself."""
+
+
+def _find_owner(model: Model, body: RigidLinkGroup, link: Link) -> _Owner | None:
+    """Find the link in front or behind that is drawn where the collision geometry of ``link`` is, at rest, if it has none itself
+    and its counterpart on the other side has such geometry, and the counterpart of ``link`` has not."""
+    try:
+        known = mirror_pairs(model)
+    except FactUnavailableError:
+        return None  # an origin elsewhere is malformed
+    pairs = [names for pair in known for names in ((pair.one, pair.other), (pair.other, pair.one))]
+    twins = [other for one, other in pairs if one == link.name]
+    count = sum(not is_dummy_shape(shape) for shape in link.collisions)
+    home = np.linalg.inv(model.frames[link.name])
+    box = compute_bounding_box(model, [(s, np.eye(4)) for s in link.collisions if not is_dummy_shape(s)])
+    for name in _list_neighbours(model, body):
+        neighbour = model.link_by_name[name]
+        drawn = compute_bounding_box(
+            model, [(s, home @ model.frames[name]) for s in neighbour.visuals if not is_dummy_shape(s)]
+        )
+        if box is None or drawn is None or neighbour.collisions or not _measure_diagonal(drawn):
+            continue
+        fit = _BoxPair(drawn, box)
+        if fit.overlap < _OWN or not 1 / _ALIKE <= fit.ratio <= _ALIKE:
+            continue
+        for twin in (other for one, other in pairs if one == name):
+            has_own = len(model.link_by_name[twin].collisions) == count
+            if has_own and any(len(model.link_by_name[other].collisions) < count for other in twins):
+                return _Owner(neighbour, twin)
+    return None
+
+
+def _describe_repair(message: str, pair: _BoxPair, owner: _Owner | None) -> str:
+    if owner is not None:
+        return f"move the <collision> to {owner.link.name}, with the <origin> that leaves it in its place at rest"
+    if message == "apart":
+        return "give the <collision> the <origin> that puts it where the visual is"
+    edges = [box[1] - box[0] for box in (pair.visual_box, pair.collision_box)]
+    both = "give collision and visual the same size, whichever is right"
+    if (np.maximum(*edges) <= _SAME_EDGE * np.minimum(*edges)).any():
+        return f"{both}; a scale is not the cause, because one edge agrees"
+    return f"{both}; for a mesh check its scale first"
 
 
 def _compare_links(
@@ -183,14 +243,7 @@ def _collect_data(link: Link, pair: _BoxPair, units: str | None) -> dict[str, An
         "collision": format_box_size(pair.collision_box[1] - pair.collision_box[0]),
         "overlap": float(f"{pair.overlap:.3g}"),
         "units": units or "",
-        "first": _LONE_PART if _agrees_along_axis(pair) else _SCALE,
     }
-
-
-def _agrees_along_axis(pair: _BoxPair) -> bool:
-    """Whether the boxes are as long along one axis: then no scale explains that one is larger."""
-    sizes = zip(*(box[1] - box[0] for box in (pair.visual_box, pair.collision_box)), strict=True)
-    return any(math.isclose(one, other, rel_tol=_SAME) for one, other in sizes)
 
 
 def _guess_unit_mismatch(ratio: float) -> str | None:

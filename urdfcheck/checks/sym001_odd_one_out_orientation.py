@@ -22,7 +22,12 @@ from urdfcheck.facts.likeness.symmetry import (
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
-from urdfcheck.model.likeness.sibling_joints import find_common_base, sibling_joints, trace_fixed_chain
+from urdfcheck.model.likeness.sibling_joints import (
+    find_common_base,
+    is_drawn_in_place,
+    sibling_joints,
+    trace_fixed_chain,
+)
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
 from urdfcheck.source.text.values import parse_number
@@ -80,10 +85,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         axes = [joint.axis or (1.0, 0.0, 0.0) for joint in group]
         odd = find_odd_frame(frames[:, :3, 3], frames[:, :3, :3], axes)
         if odd is not None:
-            outliers[group[odd.index].name] = _build_outlier(group, odd, base)
+            by_pattern = _build_outlier(group, odd, base)
+            if not _is_choice_of_frame(
+                model, by_pattern.joint, by_pattern.others[0], by_pattern.expected, kind=odd.kind
+            ):
+                outliers[by_pattern.joint.name] = by_pattern
             continue
         suspects = find_suspect_frames(frames[:, :3, 3], frames[:, :3, :3], axes)
         if suspects is None or not _has_consistent_bases(model, group, suspects):
+            continue
+        suspect, like = [*suspects.members, *(i for i in range(len(group)) if i not in suspects.members)][:2]
+        expected = base[:3, :3] @ suspects.expected_frames[0]
+        if _is_choice_of_frame(model, group[suspect], group[like], expected, kind=suspects.kind):
             continue
         outlier = _pick_outlier_by_angles(model, group, suspects)
         if outlier is not None:
@@ -99,6 +112,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield (
             _build_finding(model, rule, outliers[name]) if name in outliers else _build_pair_finding(rule, pairs[name])
         )
+
+
+def _is_choice_of_frame(model: Model, joint: Joint, like: Joint, expected: Array, *, kind: str) -> bool:
+    """Whether a frame is rotated about the joint's axis, and what is in it takes that back: nothing is elsewhere."""
+    return kind == "zero_offset" and is_drawn_in_place(model, joint, like, expected)
 
 
 def _build_outlier(group: Sequence[Joint], odd: OddFrame, base: Array) -> _OrientationOutlier:
