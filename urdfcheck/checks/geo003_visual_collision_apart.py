@@ -11,10 +11,12 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
 from urdfcheck.core.text import format_box_size
+from urdfcheck.facts.mesh.topology import label_components
 from urdfcheck.model import Link, Model
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
+from urdfcheck.model.shapes.solids import get_mesh_scale
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -26,6 +28,8 @@ _PADDING = 0.01
 _UNITS = {1000.0: "millimetres and metres", 100.0: "centimetres and metres", 25.4: "inches and millimetres",
           39.37: "inches and metres", 10.0: "millimetres and centimetres"}  # fmt: skip
 _UNIT_TOL = 0.02
+# A piece that strayed has less than this part of the surface.
+_STRAY_AREA = 0.2
 # Ratio of the diagonals up to which a neighbour's shape may stand for a part, rather than contain it or be in it.
 _ALIKE = 1.5
 # A shape is of the part with which it shares this much of the smaller box.
@@ -61,6 +65,30 @@ class _BoxPair:
         return float(np.linalg.norm(self.collision_box.mean(axis=0) - self.visual_box.mean(axis=0)))
 
 
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class _StrayPieces:
+    """Small bodies of a mesh that are far from all others."""
+
+    place: Located
+    role: str
+    """``visual`` or ``collision``."""
+    distance: float
+    """From the middle of all others in m."""
+    triangles: int
+    total: int
+    """Triangles of the mesh."""
+
+    def describe(self, link: Link) -> dict[str, Any]:
+        return {
+            "link": link.name,
+            "role": self.role,
+            "other": "collision" if self.role == "visual" else "visual",
+            "distance": float(f"{self.distance:.3g}"),
+            "triangles": self.triangles,
+            "total": self.total,
+        }
+
+
 def check(model: Model, rule: Rule, *, overlap: float, ratio: float, covered: float) -> Iterator[Finding]:
     def classify_pair(pair: _BoxPair) -> str | None:
         if not 1 / ratio <= pair.ratio <= ratio:
@@ -76,6 +104,10 @@ def check(model: Model, rule: Rule, *, overlap: float, ratio: float, covered: fl
             continue
         for link, message, pair in suspects:
             if message == "apart" and _is_covered(model, body, link, pair, covered):
+                continue
+            stray = _find_stray_pieces(model, link, pair, ratio) if message == "size" else None
+            if stray is not None:
+                yield rule.finding("stray", at=stray.place, **stray.describe(link))
                 continue
             units = _guess_unit_mismatch(pair.ratio)
             owner = None if units else _find_owner(model, body, link)
@@ -218,6 +250,33 @@ def _compute_link_poses(model: Model, links: Sequence[Link]) -> list[Array]:
         return [np.eye(4)]
     home = np.linalg.inv(model.frames[links[0].name])
     return [home @ model.frames[link.name] for link in links]
+
+
+def _find_stray_pieces(model: Model, link: Link, pair: _BoxPair, ratio: float) -> _StrayPieces | None:
+    """Find the small bodies of a mesh that alone make one role of a link so much larger than the other; None without them."""
+    role, other = ("collision", pair.visual_box) if pair.ratio > 1 else ("visual", pair.collision_box)
+    for shape in link.collisions if role == "collision" else link.visuals:
+        facts, scale = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True)
+        if facts is None or scale is None or len(facts.components) < 2:
+            continue
+        corners = (facts.vertices * scale)[facts.faces]
+        labels = label_components(facts.faces, len(facts.vertices))
+        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        middle = np.median(corners.mean(axis=1), axis=0)
+        distances = np.full(int(labels.max()) + 1, np.inf)  # of the nearest corner of each body
+        np.minimum.at(distances, labels, np.linalg.norm(corners - middle, axis=2).min(axis=1))
+        order = np.sort(distances)
+        is_far = (distances >= order[1 + int(np.argmax(np.diff(order)))])[labels]
+        near, far = corners[~is_far].reshape(-1, 3), corners[is_far].reshape(-1, 3)
+        box = np.array((near.min(axis=0), near.max(axis=0)))
+        is_alike = 1 / ratio <= _measure_diagonal(box) / _measure_diagonal(other) <= ratio
+        if is_alike and area[is_far].sum() < _STRAY_AREA * area.sum():
+            distance = float(np.linalg.norm(far.mean(axis=0) - box.mean(axis=0)))
+            place = shape if shape.geometry_element is None else shape.geometry_element
+            return _StrayPieces(
+                place=place, role=role, distance=distance, triangles=int(is_far.sum()), total=len(is_far)
+            )
+    return None
 
 
 def _locate(link: Link, message: str) -> Located:
