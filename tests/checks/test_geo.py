@@ -268,7 +268,7 @@ def test_how_far_and_how_large(tmp_path: Path, collision: str, message: str | No
     assert [f.message_id for f in found] == ([message] if message else [])
 
 
-@pytest.mark.parametrize(("size", "said"), [("0.6 0.6 0.6", "its scale"), ("0.8 0.1 0.8", "one dimension agrees")])
+@pytest.mark.parametrize(("size", "said"), [("0.6 0.6 0.6", "its scale"), ("0.8 0.1 0.8", "one edge agrees")])
 def test_a_scale_is_no_explanation_where_one_dimension_agrees(tmp_path: Path, size: str, said: str) -> None:
     (finding,) = find(tmp_path, robot(link("a", box("visual") + box("collision", size))), "GEO003")
     assert finding.fix is not None

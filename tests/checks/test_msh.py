@@ -444,7 +444,7 @@ def test_a_mirroring_scale_turns_it_the_right_way_out(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("shapes", "scale", "severity"),
     [
-        (("visual",), "0.01 0.01 0.01", Severity.INFO),
+        (("visual",), "0.025 0.025 0.025", Severity.INFO),
         (("visual",), "0.03 0.03 0.03", Severity.WARNING),
         (("visual", "collision"), "0.01 0.01 0.01", Severity.WARNING),
     ],

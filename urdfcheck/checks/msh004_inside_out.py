@@ -13,8 +13,8 @@ from urdfcheck.model.meshes import MeshUse
 if TYPE_CHECKING:
     from urdfcheck.facts.mesh.measure import MeshFacts
 
-# Pins and screws up to this diagonal (m): nobody sees their inner side.
-_SMALL = 0.03
+# Pins and caps up to this diagonal (m): nobody sees their inner side.
+_SMALL = 0.05
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -231,7 +231,7 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
             index is not None
             and not is_shared
             and _name_slip(origins[index], origins[index - 1]) == "sign"
-            and not is_taken_back(model, group[index], group[index - 1])
+            and not is_taken_back(model, group[index], group[index - 1], by_sign=True)
         ):
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
         axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in group]
@@ -240,11 +240,11 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), True)
 
 
-def is_taken_back(model: Model, odd: Joint, like: Joint) -> bool:
+def is_taken_back(model: Model, odd: Joint, like: Joint, *, by_sign: bool = False) -> bool:
     """Whether an origin that differs from that of another limb moves nothing.
 
     What the joint carries is where it is on the other limb, or the joint itself takes back what the one before it adds: distances
-    along the axes of a common parent agree.
+    along the axes of a common parent agree. ``by_sign``: the origins differ in signs, so that these have to agree there.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -252,6 +252,16 @@ def is_taken_back(model: Model, odd: Joint, like: Joint) -> bool:
         _measure_distances(model, joint.parent, [one.child for one in model.tree.child_joints[joint.child]])
         for joint in (odd, like)
     ]
+    if by_sign:
+        differ = np.abs(np.array(odd.origin.xyz or (0, 0, 0)) - np.array(like.origin.xyz or (0, 0, 0))) > PLACE
+        signed = [
+            [
+                (np.linalg.inv(model.frames[joint.parent]) @ model.frames[one.child])[:3, 3][differ]
+                for one in model.tree.child_joints[joint.child]
+            ]
+            for joint in (odd, like)
+        ]
+        return _agree(*behind) and bool(np.abs(np.array(signed[0]) - np.array(signed[1])).max(initial=0.0) <= PLACE)
     before = [model.tree.parent_joint.get(joint.parent) for joint in (odd, like)]
     if _agree(*behind):
         return True
