@@ -1,0 +1,284 @@
+"""What the diagnosis of an inertial says in words: what is wrong, by how much, and how well its undoing fits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.core.text import format_length, join_names, join_numbers
+from urdfcheck.facts.inertials.certainty import EXACT
+from urdfcheck.facts.inertials.inertia_tensor import (
+    compute_mass_covariance,
+    compute_principal_moments,
+    compute_solid_inertia,
+)
+from urdfcheck.model import Link, Model
+from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
+from urdfcheck.model.inertials.inertial_effects import TINY, measure_difference
+from urdfcheck.model.inertials.inertial_proposals import (
+    describe_mistake,
+    name_mistake,
+)
+from urdfcheck.model.shapes.visual_solid import (
+    describe_geometry_source,
+    measure_link_geometry,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdfcheck.facts.arrays import Array
+    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+
+    Moments = NDArray[np.floating[Any]]
+
+# The body may be a thin shell, its hull or box may have been easier to compute, and a decorative piece may have been left out:
+# such causes are worth knowing and rarely harmful. So is rounding, which leaves a possible tensor here.
+MILD_CAUSES = frozenset({"shell", "convex_hull", "bounding_box", "one_piece", "rounded"})
+# Causes after which the numbers come from the drawn part, so that they agree with it by construction.
+_FROM_DRAWING = MILD_CAUSES | {"own_missing", "com_missing"}
+# What agrees where the pieces of a part were taken for points.
+_POINTLIKE = "the tensor is the drawn part's: what is written is the parallel-axis terms of its bodies, to within 5 %"
+# What typed digits and tessellation leave of equal numbers.
+DIGITS = 0.01
+# A tenth of a radius of gyration, or of a second moment, is worth saying; so are moments that differ by a third in size.
+NOTABLE, SIMILAR = 0.1, 1.33
+# All second moments below this part of the drawn part's are those of a smaller part.
+_MUCH_LESS = 0.25
+# A tensor so many times farther off than its principal moments is about other axes.
+_ROTATED = 1.5
+# Causes that make a tensor too large or too small as a whole.
+SIZE_CAUSES = frozenset(
+    {
+        *(
+            "inertia_unit",
+            "about_origin",
+            "positive_notation",
+            "steiner_twice",
+            "steiner_missing",
+            "own_missing",
+            "other_mass",
+        ),
+        *("wrong_formula", *MILD_CAUSES),
+    },
+)
+# What a headline calls the numbers that are wrong; for any other cause, the inertia.
+FAULTY_NUMBERS = {
+    "mass_unit": "mass",
+    "com_unit": "COM",
+    "units": "units",
+    "decimal_point": "number",
+    "quarter_turn": "COM and inertia",
+    "unmirrored": "COM and inertia",
+}
+# A cause in the few words of a headline.
+SHORT_CAUSES = {
+    "inertia_unit": "{detail}, not kg·m²",
+    "mass_unit": "{detail}, not kg",
+    "com_unit": "{detail}, not m",
+    "units": "{detail}",
+    "about_origin": "about the origin, not the COM",
+    "positive_notation": "at the origin, CAD signs",
+    "steiner_twice": "parallel-axis term twice",
+    "steiner_missing": "no parallel-axis term",
+    "own_missing": "own tensors of the pieces left out",
+    "one_piece": "of one piece only",
+    "products_sign": "products have flipped signs",
+    "axes_permuted": "its x y z are {detail}",
+    "slots_swapped": "{detail} swapped",
+    "slots_shifted": "{detail}",
+    "quarter_turn": "rotated by {detail}",
+    "unmirrored": "not mirrored",
+    "rpy_missing": "rpy left out",
+    "rpy_twice": "rpy applied twice",
+    "diagonal_first": "diagonal typed first",
+    "row_major": "matrix typed row by row",
+    "one_sign": "sign of {detail} flipped",
+    "decimal_point": "decimal point off: {detail}×",
+    "rounded": "rounded to {detail}",
+    "wrong_formula": "of {detail}",
+    "shell": "of a hollow shell",
+    "bounding_box": "of the bounding box",
+    "convex_hull": "of the convex hull",
+    "other_mass": "fits {detail}",
+}
+
+
+def describe_median_agreement(model: Model, links: Sequence[Link]) -> str:
+    """Describe how much nearer the numbers of links are to those of the drawn parts when their mistake is undone."""
+    if inertial_diagnoses(model)[links[0].name].diagnosis.cause == "own_missing":
+        return _POINTLIKE
+    shares, distances = [], []
+    for link in links:
+        judged, drawn = inertial_diagnoses(model)[link.name], measure_link_geometry(model, link)
+        if judged.diagnosis.mended is None or drawn is None:
+            continue
+        pair = (judged.declared, judged.diagnosis.mended)
+        shares.append([measure_difference(numbers, drawn) for numbers in pair])
+        distances.append([float(np.linalg.norm(numbers.com - drawn.solid.com)) for numbers in pair])
+    if not shares:
+        return "they agree better with the drawn parts"
+    (before, after), (far, near) = np.median(shares, axis=0), np.median(distances, axis=0)
+    claims = []
+    if after < before:
+        claims.append(
+            f"the median tensor is {_format_share(after)} off the drawn part's instead of {_format_share(before)}"
+        )
+    if near < 0.5 * far:
+        claims.append(f"the median COM is {format_length(near)} off instead of {format_length(far)}")
+    return " and ".join(claims) or "they agree better with the drawn parts"
+
+
+def _format_share(share: float) -> str:
+    if share < 1.0:
+        return f"{100.0 * share:.2g} %"
+    return f"{100.0 * share:.0f} %" if share < 10.0 else f"{float(f'{share:.3g}'):,.0f} times"
+
+
+def describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) -> str:
+    """Say for a headline what disagrees most: the COM, or the tensor, by the direction in which it misses the drawn one most."""
+    drawn, declared, source = measure_link_geometry(model, link), judged.declared, describe_geometry_source(model, link)
+    if drawn is None:
+        return f"inertia does not fit {source}"
+    which = "the drawn one" if source == "the drawn part" else "its collision shape"
+    moments, uniform = (
+        np.linalg.eigvalsh(t) for t in (declared.inertia, compute_solid_inertia(drawn.solid, declared.mass))
+    )
+    is_similar = bool(((moments < SIMILAR * uniform) & (uniform < SIMILAR * moments)).all())
+    if judged.diagnosis.com_mismatch > (NOTABLE if is_similar else judged.diagnosis.tensor_mismatch):
+        return f"COM {format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))} from that of {source}"
+    if moments.sum() > SIMILAR * uniform.sum() or uniform.sum() >= TINY * moments.sum():
+        return f"inertia {_compare_sizes(moments, uniform, '×', digits=2)}"
+    variances, axes = np.linalg.eigh(drawn.solid.covariance)  # along the drawn part's axes, the longest last
+    along = np.diag(axes.T @ compute_mass_covariance(declared.inertia, declared.mass) @ axes) / variances
+    if along.max() < _MUCH_LESS:
+        return f"inertia fits a far smaller part than {which}"
+    least = int(along.argmin())
+    is_rod = variances[1] < 0.5 * variances[2]
+    word = "thinner" if least == 0 else "shorter" if least == 2 and is_rod else "narrower"
+    return f"inertia fits a far {word} part than {which}"
+
+
+def collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_certain: bool = False) -> dict[str, Any]:
+    declared, diagnosis = judged.declared, judged.diagnosis
+    drawn = measure_link_geometry(model, link)
+    source = describe_geometry_source(model, link)
+    moments, _ = compute_principal_moments(declared.inertia)
+    expected = measured = size = apart = ""
+    if drawn is not None:
+        uniform, _ = compute_principal_moments(compute_solid_inertia(drawn.solid, declared.mass))
+        expected = join_numbers(uniform, digits=3)
+        mismatch = (diagnosis.tensor_mismatch, diagnosis.com_mismatch)
+        measured = _describe_mismatch(declared, drawn, mismatch=mismatch, moments=moments, uniform=uniform)
+        size = _compare_sizes(moments, uniform, "×", digits=2)
+        apart = format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))
+    return {
+        "link": link.name,
+        "detail": diagnosis.detail,
+        "mistake": describe_mistake(diagnosis.cause or "", diagnosis.detail),
+        "why": SHORT_CAUSES.get(diagnosis.cause or "", "").format(detail=diagnosis.detail),
+        "fault": _describe_fault(
+            diagnosis.cause or "", diagnosis.detail, size=size, apart=apart, is_certain=is_certain
+        ),
+        "source": source,
+        "off": f", {apart} from {'the drawn part' if source == 'the drawn part' else 'the shape'}'s" if apart else "",
+        "twins": join_names(judged.twins),
+        "mass": f"{declared.mass:g}",
+        "moments": join_numbers(moments, digits=3),
+        "expected": expected,
+        "measured": measured,
+        # One macro line makes many links, each with its own numbers and one mistake: these do not tell findings apart.
+        "mismatch": {
+            "tensor": diagnosis.tensor_mismatch,
+            "com": diagnosis.com_mismatch,
+            "mended_tensor": diagnosis.mended_tensor_mismatch,
+            "mended_com": diagnosis.mended_com_mismatch,
+        },
+        "agree": _describe_agreement(judged, drawn),
+        "ruled_out": format_ruled_out(judged),
+    }
+
+
+def _describe_fault(cause: str, detail: str, *, size: str, apart: str, is_certain: bool) -> str:
+    """Say for a headline what is wrong, with the number that shows it; ``apart``: how far the COM is from the drawn part's."""
+    if cause == "com_unit" and apart:
+        return f"COM {apart} off"
+    if cause in SIZE_CAUSES and size:
+        return f"inertia {size}"
+    faulty = "COM" if detail.startswith("com ") else FAULTY_NUMBERS.get(cause, "inertia")
+    return f"{'wrong' if is_certain else 'suspect'} {faulty}"
+
+
+def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None) -> str:
+    """Describe how near the numbers are to those of the drawn part when the mistake is undone."""
+    diagnosis = judged.diagnosis
+    residual, mended = max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch), diagnosis.mended
+    if diagnosis.com_order:
+        return f"the tensor agrees, and the COM does with its x y z as {diagnosis.com_order}"
+    if diagnosis.cause == "own_missing":
+        return _POINTLIKE
+    if residual < EXACT:
+        return f"the two agree to within {max(1.0, 100 * residual):.0f} %"
+    if mended is None or drawn is None:
+        return "the two agree better"
+    left = []
+    is_own = diagnosis.cause not in _FROM_DRAWING
+    if is_own and diagnosis.mended_com_mismatch < diagnosis.com_mismatch - DIGITS:
+        apart = format_length(float(np.linalg.norm(mended.com - drawn.solid.com)))
+        left.append("the COM agrees" if diagnosis.mended_com_mismatch < DIGITS else f"the COM is {apart} off")
+    before, after = (measure_difference(numbers, drawn) for numbers in (judged.declared, mended))
+    if is_own and diagnosis.mended_tensor_mismatch < diagnosis.tensor_mismatch - DIGITS and after < before:
+        falls = f"the tensor is {_format_share(after)} off instead of {_format_share(before)}"
+        left.append("the tensor agrees" if diagnosis.mended_tensor_mismatch < DIGITS else falls)
+    if not is_own and diagnosis.com_mismatch > NOTABLE:
+        apart = format_length(float(np.linalg.norm(judged.declared.com - drawn.solid.com)))
+        return f"the tensor agrees, and the COM stays {apart} off"
+    return " and ".join(left) or "the two agree better"
+
+
+def format_ruled_out(judged: DiagnosedInertial) -> str:
+    return join_names(map(name_mistake, judged.diagnosis.ruled_out))
+
+
+def _describe_mismatch(
+    numbers: DeclaredInertial,
+    drawn: VisualGeometry,
+    *,
+    mismatch: tuple[float, float],
+    moments: Array,
+    uniform: Array,
+) -> str:
+    """Describe how numbers differ from those of the drawn part, whose principal moments are ``uniform``; ``mismatch``: of the
+    tensor and of the COM."""
+    differences = []
+    of_tensor, of_com = mismatch
+    apart = float(np.linalg.norm(numbers.com - drawn.solid.com))
+    if of_com > NOTABLE:
+        differences.append(f"the COM is {format_length(apart)} off")
+    size = _compare_sizes(moments, uniform, " times", digits=3)
+    if size:
+        differences.append(f"the moments of inertia are {size} for this mass at uniform density")
+    elif of_tensor > max(NOTABLE, _ROTATED * _measure_shape_mismatch(moments, uniform)):
+        differences.append("the inertia tensor is about other axes")
+    elif of_tensor > NOTABLE:
+        actual, expected = join_numbers(moments, digits=3), join_numbers(uniform, digits=3)
+        differences.append(f"the principal moments are {actual} instead of {expected} kg·m²")
+    return " and ".join(differences) or "the inertial is only slightly off"
+
+
+def _compare_sizes(moments: Moments, uniform: Moments, times: str, *, digits: int) -> str:
+    """Say how much too large or too small principal moments (3,) are; nothing if they are ``SIMILAR`` in size."""
+    ratio = float(moments.sum() / uniform.sum())
+    if 1 / SIMILAR < ratio < SIMILAR:
+        return ""
+    factor = float(f"{max(ratio, 1 / ratio):.{digits}g}")
+    shown = f"{factor:,.0f}" if 100 <= factor < 1e6 else f"{factor:g}"
+    return f"{shown}{times} too {'large' if ratio > 1 else 'small'}"
+
+
+def _measure_shape_mismatch(moments: Array, uniform: Array) -> float:
+    """Return how far principal moments (3,) are from others as the mismatch of a tensor is, the axes of the two aside."""
+    first, other = (np.maximum(m.sum() / 2 - m, 1e-6 * m.sum()) for m in (moments, uniform))
+    return float(np.linalg.norm(np.log(first / other)))

@@ -1,0 +1,133 @@
+"""How much a wrong inertial matters, and whether another rule reports it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import FactUnavailableError
+from urdfcheck.facts.inertials.certainty import VAST
+from urdfcheck.facts.inertials.hull_bounds import measure_extent
+from urdfcheck.facts.inertials.inertia_tensor import (
+    check_inertia_validity,
+    compute_solid_inertia,
+    list_half_units,
+)
+from urdfcheck.facts.inertials.materials import DENSEST
+from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.model import DeclaredTensor, Link, Model
+from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
+from urdfcheck.model.rigid_bodies import compute_body_mass
+from urdfcheck.model.shapes.visual_solid import (
+    measure_link_geometry,
+)
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+    from urdfcheck.facts.inertials.diagnosis import Diagnosis
+
+
+# A part of a rigid body that is lighter than this share of it hardly changes how the body moves.
+LIGHT = 0.05
+# Moments so many times too small are those of a part of a tenth of the size.
+TINY = 100.0
+# A correction that changes the tensor by less than this part of it, and the COM by less than this part of the drawn part, or by
+# less than these metres, is worth an info: a motor or a cover changes as much.
+SLIGHT, SLIGHT_LENGTH = 0.05, 5e-3
+
+
+def measure_mismatch(diagnosis: Diagnosis, *, is_mended: bool) -> float:
+    """Return how far the numbers are from the drawn part, with the mistake or with it undone."""
+    if is_mended:
+        return max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch)
+    return max(diagnosis.tensor_mismatch, diagnosis.com_mismatch)
+
+
+def is_placeholder(tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
+    """Whether the tensor was typed rather than computed: INR007 reports it where it matters."""
+    return describe_placeholder(judged.declared.mass, tensor.components) is not None
+
+
+def measure_difference(numbers: DeclaredInertial, drawn: VisualGeometry) -> float:
+    """Measure how far a tensor is from that of the drawn part at the same mass, as a share of the latter (Frobenius norms)."""
+    uniform = compute_solid_inertia(drawn.solid, numbers.mass)
+    return float(np.linalg.norm(numbers.inertia - uniform) / np.linalg.norm(uniform))
+
+
+def is_possible(judged: DiagnosedInertial) -> bool:
+    """Whether a body can have the tensor; otherwise INR003 or INR004 reports it, with the cause found here. Three points have a
+    tensor that rounding makes impossible."""
+    if judged.diagnosis.cause == "own_missing":
+        return True
+    validity = check_inertia_validity(judged.declared.tensor)
+    return validity.positive_definite and validity.triangle_inequality
+
+
+def is_too_dense(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether no material explains the mass: INR010 reports the number that is wrong."""
+    drawn = measure_link_geometry(model, link)
+    return drawn is not None and drawn.hull is not None and judged.declared.mass > DENSEST * drawn.hull.volume
+
+
+def is_rounded_uniform(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
+    """Whether the tensor is that of the drawn part, rounded to the typed digits.
+
+    0.01, 0.01 and 0.02 are the moments of a plate without thickness, and to one digit those of a thick one.
+    """
+    declared, drawn = judged.declared, measure_link_geometry(model, tensor.link)
+    if drawn is None:
+        return False
+    uniform = declared.rotation.T @ compute_solid_inertia(drawn.solid, declared.mass) @ declared.rotation
+    rows, columns = np.triu_indices(3)
+    halves = np.array(list_half_units(tensor.texts))
+    halves[halves == 0.0] = halves.max()  # a zero was rounded like its neighbours
+    return bool((np.abs(declared.tensor - uniform)[rows, columns] <= halves).all())
+
+
+def is_slight(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether undoing the mistake changes next to nothing."""
+    declared, mended, drawn = judged.declared, judged.diagnosis.mended, measure_link_geometry(model, link)
+    if (
+        mended is None
+        or drawn is None
+        or judged.diagnosis.judged_by != "mesh"
+        or judged.diagnosis.cause == "mesh_scale"
+    ):
+        return False  # the scale of a mesh is not in the inertial
+    moved = float(np.linalg.norm(mended.com - declared.com))
+    changed = float(np.linalg.norm(mended.inertia - declared.inertia))
+    weight = abs(mended.mass - declared.mass)
+    return (
+        (moved < SLIGHT_LENGTH or moved < SLIGHT * measure_extent(drawn.points))
+        and changed < SLIGHT * float(np.linalg.norm(declared.inertia))
+        and weight < SLIGHT * declared.mass
+    )
+
+
+def is_vast(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the tensor is so large that no mass inside the drawn part comes near it, and that it rules the whole body."""
+    drawn, declared = measure_link_geometry(model, link), judged.declared
+    if judged.diagnosis.fits_geometry or drawn is None or is_light(model, link):
+        return False
+    return float(np.trace(declared.tensor)) >= VAST * float(np.trace(compute_solid_inertia(drawn.solid, declared.mass)))
+
+
+def is_tiny(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the moments are so small that the mass would be in a tenth of the drawn part's size."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None:
+        return False
+    uniform = compute_solid_inertia(drawn.solid, judged.declared.mass)
+    return float(np.trace(uniform)) >= TINY * float(np.trace(judged.declared.tensor))
+
+
+def is_light(model: Model, link: Link) -> bool:
+    """Whether the link is a small part of a rigid body, whose motion its numbers hardly change."""
+    try:
+        body = model.tree.list_body_links(link.name)
+    except FactUnavailableError:
+        return False
+    whole = compute_body_mass(model, body)
+    mass = None if link.inertial is None else link.inertial.mass
+    return len(body) > 1 and whole is not None and mass is not None and mass < LIGHT * whole

@@ -1,0 +1,140 @@
+"""Mistakes that several links of a file have in common, and units about which they disagree."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core.text import join_names
+from urdfcheck.facts.inertials.certainty import FAR
+from urdfcheck.facts.inertials.inertia_tensor import (
+    compute_solid_inertia,
+)
+from urdfcheck.model import Link, Model
+from urdfcheck.model.inertials.diagnosis_words import NOTABLE
+from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
+from urdfcheck.model.inertials.inertial_effects import is_light, is_possible, measure_difference, measure_mismatch
+from urdfcheck.model.shapes.visual_solid import (
+    has_up_axis_ambiguity,
+    measure_link_geometry,
+)
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.inertials.diagnosis import Diagnosis
+
+
+# What a program gets wrong in all links of a model alike.
+UNIT_CAUSES = frozenset({"com_unit", "mass_unit", "inertia_unit"})
+_OF_ALL_LINKS = UNIT_CAUSES | {"units"}
+# Two fifths of the mass in a motor make a tensor differ by less from that of the drawn part (a share of its norm).
+_LUMPED = 0.4
+# The tensor that is left may differ by this share from the drawn part's where a mistake of the whole file is edited.
+_PROVEN = 0.1
+# Principal moments that agree in this share, of a part with its COM where it is drawn, are those of the part; moments that
+# differ by less than this share of the largest do not show their axes. The tensor differs by this share at least.
+_SAME_MOMENTS, _DISTINCT, _OTHER_AXES = 0.02, 0.1, 0.1
+
+
+def list_habitual_links(model: Model) -> list[Link]:
+    """List the links that have the mistake that most links of the file have, and of whose mismatch it makes at least half, or
+    that show it by themselves; none where fewer than two are left to report."""
+    links = [
+        model.link_by_name[name]
+        for name, judged in inertial_diagnoses(model).items()
+        if judged.is_habit and is_possible(judged) and _shows_habit(model, model.link_by_name[name], judged.diagnosis)
+    ]
+    if links and inertial_diagnoses(model)[links[0].name].diagnosis.cause in _OF_ALL_LINKS:
+        numbers = inertial_diagnoses(model).values()
+        judged = {(one.declared.mass, *one.declared.tensor.ravel()) for one in numbers}
+        members = {
+            (d.mass, *d.tensor.ravel()) for link in links for d in (inertial_diagnoses(model)[link.name].declared,)
+        }
+        if 2 * len(members) <= len(judged):
+            return []
+    return links if len(links) > 1 else []
+
+
+def list_pointlike_links(model: Model) -> list[Link]:
+    """List the links whose pieces count as points, which is what a program does to all links; none where there is only one."""
+    diagnosed = inertial_diagnoses(model).items()
+    links = [model.link_by_name[name] for name, judged in diagnosed if judged.diagnosis.cause == "own_missing"]
+    return links if len(links) > 1 else []
+
+
+def _shows_habit(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
+    """Whether a link shows the mistake of its file: by itself, or because undoing it leaves less than half of the mismatch, and
+    the tensor of such a part."""
+    if diagnosis.unique:
+        return True
+    drawn, mended = measure_link_geometry(model, link), diagnosis.mended
+    left = 0.0 if drawn is None or mended is None else measure_difference(mended, drawn)
+    if diagnosis.cause not in UNIT_CAUSES and left > _LUMPED:
+        return False
+    return measure_mismatch(diagnosis, is_mended=True) < 0.5 * measure_mismatch(diagnosis, is_mended=False)
+
+
+def shows_habit_alone(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
+    """Whether a link shows the mistake of its file, and not something else beside it. A unit that is left to one link has to
+    fit it exactly."""
+    return _shows_habit(model, link, diagnosis) and (diagnosis.cause not in UNIT_CAUSES or is_proven(model, link))
+
+
+def find_rotated_tensors(model: Model) -> dict[str, float]:
+    """Return the links whose tensors have the principal moments of the drawn part about other axes, and no cause, each with the
+    share of the drawn part's tensor by which the two differ."""
+    rotated = {}
+    for name, judged in inertial_diagnoses(model).items():
+        diagnosis, declared, link = judged.diagnosis, judged.declared, model.link_by_name[name]
+        drawn = measure_link_geometry(model, link)
+        if (
+            diagnosis.cause is not None
+            or diagnosis.judged_by != "mesh"
+            or diagnosis.com_mismatch > NOTABLE
+            or diagnosis.tensor_mismatch < NOTABLE
+            or drawn is None
+            or not drawn.closed
+            or has_up_axis_ambiguity(model, [name])
+            or not is_possible(judged)
+            or is_light(model, link)
+        ):
+            continue
+        uniform = compute_solid_inertia(drawn.solid, declared.mass)
+        moments, expected = np.linalg.eigvalsh(declared.inertia), np.linalg.eigvalsh(uniform)
+        if np.abs(moments / expected - 1.0).max() < _SAME_MOMENTS and np.ptp(expected) > _DISTINCT * expected[-1]:
+            off = float(np.linalg.norm(declared.inertia - uniform) / np.linalg.norm(uniform))
+            if off > _OTHER_AXES:
+                rotated[name] = off
+    return rotated
+
+
+def is_proven(model: Model, link: Link) -> bool:
+    """Whether a mistake of the whole file leaves the tensor of the drawn part in this link, or shows by itself."""
+    diagnosis, drawn = inertial_diagnoses(model)[link.name].diagnosis, measure_link_geometry(model, link)
+    if diagnosis.unique:
+        return True
+    if diagnosis.mended is None or drawn is None:
+        return False
+    return measure_difference(diagnosis.mended, drawn) <= _PROVEN
+
+
+def find_disputed_units(model: Model) -> dict[str, str]:
+    """Return the causes (`UNIT_CAUSES`) for which links of the model fit different units, with what fits them in words.
+
+    No program writes one link in inches and the next in centimetres, so a unit that fits one of them is a coincidence.
+    """
+    units: dict[str, dict[str, str]] = {}
+    for name, judged in inertial_diagnoses(model).items():
+        diagnosis = judged.diagnosis
+        if diagnosis.sound or not diagnosis.at_fault:
+            continue
+        if diagnosis.cause in UNIT_CAUSES:
+            units.setdefault(diagnosis.cause, {})[name] = diagnosis.detail
+        elif diagnosis.cause is None and not diagnosis.fits_geometry and diagnosis.com_mismatch > FAR:
+            units.setdefault("com_unit", {})[name] = "none"
+    return {
+        cause: join_names(f"{name} {detail}" for name, detail in links.items())
+        for cause, links in units.items()
+        if set(links.values()) != {"none"}
+        and not set.intersection(*(set(detail.split(" or ")) for detail in links.values()))
+    }
