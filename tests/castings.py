@@ -192,6 +192,7 @@ MISTAKES: tuple[tuple[str, str, Mistake], ...] = (
     ),
     ("steiner_twice", "", lambda t, _: replace(t, tensor=t.tensor - steiner(t.mass, t.com))),
     ("steiner_missing", "", _added),
+    ("own_missing", "", lambda t, drawn: replace(t, tensor=t.tensor - _added(t, drawn).tensor)),
     ("one_piece", "", lambda t, drawn: uniform(drawn.pieces[0])),
     ("products_sign", "", lambda t, _: with_slots(t, np.array(slots(t)) * (1, -1, -1, 1, -1, 1))),
     ("axes_permuted", "y z x", lambda t, _: replace(t, tensor=t.tensor[np.ix_((2, 0, 1), (2, 0, 1))])),

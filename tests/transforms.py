@@ -34,6 +34,11 @@ def rotated_link(robot: Robot, link: str, rotation: Array) -> Robot:
     """The axes of a link's frame turned by ``rotation`` (3, 3), given in the old frame; nothing moves."""
     placement = np.eye(4)
     placement[:3, :3] = rotation
+    return moved_link(robot, link, placement)
+
+
+def moved_link(robot: Robot, link: str, placement: Array) -> Robot:
+    """A link's frame at ``placement`` (4, 4), given in the old frame; nothing moves if that is on the joint's axis."""
     changed = copy.deepcopy(robot)
     _move_frame(changed, link, placement)
     return changed

@@ -125,14 +125,14 @@ def test_closed_fingers_may_press_against_each_other(tmp_path: Path, press: floa
     assert bool(find(tmp_path, text, "COL001")) == bad
 
 
-def jaws() -> str:
+def jaws(half_gap: float = 0.005, lower: float = 0, length: float = 0.1) -> str:
     """Two fingers that slide towards each other and overlap at rest."""
-    finger = "<collision><geometry><box size='0.1 0.02 0.02'/></geometry></collision>"
-    slide = "<axis xyz='0 {} 0'/><limit lower='0' upper='0.1' effort='1' velocity='1'/>"
+    finger = f"<collision><geometry><box size='{length} 0.02 0.02'/></geometry></collision>"
+    slide = f"<axis xyz='0 {{}} 0'/><limit lower='{lower}' upper='0.1' effort='1' velocity='1'/>"
     return robot(
         *(link("palm"), link("left", finger), link("right", finger)),
-        joint("l", "palm", "left", slide.format(1), kind="prismatic", xyz="0 0.005 0"),
-        joint("r", "palm", "right", slide.format(-1), kind="prismatic", xyz="0 -0.005 0"),
+        joint("l", "palm", "left", slide.format(1), kind="prismatic", xyz=f"0 {half_gap} 0"),
+        joint("r", "palm", "right", slide.format(-1), kind="prismatic", xyz=f"0 {-half_gap} 0"),
     )
 
 
@@ -155,6 +155,9 @@ def telescope(axis: str = "0 0 1", kind: str = "prismatic") -> str:
         (telescope("1 0 0"), "overlap", Severity.WARNING),
         (telescope(kind="revolute"), "overlap", Severity.WARNING),
         (jaws(), "overlap", Severity.WARNING),
+        (jaws(0.0096, length=0.01), "slight", Severity.INFO),  # 0.8 mm of pads of 30 mm
+        (jaws(0.0094, length=0.01), "overlap", Severity.WARNING),  # 1.2 mm
+        (jaws(0.0096, lower=-0.01, length=0.01), "overlap", Severity.WARNING),  # not closed yet
         (folded(gap=-0.0009), "slight", Severity.INFO),
         (folded(gap=-0.0011), "overlap", Severity.WARNING),
         (folded(scale=0.01, gap=-0.01), "overlap", Severity.WARNING),  # 0.1 mm, and much of the shape
@@ -163,6 +166,14 @@ def telescope(axis: str = "0 0 1", kind: str = "prismatic") -> str:
 def test_what_hardly_matters_is_an_info(tmp_path: Path, text: str, message: str, severity: Severity) -> None:
     found = find(tmp_path, text, "COL001")
     assert [(f.message_id, f.severity) for f in found if f.message_id != "always"] == [(message, severity)]
+
+
+@pytest.mark.parametrize(("lower", "severity"), [(0.5, Severity.INFO), (-0.5, Severity.WARNING)])
+def test_an_overlap_in_a_pose_that_the_robot_is_never_in(tmp_path: Path, lower: float, severity: Severity) -> None:
+    stand = make_joint("stand", "floor", "0 0 0", limit=f"lower='{lower}' upper='2'")
+    hinged = folded().replace('axis xyz="0 0 1"', 'axis xyz="0 1 0"')
+    (finding,) = find(tmp_path, hinged.replace("</robot>", make_link("stand") + stand + "</robot>"), "COL001")
+    assert (finding.message_id, finding.severity) == ("overlap", severity)
 
 
 def test_rest_is_the_limit_nearest_to_zero(tmp_path: Path) -> None:
@@ -452,6 +463,34 @@ def test_a_joint_without_limits_is_looked_at_over_a_turn(tmp_path: Path) -> None
 def test_the_headline_says_where_a_joint_collides(tmp_path: Path, limit: str, where: str) -> None:
     (finding,) = find(tmp_path, swinging(limit), "COL005")
     assert finding.headline == f"base_arm self-collides at {where} rad, inside its range"
+
+
+@pytest.mark.parametrize(
+    ("limit", "kind", "message"),
+    [
+        ("lower='-1' upper='2'", "revolute", "reached"),
+        ("lower='-1' upper='1.7'", "revolute", "pose"),  # as near to the limit as shapes are inexact
+        ("", "continuous", "pose"),
+    ],
+)
+def test_collisions_that_no_limit_should_prevent_are_on_request(
+    tmp_path: Path, limit: str, kind: str, message: str
+) -> None:
+    (finding,) = find(tmp_path, swinging(limit, kind), "COL005")
+    assert finding.message_id == message
+
+
+@pytest.mark.parametrize(("between", "message"), [("fixed", "reached"), ("revolute", "pose")])
+def test_a_collision_that_another_joint_avoids_is_on_request(tmp_path: Path, between: str, message: str) -> None:
+    parts = [
+        make_link("base", "-0.7 0 0|" + box("1 4 1")),
+        make_joint("base", "arm", "0 0 0", limit="lower='-1' upper='2'"),
+        make_link("arm"),
+        make_joint("arm", "hand", "0.5 0 0", between, axis="0 1 0", limit="lower='-0.1' upper='0.1'"),
+        make_link("hand", "0.5 0 0|" + sphere("0.1")),
+    ]
+    (finding,) = [f for f in find(tmp_path, robot(*parts), "COL005") if "base_arm" in f.headline]
+    assert finding.message_id == message
 
 
 def test_the_message_names_three_collisions_and_the_data_all(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import box, collision, joint, limit, link, robot
+from builders import box, collision, joint, limit, link, robot, visual
 from conftest import check
 
 from urdfcheck.core import Finding, Severity
@@ -109,6 +109,24 @@ def test_a_reason_that_the_model_contradicts(
 ) -> None:
     findings = find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore", reason))
     assert [(f.message_id, f.severity) for f in findings] == ([(message, severity)] if message else [])
+
+
+@pytest.mark.parametrize(
+    ("drawn", "message", "severity"),
+    [("0.3 0.05 0.05", "never", Severity.WARNING), ("0.05 0.05 0.05", "enclosed", Severity.INFO)],
+)
+def test_a_collision_of_shapes_larger_than_what_is_drawn_is_an_info(
+    tmp_path: Path, drawn: str, message: str, severity: Severity
+) -> None:
+    at = {"base": "0 0 0", "upper": "0.2 0 0", "fore": f"{0.05 + float(drawn.split()[0]) / 2} 0 0"}
+    sizes = {"base": "0.2 0.2 0.2", "upper": "0.3 0.05 0.05", "fore": drawn}
+    text = make_two_bars()
+    for name, size in sizes.items():
+        text = text.replace(f'<link name="{name}">', f'<link name="{name}">{visual(box(size), xyz=at[name])}', 1)
+    (finding,) = find_with_srdf(tmp_path, "COL003", GROUP + NEIGHBOURS + pair("base", "fore"), text)
+    assert (finding.message_id, finding.severity) == (message, severity)
+    assert finding.fix is not None
+    assert ("delete the line" in finding.fix.title) is (message == "never")
 
 
 def test_never_is_believed_where_no_sample_collides(tmp_path: Path) -> None:

@@ -69,6 +69,14 @@ def test_what_the_parser_refuses(tmp_path: Path, control: str, messages: list[st
     assert all((f.severity is Severity.ERROR) == (f.message_id != "leader") for f in findings)
 
 
+def test_hardware_that_the_arguments_leave_out_is_a_warning(tmp_path: Path) -> None:
+    choice = f"""<xacro:arg name="mode" default="true"/><xacro:if value="${{'$(arg mode)' == 'mock'}}">{HARDWARE}</xacro:if>"""
+    text = ROBOT.format(block(choice)).replace("<robot ", '<robot xmlns:xacro="http://ros.org/wiki/xacro" ')
+    (finding,) = find(tmp_path, text, "CTL005", name="r.urdf.xacro")
+    assert (finding.message_id, finding.severity) == ("hardware", Severity.WARNING)
+    assert "with these arguments" in finding.message
+
+
 def command_interface(name: str, *params: tuple[str, str], tag: str = "command_interface") -> str:
     inner = "".join(f'<param name="{key}">{value}</param>' for key, value in params)
     return f'<{tag} name="{name}">{inner}</{tag}>'

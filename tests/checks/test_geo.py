@@ -165,6 +165,30 @@ def test_a_small_piece_between_two_that_collide_is_an_info(
 
 
 @pytest.mark.parametrize(
+    ("sides", "hand", "messages"),
+    [
+        (("left", "right"), BOTH, {"pairs"}),
+        (("left",), BOTH, {"missing"}),
+        (("left", "right"), "", {"missing"}),  # the ends of the limbs
+    ],
+)
+def test_what_is_left_out_on_both_sides_is_meant_unless_it_is_the_end(
+    tmp_path: Path, sides: tuple[str, ...], hand: str, messages: set[str]
+) -> None:
+    parts = link("base", BOTH) + link("head", BOTH) + make_joint("base", "head", xyz="0 0 2")
+    for name, y in (("left", 1), ("right", -1)):
+        parts += link(f"{name}_arm", box("visual", "1 1 1") if name in sides else BOTH)
+        parts += make_joint("base", f"{name}_arm", xyz=f"0 {y} 0")
+        if hand:
+            parts += link(f"{name}_hand", hand) + make_joint(f"{name}_arm", f"{name}_hand", xyz=f"0 {y} 0")
+    if not hand:
+        parts += link("tail", BOTH) + make_joint("base", "tail", xyz="-2 0 0")
+    found = find(tmp_path, robot(parts), "GEO002")
+    assert {f.message_id for f in found} == messages
+    assert all((f.severity is Severity.INFO) == (f.message_id == "pairs") for f in found)
+
+
+@pytest.mark.parametrize(
     "inside",
     ["", BOTH, box("collision"), geometry("visual", '<box size="0.005 0.001 0.001"/>')],
     ids=["frame", "both", "not drawn", "token"],
@@ -244,6 +268,13 @@ def test_how_far_and_how_large(tmp_path: Path, collision: str, message: str | No
     assert [f.message_id for f in found] == ([message] if message else [])
 
 
+@pytest.mark.parametrize(("size", "said"), [("0.6 0.6 0.6", "its scale"), ("0.8 0.1 0.8", "one edge agrees")])
+def test_a_scale_is_no_explanation_where_one_dimension_agrees(tmp_path: Path, size: str, said: str) -> None:
+    (finding,) = find(tmp_path, robot(link("a", box("visual") + box("collision", size))), "GEO003")
+    assert finding.fix is not None
+    assert said in finding.fix.title
+
+
 @pytest.mark.parametrize(
     ("scale", "units"),
     [
@@ -258,6 +289,34 @@ def test_the_factor_of_a_forgotten_scale_is_named(tmp_path: Path, scale: str, un
     inside = geometry("visual", '<cylinder radius="0.03" length="0.01"/>') + shape("collision", "part.obj", scale)
     (finding,) = find(tmp_path, robot(link("a", inside)), "GEO003")
     assert (finding.cause and finding.data["units"]) == units
+
+
+@pytest.mark.parametrize(("left", "named"), [("sole", True), ("ankle", False), ("", False)])
+def test_a_shape_on_the_wrong_link_is_moved_to_the_one_that_its_counterpart_shows(
+    tmp_path: Path, left: str, named: bool
+) -> None:
+    """The frame of the sole is 30 mm below that of the ankle; both feet draw the same."""
+    parts = [link("pelvis", "")]
+    for side, y, owner in (("left", 0.1, left), ("right", -0.1, "ankle")):
+        for part, xyz, parent in (("ankle", f"0 {y} -0.8", "pelvis"), ("sole", "0 0 -0.03", f"{side}_ankle")):
+            z = -0.055 if part == "ankle" else -0.025
+            drawn = (
+                box("visual", "0.02 0.03 0.03") if part == "ankle" else box("visual", "0.24 0.09 0.05", "0.03 0 -0.02")
+            )
+            solid = box("collision", "0.24 0.08 0.04", f"0.03 0 {z}") if owner == part else ""
+            parts += [link(f"{side}_{part}", drawn + solid), make_joint(parent, f"{side}_{part}", "revolute", xyz)]
+    found = [f for f in find(tmp_path, robot("".join(parts)), "GEO003") if "right" in f.location.subject]
+    (finding,) = found
+    assert (finding.cause is not None and finding.cause.id == "neighbour") is named
+    assert finding.fix is not None
+    assert ("move the <collision> to right_sole" in finding.fix.title) is named
+
+
+@pytest.mark.parametrize(("size", "is_scale"), [("0.02 0.02 0.02", True), ("1.5 0.1 9", False)])
+def test_a_scale_changes_all_edges(tmp_path: Path, size: str, is_scale: bool) -> None:
+    (finding,) = find(tmp_path, robot(link("a", box("visual", size) + box("collision", "0.3 0.1 0.15"))), "GEO003")
+    assert finding.fix is not None
+    assert ("check its scale first" in finding.fix.title) is is_scale
 
 
 @pytest.mark.parametrize("rpy", ["0 0 0", "0.4 0 0", "1 -0.7 2.5"])

@@ -450,6 +450,23 @@ def test_joints_left_out_of_control_are_listed(tmp_path: Path) -> None:
     assert (finding.message_id, finding.location.subject) == ("some", "joint[k]")
 
 
+@pytest.mark.parametrize(("driven", "message"), [(1, "most"), (2, "some"), (3, "some")])
+def test_few_joints_that_are_left_out_were_forgotten(tmp_path: Path, driven: int, message: str) -> None:
+    joints = "".join(
+        f'<link name="l{i}"/><joint name="j{i}" type="continuous"><parent link="base"/><child link="l{i}"/></joint>'
+        for i in range(4)
+    )
+    drives = "".join(f'<transmission name="t{i}"><joint name="j{i}"/></transmission>' for i in range(driven))
+    (finding,) = find(tmp_path, robot(f'<link name="base"/>{joints}{drives}'), "CTL002")
+    assert finding.message_id == message
+
+
+@pytest.mark.parametrize("name", ["rear_caster_joint", "SwivelJoint", "passive_wheel"])
+def test_a_joint_that_is_passive_by_name_needs_no_drive(tmp_path: Path, name: str) -> None:
+    arm = ARM.replace('name="k"', f'name="{name}"')
+    assert not find(tmp_path, robot(arm, '<transmission name="t"><joint name="j"/></transmission>'), "CTL002")
+
+
 def test_a_joint_without_effort_needs_no_drive(tmp_path: Path) -> None:
     arm = ARM.replace('<child link="c"/>', '<child link="c"/><limit effort="0" velocity="1"/>')
     assert not find(tmp_path, robot(arm, '<transmission name="t"><joint name="j"/></transmission>'), "CTL002")

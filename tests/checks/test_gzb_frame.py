@@ -9,7 +9,8 @@ from builders import find
 
 from urdfcheck.core import Finding
 
-NEW = '<gazebo><plugin filename="gz-sim-sensors-system" name="s"/></gazebo>'
+NEW = '<gazebo><plugin filename="gz_ros2_control-system" name="s"/></gazebo>'
+WITHOUT_ROS = '<gazebo><plugin filename="gz-sim-sensors-system" name="s"/></gazebo>'
 CLASSIC = '<gazebo><plugin filename="libgazebo_ros_control.so" name="s"/></gazebo>'
 ROBOT = '<robot name="r"><link name="base"/><gazebo reference="base">{}</gazebo>{}</robot>'
 
@@ -33,6 +34,8 @@ def find_frames(folder: Path, inner: str, plugin: str = NEW, **files: str) -> li
         (sensor("altimeter"), NEW, 0),
         (sensor(), CLASSIC, 0),
         (sensor(), "", 0),
+        (sensor(), WITHOUT_ROS, 0),
+        (sensor(inner='<plugin filename="gz-sim-yarp-imu-system" name="y"/>'), NEW, 0),
         (sensor(inner="<gz_frame_id>base</gz_frame_id>"), NEW, 0),
         (sensor(inner="<ignition_frame_id>base</ignition_frame_id>"), NEW, 0),
         (sensor(inner="<gz_frame_id> </gz_frame_id>"), NEW, 1),
@@ -48,6 +51,12 @@ def test_a_broadcaster_of_ros2_control_names_the_frame(tmp_path: Path) -> None:
     control = '<ros2_control name="c" type="system"><sensor name="{}"/></ros2_control>'
     assert not find_frames(tmp_path / "a", sensor("imu"), NEW + control.format("scan"))
     assert find_frames(tmp_path / "b", sensor("imu"), NEW + control.format("other"))
+
+
+def test_a_bridge_hands_the_data_to_ros(tmp_path: Path) -> None:
+    assert find_frames(
+        tmp_path, sensor(), WITHOUT_ROS, go="Node(package='ros_gz_bridge', executable='parameter_bridge')"
+    )
 
 
 def test_a_transform_may_supply_the_frame(tmp_path: Path) -> None:

@@ -162,6 +162,15 @@ def test_a_collision_shape_or_a_hull_is_named_and_never_edited(tmp_path: Path) -
         finding = one(tmp_path, arm_on_base(round_, drawn), {"INR007"})
         assert finding.fix is not None
         assert finding.fix.edits == ()
+    corners = ("0 0 0", "0.1 0 0", "0 0.1 0.03", "0 0.02 0.08")
+    facets = [
+        [corners[i] for i in face] for face in ((0, 1, 3), (0, 3, 2), (1, 2, 3))
+    ]  # a tetrahedron without its floor
+    text = "".join(
+        f"facet normal 0 0 0\nouter loop\n{''.join(f'vertex {at}{chr(10)}' for at in facet)}endloop\nendfacet\n"
+        for facet in facets
+    )
+    (tmp_path / "open.stl").write_text(f"solid s\n{text}endsolid s\n")
     impossible = inertial(0.37, ixx=0.001, iyy=0.001, izz=0.0037)
     hull = one(tmp_path, arm_on_base(impossible, mesh), {"INR003"})
     shape = one(tmp_path, arm_on_base(impossible, mesh + collision(box("0.1 0.1 0.05"))), {"INR003"})

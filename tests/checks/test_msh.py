@@ -441,6 +441,22 @@ def test_a_mirroring_scale_turns_it_the_right_way_out(tmp_path: Path) -> None:
     assert not find_in_mesh(tmp_path / "b", "MSH004", INSIDE_OUT, shape("visual", scale="1 -1 1"))
 
 
+@pytest.mark.parametrize(
+    ("shapes", "scale", "severity"),
+    [
+        (("visual",), "0.025 0.025 0.025", Severity.INFO),
+        (("visual",), "0.03 0.03 0.03", Severity.WARNING),
+        (("visual", "collision"), "0.01 0.01 0.01", Severity.WARNING),
+    ],
+)
+def test_a_small_part_that_is_only_drawn_is_an_info(
+    tmp_path: Path, shapes: tuple[str, ...], scale: str, severity: Severity
+) -> None:
+    drawn = "".join(shape(role, scale=scale) for role in shapes)
+    (finding,) = find_in_mesh(tmp_path, "MSH004", INSIDE_OUT, drawn)
+    assert finding.severity is severity
+
+
 # -- MSH005 ---------------------------------------------------------------------------------------------------------
 
 # A wall from an edge of the tetrahedron to a fifth corner inside, and back along two others.
@@ -453,6 +469,13 @@ def test_the_edges_of_three_triangles_are_drawn(tmp_path: Path) -> None:
     (finding,) = find_in_mesh(tmp_path, "MSH005", WALLED, shape("collision", scale="2 2 2"))
     assert finding.data["count"] == 3
     assert {tuple(point) for line in finding.data["lines"] for point in line} == {(0, 0, 0), (2, 0, 0), (0, 2, 0)}
+
+
+@pytest.mark.parametrize(("few", "severity"), [(0.4, Severity.WARNING), (0.5, Severity.INFO)])
+def test_few_edges_of_many_triangles_are_an_info(tmp_path: Path, few: float, severity: Severity) -> None:
+    options = {"MSH005": {"few": few}}
+    (finding,) = find_in_mesh(tmp_path, "MSH005", WALLED, shape("collision"), options=options)
+    assert finding.severity is severity  # 3 edges, 7 triangles
 
 
 @pytest.mark.parametrize("content", [CLOSED, OPEN, TOUCHING, CLOSED + moved(CLOSED, 0.0, 4)])

@@ -152,6 +152,12 @@ class TestNAM004:
         body = links(parent, "camera_optical_frame") + make_joint("j", parent, "camera_optical_frame", origin)
         assert [f.message_id for f in find(tmp_path, robot(body), "NAM004")] == ([] if message is None else [message])
 
+    @pytest.mark.parametrize(("sensor", "count"), [("gyro", 0), ("accel", 0), ("imu", 0), ("depth", 1)])
+    def test_an_inertial_sensor_has_no_picture(self, tmp_path: Path, sensor: str, count: int) -> None:
+        parent, child = f"camera_{sensor}_frame", f"camera_{sensor}_optical_frame"
+        body = links(parent, child) + make_joint("j", parent, child, "")
+        assert len(find(tmp_path, robot(body), "NAM004")) == count
+
     def test_where_a_wrong_one_looks_and_what_to_write(self, tmp_path: Path) -> None:
         """x forward turned by +90° about x and -90° about z: z points back, y up."""
         body = links("camera_link", "camera_optical") + make_joint(

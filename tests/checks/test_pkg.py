@@ -520,6 +520,32 @@ def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: s
     assert not findings(tmp_path, "PKG007")
 
 
+@pytest.mark.parametrize(
+    ("subpath", "files", "message"),
+    [
+        ("robots/r.urdf", ["p/urdf/r.urdf"], "misnamed"),
+        ('robots/r.urdf"/><node args="-d $(find arm5)/urdf.rviz', ["p/urdf/r.urdf"], "misnamed"),
+        ('robots/r.urdf"/><include file="$(find arm5)/launch/arm.launch', ["p/urdf/r.urdf"], "undeclared"),
+        ("robots/other.urdf", ["p/urdf/r.urdf"], "undeclared"),
+        ("robots/r.urdf", ["p/urdf/r.urdf", "q/urdf/r.urdf"], "undeclared"),  # whose file is meant is open
+        ("launch/world.launch", ["p/urdf/r.urdf", "p/launch/world.launch"], "undeclared"),  # all have such files
+        ("", ["p/urdf/r.urdf"], "undeclared"),
+    ],
+)
+def test_package_that_is_named_for_a_file_of_the_repository_is_no_dependency(
+    tmp_path: Path, subpath: str, files: list[str], message: str
+) -> None:
+    launch = f'<launch><param name="robot_description" textfile="$(find arm5)/{subpath}"/></launch>'
+    here = {name: URDF if name.endswith(".urdf") else "<launch/>" for name in files}
+    other = {"q/package.xml": manifest(name="q")} if any(name.startswith("q/") for name in files) else {}
+    write(tmp_path, {"p/package.xml": manifest(), "p/launch/a.launch": launch, ".git/HEAD": "", **here, **other})
+    (finding,) = [f for f in findings(tmp_path, "PKG007") if f.data["package"] == "p"]
+    assert finding.message_id == message
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) == (message == "undeclared")
+    assert ("write `p` and the path `urdf/r.urdf`" in finding.fix.title) == (message == "misnamed")
+
+
 @pytest.mark.parametrize("kind", ["depend", "exec_depend", "test_depend"])
 @pytest.mark.parametrize("between", [False, True])
 def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, between: bool) -> None:

@@ -194,6 +194,12 @@ def test_of_a_pair_the_one_with_an_angle_that_nobody_chooses_is_named(tmp_path: 
     assert edits(finding) == [("0 -0.75239 0", "0 0 0")]
 
 
+@pytest.mark.parametrize(("angle", "message"), [("0.02", "pair_slight"), ("0.04", "pair")])
+def test_a_pair_that_is_a_degree_apart_is_on_request(tmp_path: Path, angle: str, message: str) -> None:
+    (finding,) = find(tmp_path, axle(f"0 {angle} 0", "0 0 0"), "SYM001")
+    assert (finding.message_id, finding.severity) == (message, Severity.INFO)
+
+
 @pytest.mark.parametrize(
     ("left", "right"), [("0 0.3 0", "0 0 0"), ("0 0.75239 0", "0 0.31234 0"), ("0 0.75239 0", "0 0.2 0")]
 )

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from builders import find
 from conftest import check_text
-from transforms import Robot, Transformation, each_link, rerooted, rotated_inertial, rotated_link, scaled
+from transforms import Robot, Transformation, each_link, moved_link, rerooted, rotated_inertial, rotated_link, scaled
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.inertials.inertia_tensor import (
@@ -21,7 +21,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     make_box_solid,
     transform_solid,
 )
-from urdfcheck.facts.motion.kinematics import rpy_to_matrix
+from urdfcheck.facts.motion.kinematics import build_origin_transform, rpy_to_matrix
 from urdfcheck.model import Model
 from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
@@ -464,6 +464,46 @@ def test_the_hind_legs_decide_about_the_front_legs(tmp_path: Path) -> None:
     assert [(e.expected, e.replacement) for e in limited.fix.edits] == [("1.0", "2.0")]
 
 
+def test_limbs_that_agree_roughly_decide_nothing(tmp_path: Path) -> None:
+    """Votes need the same digits."""
+    robot = with_(quadruped(), "joint[@name='FL_joint']/limit", upper="1.0")
+    for name, upper in (("RL", "2.002"), ("RR", "1.998")):
+        robot = with_(robot, f"joint[@name='{name}_joint']/limit", upper=upper)
+    finding = one(tmp_path, robot)
+    assert finding.message_id == "limits_pair"
+    assert finding.fix is not None
+    assert not finding.fix.edits
+
+
+@pytest.mark.parametrize(("upper", "found"), [("2.06", False), ("2.3", True)])
+def test_measured_limits_differ_by_little(tmp_path: Path, upper: str, found: bool) -> None:
+    """Six legs whose ranges all differ in their digits."""
+    robot = ET.Element("robot", name="hexapod")
+    robot.append(make_box_link("body", [((1.2, 0.2, 0.1), (0.0, 0.0, 0.0))]))
+    pieces = PARTS["arm"][0]
+    uppers = ["2.0013", "1.9987", "2.0101", "1.9961", "2.0067", "1.9932", "1.9899", "2.0021", upper, "1.9991"]
+    for index, measured in enumerate(uppers):
+        side = -1 if index % 2 else 1
+        name = f"{'RL'[side > 0]}{index // 2}_hip"
+        robot.append(make_box_link(name, pieces if side > 0 else [(s, flipped(c)) for s, c in pieces]))
+        place = (0.2 * (index // 2) - 0.4, 0.15 * side, 0)
+        robot.append(make_motor_joint(f"{name}_joint", "body", name, place, (0, 1, 0), (-1.0, float(measured))))
+    assert bool(find_mirror_defects(tmp_path, robot)) is found
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_parts_that_differ_as_they_are_drawn_have_other_inertials(tmp_path: Path, own: bool) -> None:
+    """The hands are of one shape, one a little longer and thicker. Each has the inertial of what it draws, or one of them not."""
+    robot = without(ROBOT, ".", "none")
+    pieces = [(tuple(1.03 * v for v in size), centre) for size, centre in PARTS["hand"][0]]
+    larger = make_box_link("right_hand", [(s, flipped(c)) for s, c in pieces])  # type: ignore[misc]
+    hand = robot.find("link[@name='right_hand']")
+    assert hand is not None
+    hand[:] = larger[:]
+    found = find_mirror_defects(tmp_path, robot if own else heavier(robot, "right_hand", 1.2))
+    assert ("moments" in {finding.message_id for finding in found}) is not own
+
+
 def test_limits_that_slipped_by_one_joint_are_one_finding(tmp_path: Path) -> None:
     robot = copy.deepcopy(ROBOT)
     limits = [robot.find(f"joint[@name='right_{part}_joint']/limit") for part in PARTS]
@@ -658,3 +698,66 @@ def test_neither_side_is_mirrored_where_both_coms_are_elsewhere(tmp_path: Path) 
     assert [f.fix and f.fix.title for f in found] == [
         "export both again: neither COM is that of the part that it draws"
     ]
+
+
+# -- offsets that take each other back --------------------------------------------------------------------------------
+
+
+def move_frame(robot: Robot, part: str, offset: float, turn: float = 0.0, *, with_drawing: bool = False) -> Robot:
+    """The robot with the frame of a part moved along its joint's axis, and turned about it; nothing else moves, but what the
+    part draws if that goes with the frame."""
+    joint = robot.find(f"joint[@name='{part}_joint']")
+    assert joint is not None
+    axis = np.array([float(value) for value in numbers(joint, "axis")["xyz"].split()])
+    placement = build_origin_transform((offset * axis).tolist(), (0.0, 0.0, 0.0))
+    placement[:3, :3] = rotate_about(axis, turn)
+    changed = moved_link(robot, part, placement)
+    if with_drawing:
+        for one, like in zip(
+            *(r.findall(f"link[@name='{part}']/visual/origin") for r in (changed, robot)), strict=True
+        ):
+            one.attrib.update(like.attrib)
+    return changed
+
+
+def rotate_about(axis: np.ndarray, angle: float) -> np.ndarray:
+    """The rotation (3, 3) about a unit vector."""
+    cross = np.cross(axis, np.eye(3)).T
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
+@pytest.mark.parametrize("part", [f"right_{part}" for part in PARTS])
+@pytest.mark.parametrize(("offset", "turn"), [(0.006, 0.0), (-0.052, 0.0), (0.0, 0.3), (0.0, -0.02), (0.03, 0.7)])
+def test_a_frame_at_another_point_of_its_axis_is_a_choice(
+    tmp_path: Path, part: str, offset: float, turn: float
+) -> None:
+    robot = move_frame(ROBOT, part, offset, turn)
+    text = ET.tostring(robot, encoding="unicode")
+    assert not find(tmp_path, text, {"SYM001", "SYM002", "SYM004", "INR009"})
+
+
+@pytest.mark.parametrize("part", ["right_shoulder", "right_arm"])
+@pytest.mark.parametrize("offset", [0.006, -0.02])
+def test_an_offset_along_the_axis_that_the_next_joint_takes_back_moves_nothing(
+    tmp_path: Path, part: str, offset: float
+) -> None:
+    text = ET.tostring(move_frame(ROBOT, part, offset, with_drawing=True), encoding="unicode")
+    found = find(tmp_path, text, {"SYM001", "SYM002", "SYM004"})
+    assert not {finding.message_id for finding in found} & {"origin", "slip", "axis"}
+
+
+def test_a_joint_beside_its_place_takes_along_nothing_that_is_in_place(tmp_path: Path) -> None:
+    """The axis of an arm is 5 mm off, but the hand is where it should be."""
+    robot = with_(ROBOT, "joint[@name='right_arm_joint']/origin", xyz="0.025 -0.07 0")
+    robot = with_(robot, "joint[@name='right_hand_joint']/origin", xyz="-0.005 -0.01 -0.32")
+    finding = one(tmp_path, robot)
+    assert finding.message_id == "origin"
+    assert finding.fix is not None
+    assert 'write xyz="0.02 -0.07 0" in right_arm_joint and move what it carries back by as much' in finding.fix.title
+
+
+def test_a_part_that_is_rotated_with_its_frame_has_another_zero(tmp_path: Path) -> None:
+    """Unlike a frame that is rotated alone."""
+    robot = with_(ROBOT, "joint[@name='right_shoulder_joint']/origin", rpy="0.3 0 0")
+    found = find(tmp_path, ET.tostring(robot, encoding="unicode"), {"SYM001"})
+    assert [finding.message_id for finding in found] == ["pair"]

@@ -63,6 +63,24 @@ def test_another_place_is_no_slip(tmp_path: Path) -> None:
     assert not find_slips(tmp_path, make_quadruped(("FL", "FR"), FR_knee="0 -0.02 -0.3"))
 
 
+def test_a_sign_that_the_next_joint_takes_back_moves_nothing(tmp_path: Path) -> None:
+    """The hip turns about x, on which its frame may be anywhere: the knee is where it was."""
+    legs = {f"{side}_hip": f"0.03 {0.05 * left:g} 0" for side, (_, left) in SIDES.items()}
+    legs |= {f"{side}_hip_axis": "1 0 0" for side in SIDES} | {"FR_hip": "-0.03 -0.05 0"}
+    assert not find_slips(tmp_path, make_quadruped(**legs, FR_knee="0.06 -0.01 -0.2"))
+    (finding,) = find_slips(tmp_path, make_quadruped(**legs))
+    assert finding.message_id == "slip"
+
+
+@pytest.mark.parametrize("taken_back", [True, False])
+def test_of_four_signs_the_only_other_one_is_found_unless_the_next_joint_takes_it_back(
+    tmp_path: Path, taken_back: bool
+) -> None:
+    changed = {f"{side}_hip": "0.03 0 -0.05" for side in SIDES} | {f"{side}_hip_axis": "1 0 0" for side in SIDES}
+    changed |= {"HR_hip": "-0.03 0 -0.05"} | ({"HR_knee": "0.06 -0.01 -0.2"} if taken_back else {})
+    assert len(find_slips(tmp_path, make_quadruped(**changed))) == (not taken_back)
+
+
 def test_one_module_on_both_sides_is_meant(tmp_path: Path) -> None:
     assert not find_slips(tmp_path, make_quadruped(("FL", "FR"), FR_knee="0 0.01 -0.2"))
 
@@ -125,6 +143,8 @@ def test_one_attribute_that_only_one_of_four_limbs_has_is_repaired(
         {"FL_knee": "0 0.01 -0.25", "FR_knee": "0 -0.01 -0.25"},
         # Less than a millimetre is an adjustment.
         {"FL_knee": "0 0.0105 -0.2"},
+        # The hip turns about y: its frame is at another point of that axis, which the knee takes back.
+        {"FL_hip": "0 0.08 0", "FL_knee": "0 -0.02 -0.2"},
     ],
 )
 def test_legs_that_are_arranged_otherwise_are_fine(tmp_path: Path, changed: dict[str, str]) -> None:

@@ -391,9 +391,25 @@ def test_how_much_slope_it_bears(tmp_path: Path, x: float, said: str | None) -> 
     assert messages == ([] if said is None else [said])
 
 
+def test_two_wheels_in_a_line_have_no_slope_of_their_own(tmp_path: Path) -> None:
+    """The caster is 5 mm short, so that the COM is on the line of the wheels."""
+    cart = replace(THREE, caster=(0.2, 0, -0.025), com=(-0.0002, 0, 0.05))
+    assert not find_in_car(tmp_path, "DYN004", cart)
+
+
 def test_a_short_caster_only_leans_the_robot(tmp_path: Path) -> None:
     assert not find_in_car(tmp_path / "a", "DYN004", replace(THREE, caster=(0.2, 0, -0.02)))
     assert not find_in_car(tmp_path / "b", "DYN004", replace(THREE, caster=(0.2, 0, -0.036)))
+
+
+@pytest.mark.parametrize("x", [0.0, 0.0005])
+def test_two_wheels_in_a_line_have_no_support_polygon(tmp_path: Path, x: float) -> None:
+    """A base that hangs low enough to catch the robot is no caster."""
+    text = replace(THREE, com=(x, 0, 0.03), caster=None).text()
+    box = '<visual><origin xyz="0 0 -0.0295"/><geometry><box size="0.2 0.2 0.02"/></geometry></visual>'
+    (finding,) = find_in_car(tmp_path, "DYN004", text.replace("</inertial>", f"</inertial>{box}", 1))
+    assert (finding.message_id, finding.severity) == ("line", Severity.INFO)
+    assert "°" not in finding.headline
 
 
 def test_a_balancer_is_kept_upright_by_its_controller(tmp_path: Path) -> None:

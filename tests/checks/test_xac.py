@@ -856,6 +856,15 @@ def test_value_that_another_file_replaces(tmp_path: Path, main: str, message: st
     assert [f.message_id for f in findings] == ([message] if message else [])
 
 
+def test_files_that_replace_each_others_value_in_turn_are_one_clash(tmp_path: Path) -> None:
+    inner = HEAD + prop("a", "2") + "</robot>"
+    outer = HEAD + '<xacro:include filename="inner.xacro"/>' + prop("a", "1") + "</robot>"
+    write(tmp_path, {"inner.xacro": inner, "outer.xacro": outer, "package.xml": "<package><name>p</name></package>"})
+    twice = '<xacro:include filename="outer.xacro"/>' * 2 + '<xacro:include filename="inner.xacro"/>'
+    findings = xacro(tmp_path, twice + '<link name="l${a}"/>', {"XAC008"}).findings
+    assert [(f.message_id, f.data["first"], f.data["second"]) for f in findings] == [("clash", "1", "2")]
+
+
 # -- what an include loses -------------------------------------------------------------------------------------------------
 
 HAND = """<robot version="{version}" xmlns:xacro="http://www.ros.org/wiki/xacro" xmlns:drake="{drake}">

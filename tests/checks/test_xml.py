@@ -153,6 +153,27 @@ class TestXML002:
 
 
 class TestXML003:
+    @pytest.mark.parametrize(("beside", "repaired"), [("", True), ('<dynamics damping="1"/>', False)])
+    def test_is_not_renamed_to_an_element_that_exists_beside_it(
+        self, tmp_path: Path, beside: str, repaired: bool
+    ) -> None:
+        joint = f'<joint name="j" type="continuous"><parent link="a"/><child link="b"/>{beside}'
+        text = (
+            f'<robot name="r"><link name="a"/><link name="b"/>{joint}<joint_properties damping="0.2"/></joint></robot>'
+        )
+        (finding,) = findings(tmp_path, text, "XML003")
+        assert finding.fix is not None
+        assert bool(finding.fix.edits) == repaired
+        assert ("<dynamics>`" in finding.fix.title) == repaired
+        assert ("delete it: <joint> already has a <dynamics>" in finding.fix.title) != repaired
+
+    def test_a_second_visual_is_renamed_beside_the_first(self, tmp_path: Path) -> None:
+        shape = "<geometry><sphere radius='1'/></geometry>"
+        text = f'<robot name="r"><link name="a"><visual>{shape}</visual><visuals>{shape}</visuals></link></robot>'
+        (finding,) = findings(tmp_path, text, "XML003")
+        assert finding.fix is not None
+        assert finding.fix.edits
+
     def test_gazebo_misses_an_sdf_element_outside_its_block(self, tmp_path: Path) -> None:
         text = '<robot name="r"><link name="a"><self_collide>1</self_collide><toy/></link></robot>'
         by_message = {finding.message_id: finding.consequences for finding in findings(tmp_path, text, "XML003")}

@@ -272,7 +272,10 @@ def test_the_cause_stays_in_a_turned_frame(cause: str, rotation: Array) -> None:
     assert (found.cause, found.detail, found.sound) == (as_it_was.cause, as_it_was.detail, as_it_was.sound)
 
 
-@pytest.mark.parametrize("cause", ["inertia_unit", "mass_unit", "mesh_scale", "steiner_missing", "shell", "other_mass"])
+OF_ANY_PLACE = ["inertia_unit", "mass_unit", "mesh_scale", "steiner_missing", "own_missing", "shell", "other_mass"]
+
+
+@pytest.mark.parametrize("cause", OF_ANY_PLACE)
 def test_the_cause_stays_in_a_moved_frame(cause: str) -> None:
     shift = np.array((0.03, -0.02, 0.05))
     drawn = moved(DRAWN, np.eye(3), shift)
@@ -306,7 +309,14 @@ def test_a_twin_shows_what_a_lump_hides(cause: str, detail: str, mistake: Mistak
     true = with_lumps(CASTING, TRUE.mass, [(0.35, np.array((0.10, 0.01, 0.15))), (0.1, np.array((-0.05, 0.18, 0.05)))])
     found = judged(mistake(true, DRAWN), DRAWN, true)
     assert not found.sound
-    if cause not in {"steiner_missing", "one_piece", "shell", "bounding_box", "convex_hull"}:  # of even parts
+    if cause not in {
+        "steiner_missing",
+        "own_missing",
+        "one_piece",
+        "shell",
+        "bounding_box",
+        "convex_hull",
+    }:  # of even parts
         assert found.cause == cause
         assert found.judged_by == "twin" or cause == "mesh_scale"
 

@@ -16,6 +16,7 @@ from conftest import command, make_request
 
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.facts.mesh.measure import measure_mesh
+from urdfcheck.fix.repair import plan_inertials
 from urdfcheck.fix.repair import repair_model as repair_module
 from urdfcheck.fix.repair.copy_sources import CopiedModel
 from urdfcheck.fix.repair.mesh_writing import bake_collada, decimate
@@ -267,8 +268,15 @@ def test_a_stated_density_gives_the_mass_and_links_without_an_inertial_get_one(t
     assert text.count('ixx="0.0045"') == 2
 
 
-def test_what_makes_the_model_worse_is_withdrawn(tmp_path: Path) -> None:
-    """A density of osmium's ninefold brings INR010."""
+@pytest.mark.parametrize(
+    ("densest", "says"), [(1e6, "withdrawn: with it the model has INR"), (None, "would have 2e+05 kg/m³")]
+)
+def test_what_makes_the_model_worse_is_withdrawn(
+    densest: float | None, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is as dense as this: no such inertial is computed, and if it were, INR010 would report it."""
+    if densest is not None:
+        monkeypatch.setattr(plan_inertials, "_DENSEST", densest)
     model = tmp_path / "model" / "r.urdf"
     model.parent.mkdir()
     block = '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
@@ -276,9 +284,43 @@ def test_what_makes_the_model_worse_is_withdrawn(tmp_path: Path) -> None:
     model.write_text(robot(link("base", block, inertial(2.7, 0.0045)), link("arm", block, inertial(2.7, 0.0045)), arm))
     _, document = repair(model, tmp_path / "out", "--density", "200000", "--inertia", "all")
     assert not any(step["done"] for step in document["steps"])
-    assert all("withdrawn: with it the model has INR" in step["text"] for step in document["steps"])
+    assert all(says in step["text"] for step in document["steps"]), document["steps"]
     assert document["after"] == document["before"]
     assert (tmp_path / "out" / "r.urdf").read_text() == model.read_text()
+
+
+def test_a_package_without_a_manifest_is_found_by_its_folder(tmp_path: Path) -> None:
+    model = tmp_path / "all" / "arm" / "urdf" / "r.urdf"
+    model.parent.mkdir(parents=True)
+    (model.parent.parent / "meshes").mkdir()
+    trimesh.creation.box((0.3, 0.2, 0.1)).export(model.parent.parent / "meshes" / "arm.stl")
+    shape = '<collision><geometry><mesh filename="package://arm/meshes/arm.stl"/></geometry></collision>'
+    model.write_text(robot(link("base", shape)))
+    _, document = repair(model, tmp_path / "out", "--package-path", str(tmp_path / "all"))
+    assert list_steps(document, "collision")["base"]["done"]
+    assert set(digest(tmp_path / "out")) == {"arm/urdf/r.urdf", "arm/meshes/arm.stl"}
+
+
+@pytest.mark.parametrize("size", [2000, 300])
+def test_a_mesh_in_millimetres_gets_its_scale_where_no_other_unit_fits(size: int, tmp_path: Path) -> None:
+    """0.3 m or 3 m both fit a robot of 0.5 m: then its mesh is left as it is, and no box of 300 m hides the mistake."""
+    model = tmp_path / "model" / "r.urdf"
+    model.parent.mkdir()
+    trimesh.creation.box((size, 200, 100)).export(model.parent / "arm.stl")
+    shape = "<geometry><mesh filename='arm.stl'/></geometry>"
+    arm = link("arm", inertial(6, ixx=0.025, iyy=2, izz=2), f"<visual>{shape}</visual><collision>{shape}</collision>")
+    hinge = joint("j", "base", "arm", kind="continuous", axis="0 0 1", xyz="0 0 0.5")
+    model.write_text(robot(link("base"), arm, hinge))
+    _, document = repair(model, tmp_path / "out")
+    assert "MSH008" in document["before"]["codes"]
+    text = (tmp_path / "out" / "r.urdf").read_text()
+    if size == 300:
+        assert text == model.read_text()
+        assert "scale of its mesh is wrong" in list_steps(document, "collision")["arm"]["text"]
+    else:
+        assert "MSH008" not in document["after"]["codes"], document["steps"]
+        assert text.count('scale="0.001 0.001 0.001"') == 1
+        assert '<box size="2 0.2 0.1"/>' in text
 
 
 # -- where it may write -------------------------------------------------------------------------------------------------

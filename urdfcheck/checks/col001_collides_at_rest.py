@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 _LEAST_STAGES = 2
 # A shallow overlap is less than this part of the smaller shape.
 _SHALLOW_SHARE = 0.02
+# Of the configurations.
+_RARELY, _USUALLY = 0.05, 0.5
 # Cosine of the angle between the stages: 0.1°.
 _PARALLEL = 1 - 1.5e-6
 
@@ -51,7 +53,12 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
     by_design = [(pair, contact) for pair, contact in deep if samples > 1 and pair.hit_share >= always]
     rest = [item for item in deep if item not in by_design]
     nested = [item for item in rest if _is_telescope(model, item[0])]
-    shallow = [item for item in rest if item not in nested and _is_shallow(item[1], slight)]
+    shallow = [
+        item
+        for item in rest
+        if item not in nested
+        and (_is_shallow(item[1], slight) or (item[1].depth < slight and _meets_at_stop(model, item[0])))
+    ]
     harmless = [*nested, *shallow]
     for group in _group_by_shape([item for item in rest if item not in harmless]):
         yield _build_overlap_finding(model, rule, group, samples=samples)
@@ -100,6 +107,37 @@ def _find_restored_origins(
 def _is_shallow(contact: Contact, slight: float) -> bool:
     """Whether an overlap is as deep as shapes are inaccurate; in a tiny robot it is not if it is much of a shape."""
     return contact.depth < min(slight, _SHALLOW_SHARE * contact.size)
+
+
+def _meets_at_stop(model: Model, pair: CollisionPair) -> bool:
+    """Whether two links hardly ever overlap but at rest, where each joint between them is at a limit: a closed gripper."""
+    spans = [joint.position_range for joint in _list_joints_between(model, pair)]
+    return pair.hit_share <= _RARELY and all(span is not None and _get_rest(span) in span for span in spans)
+
+
+def _list_joints_between(model: Model, pair: CollisionPair) -> list[Joint]:
+    """Return the joints that move one link of a pair against the other."""
+    one, other = (model.tree.find_path_to(name) for name in pair.links)
+    joints = (*(j for j in one if j not in other), *(j for j in other if j not in one))
+    return [joint for joint in joints if joint.is_movable]
+
+
+def _get_rest(span: tuple[float, float]) -> float:
+    """Return the value of a joint at rest: zero, or the limit nearest to it."""
+    return min(max(0.0, span[0]), span[1])
+
+
+def _is_at_unused_pose(model: Model, pair: CollisionPair) -> bool:
+    """Whether two links overlap where no joint between them is at a limit, in a pose that the robot is never in.
+
+    A joint that carries both cannot be at zero then, for which JNT019 wants a start from elsewhere, and there most poses are
+    free of the overlap.
+    """
+    between = _list_joints_between(model, pair)
+    carrying = [j for name in pair.links for j in model.tree.find_path_to(name) if j.is_movable and j not in between]
+    inside = all((span := joint.position_range) is None or span[0] < 0 < span[1] for joint in between)
+    spans = [span for joint in carrying if joint.mimic is None and (span := joint.position_range) is not None]
+    return inside and pair.hit_share < _USUALLY and any(_get_rest(span) != 0 for span in spans)
 
 
 def _is_telescope(model: Model, pair: CollisionPair) -> bool:
@@ -222,6 +260,7 @@ def _build_overlap_finding(
             locate_geometry(other),
             *(locate_geometry(s) for _, c in group[1:] for s in c.shapes if s is not shape),
         ],
+        severity=Severity.INFO if all(_is_at_unused_pose(model, p) for p, _ in group) else None,
         link=pair.links[place],
         other=pair.links[1 - place],
         others=join_names([f"{name} ({c.depth * 1e3:.3g} mm)" for name, c in others]),

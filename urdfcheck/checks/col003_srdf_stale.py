@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from urdfcheck.core import Applicability, Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
 from urdfcheck.model import Model
+from urdfcheck.model.motion.collisions.drawn_hits import is_drawn_apart
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
@@ -83,25 +84,34 @@ def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
         for reason in REASONS:
             hidden = [(p, *missed[p.key]) for p in srdf.disabled_pairs if p.reason == reason and p.key in missed]
             hidden.sort(key=lambda item: -item[1].hit_count)
-            if not hidden:
-                continue
-            (worst, pair, first_hit), more = hidden[0], [disabled for disabled, _, _ in hidden[1:]]
-            pose = self_collisions(model).poses.to_values_by_name(first_hit)
-            between = _select_joints_between(model, pair, pose)
-            yield rule.finding(
-                reason.lower(),
-                at=worst.element,
-                related=[disabled.element for disabled in more],
-                severity=None if reason == "Never" else Severity.INFO,
-                first=worst.links[0],
-                second=worst.links[1],
-                hits=pair.hit_count,
-                samples=f"{len(pair.hits):,}",
-                more=_format_more_pairs(more),
-                pose=pose,
-                at_pose=join_names(f"{name} = {value:.3g}" for name, value in between.items()),
-            )
+            drawn_apart = [reason == "Never" and is_drawn_apart(self_collisions(model), pair) for _, pair, _ in hidden]
+            for apart in (False, True):
+                group = [item for item, is_apart in zip(hidden, drawn_apart, strict=True) if is_apart is apart]
+                if group:
+                    yield _build_hidden_finding(model, rule, group, "enclosed" if apart else reason.lower())
     ensure_all_shapes_read(self_collisions(model))
+
+
+def _build_hidden_finding(
+    model: Model, rule: Rule, hidden: Sequence[tuple[SrdfPair, CollisionPair, int]], message: str
+) -> Finding:
+    """Report disabled pairs with one reason, at the first of them; with each its first sampled collision."""
+    (worst, pair, first_hit), more = hidden[0], [disabled for disabled, _, _ in hidden[1:]]
+    pose = self_collisions(model).poses.to_values_by_name(first_hit)
+    between = _select_joints_between(model, pair, pose)
+    return rule.finding(
+        message,
+        at=worst.element,
+        related=[disabled.element for disabled in more],
+        severity=None if message == "never" else Severity.INFO,
+        first=worst.links[0],
+        second=worst.links[1],
+        hits=pair.hit_count,
+        samples=f"{len(pair.hits):,}",
+        more=_format_more_pairs(more),
+        pose=pose,
+        at_pose=join_names(f"{name} = {value:.3g}" for name, value in between.items()),
+    )
 
 
 def _select_joints_between(model: Model, pair: CollisionPair, pose: Mapping[str, float]) -> dict[str, float]:

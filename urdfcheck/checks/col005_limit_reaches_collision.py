@@ -16,12 +16,17 @@ from urdfcheck.model.motion.collisions.single_joint import JointCollision, find_
 _MOST_NAMED = 3
 # Where collisions begin is known to a thousandth of a joint's range.
 _SYMMETRIC = 0.01
+# Nearer to the limit, the shapes are as inexact: rad, and a part of the way from zero.
+_LEAST_ANGLE = 0.1
+_LEAST_SLIDE = 0.05
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     everything = find_joint_collisions(model)
-    limbs = [reach for reach in everything if _meets_another_limb(model, reach)]
-    for message, reached in (("reached", [r for r in everything if r not in limbs]), ("limbs", limbs)):
+    by_message: dict[str, list[JointCollision]] = {"reached": [], "pose": [], "limbs": []}
+    for reach in everything:
+        by_message[_classify_collision(model, reach)].append(reach)
+    for message, reached in by_message.items():
         if not reached:
             continue
         joints_by_name = {reach.joint.name: reach.joint for reach in reached}
@@ -39,6 +44,25 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             collisions=list(map(_list_reached_collision, reached)),
         )
     ensure_all_shapes_read(self_collisions(model))
+
+
+def _classify_collision(model: Model, reach: JointCollision) -> str:
+    if _meets_another_limb(model, reach):
+        return "limbs"
+    return "reached" if _is_wrong_limit(model, reach) else "pose"
+
+
+def _is_wrong_limit(model: Model, reach: JointCollision) -> bool:
+    """Whether the joint can never get to its limit: nothing else moves one link against the other, and the limit is not near."""
+    joint = reach.joint
+    if joint.type == "continuous":
+        return False
+    margin = _LEAST_SLIDE * abs(reach.limit) if joint.type == "prismatic" else _LEAST_ANGLE
+    paths = [set(model.tree.find_path_to(name)) for name in reach.links]
+    between = {other for other in paths[0] ^ paths[1] if other.is_movable}
+    return abs(reach.limit - reach.value) > margin and all(
+        other is joint or (other.mimic is not None and other.mimic.get("joint") == joint.name) for other in between
+    )
 
 
 def _meets_another_limb(model: Model, reach: JointCollision) -> bool:

@@ -18,6 +18,10 @@ _COMMANDS = re.compile(r"(?:Position|Velocity|Effort|PosVel|PosVelAcc)JointInter
 _DRIVES = re.compile(r"(?:Simple|Differential|FourBarLinkage|Wrist|Gripper)\w*Transmission")
 
 
+# Joints without motors, by their names.
+_PASSIVE = re.compile(r"cast[eo]r|swivel|passive", re.IGNORECASE)
+
+
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     yield from _check_undriven_joints(model, rule)
     yield from _check_misplaced_commands(model, rule)
@@ -31,7 +35,7 @@ def _check_undriven_joints(model: Model, rule: Rule) -> Iterator[Finding]:
     # A description without simulator extensions is controlled elsewhere, if at all.
     if without and (not none or any(model.robot.find_children("gazebo"))):
         yield rule.finding(
-            "none" if none else "some",
+            "none" if none else "some" if 2 * len(without) <= len(drivable) else "most",
             at=model if none else without[0],
             related=without if none else without[1:],
             severity=Severity.INFO,
@@ -42,8 +46,10 @@ def _check_undriven_joints(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _has_motor(joint: Joint) -> bool:
-    """Whether a joint needs a motor: a follower has its leader's, and a joint without effort is a caster or a free hinge."""
-    return joint.type in _DRIVABLE and joint.mimic is None and joint.get_limit_value("effort") != 0
+    """Whether a joint needs a motor: a follower has its leader's, and casters and free hinges have none."""
+    if joint.type not in _DRIVABLE or joint.mimic is not None or _PASSIVE.search(joint.name):
+        return False
+    return joint.get_limit_value("effort") != 0
 
 
 def _collect_control_words(model: Model) -> set[str]:

@@ -19,7 +19,7 @@ _INTERFACES = frozenset({"command_interface", "state_interface"})
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     first: dict[str, Element] = {}
     for block in model.robot.find_children("ros2_control"):
-        yield from _check_block(rule, block)
+        yield from _check_block(model, rule, block)
         name = block.get("name").strip()
         if name and name in first:
             yield rule.finding("duplicate", at=block, related=[first[name]], name=name)
@@ -35,7 +35,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield from _check_repeated_components(rule, block)
 
 
-def _check_block(rule: Rule, block: Element) -> Iterator[Finding]:
+def _check_block(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:
     """Check the attributes of a block and its hardware."""
     yield from _require(rule, block, "name")
     yield from _require(rule, block, "type")
@@ -44,7 +44,15 @@ def _check_block(rule: Rule, block: Element) -> Iterator[Finding]:
         yield rule.finding("type", at=kind, name=block.get("name"), value=kind.value.strip())
     hardware = block.find_children("hardware")
     if not hardware:
-        yield rule.finding("hardware", at=block, name=block.get("name"))
+        # A condition of xacro may leave it out with these arguments and not with those of a launch file.
+        depends = model.source.is_xacro and any("<hardware" in file.text for file in model.source.files.values())
+        yield rule.finding(
+            "hardware",
+            at=block,
+            severity=Severity.WARNING if depends else None,
+            name=block.get("name"),
+            when=" with these arguments" if depends else "",
+        )
     for element in hardware:
         yield from _require_plugin(rule, element, block.get("name"))
         yield from _check_params(rule, element, block.get("name"))

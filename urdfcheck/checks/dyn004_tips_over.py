@@ -28,8 +28,12 @@ if TYPE_CHECKING:
 
 
 _SIDES = ("+x (ahead)", "+y (to the left)", "-x (to the rear)", "-y (to the right)")
+# On two wheels in a line it leans until a third part touches, on any slope.
+_FEWEST_SUPPORTS = 3
 # Beyond this tilt it lies on its side.
 _FALLEN = math.radians(60)
+# Supports whose places are this much nearer to a line than they are apart are on it.
+_LINE = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,6 +69,7 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     if not _is_standing(model, supports, wheels):
         return
     now = compute_ground_support(points, parts=owners, com=com)
+    touching = compute_contact_points(model, points, owners, support=now)
     # Legs, with wheels on them or not, need not stand with all joints at zero.
     meant = any(not is_suspended(model, name) for name in supports if name in wheels)
     severity: Severity | None
@@ -72,9 +77,13 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     if now.tip_angle >= -SLACK:
         # On a slope the plumb line meets the ground farther down, as if the COM were there on level ground.
         downhill = com + math.tan(math.radians(slope)) * now.height * now.outwards
-        if not meant or math.degrees(shape.measure_rest_tilt(downhill).tilt) <= rest:
+        if not meant or len(touching) < _FEWEST_SUPPORTS:
+            return
+        if math.degrees(shape.measure_rest_tilt(downhill).tilt) <= rest:
             return
         message, severity, details = "slope", Severity.INFO, {"slope": slope}
+        if _is_line(now.polygon):
+            message = "line"
     else:
         end = shape.measure_rest_tilt(com)
         if math.degrees(end.tilt) <= rest:
@@ -82,7 +91,6 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
         message, severity = "tips", None if meant else Severity.INFO
         details = {"outcome": _describe_outcome(model, end, owners)}
     worst = _find_tipping_link(weights, now)
-    touching = compute_contact_points(model, points, owners, support=now)
     yield rule.finding(
         message,
         at=model.mass_by_name[worst.link.name].inertial,
@@ -113,6 +121,12 @@ def _is_standing(model: Model, supports: Sequence[str], wheels: Collection[str])
     if wheels:  # most of them touch, unless the root's z does not point up
         return 2 * sum(name in wheels for name in supports) > len(wheels)
     return all(_is_leg(model, name) for name in supports)
+
+
+def _is_line(polygon: Array) -> bool:
+    """Whether the corners (k, 3) of a support polygon are on one line: two wheels on one axis, and nothing before or behind."""
+    spread = np.linalg.svd(polygon[:, :2] - polygon[:, :2].mean(axis=0), compute_uv=False)
+    return len(polygon) < 3 or bool(spread[1] <= _LINE * spread[0])
 
 
 def _is_leg(model: Model, name: str) -> bool:

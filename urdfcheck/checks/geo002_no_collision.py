@@ -36,8 +36,11 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small:
     between = [body for body in missing if _is_between(model, body) and _is_small(model, body, robot, small)]
     if between:
         yield _build_list_finding(model, rule, "between", between)
+    paired = _find_paired_bodies(model, [body for body in missing if body not in between])
+    if paired:
+        yield _build_list_finding(model, rule, "pairs", paired)
     for body in missing:
-        if body in between:
+        if body in between or body in paired:
             continue
         link = _list_drawn_links(model, body)[0]
         joint = model.tree.parent_joint[body.links[0]]
@@ -67,10 +70,36 @@ def _is_exempt(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
     return _is_wheel_carrier(model, body) or _is_sheltered(model, body, sheltered)
 
 
+def _find_paired_bodies(model: Model, bare: Sequence[RigidLinkGroup]) -> list[RigidLinkGroup]:
+    """Return the bodies without collision geometry that carry others and have a counterpart which has none either.
+
+    One that was forgotten is on one side, or at the end of a limb.
+    """
+    carrying = [body for body in bare if any(_list_moved_links(model, body))]
+    if len(carrying) < 2:
+        return []
+    from urdfcheck.model.likeness.mirror_pairs import mirror_pairs  # most models have none
+
+    owners = {name: body for body in carrying for name in body.links}
+    pairs = [(owners.get(pair.one), owners.get(pair.other)) for pair in mirror_pairs(model)]
+    both = [
+        body
+        for one, other in pairs
+        if one is not None and other is not None and one is not other
+        for body in (one, other)
+    ]
+    return [body for body in carrying if body in both]
+
+
+def _list_moved_links(model: Model, body: RigidLinkGroup) -> list[str]:
+    """Return the links that the joints at the end of a body move."""
+    return [j.child for name in body.links for j in model.tree.child_joints[name] if j.type != "fixed"]
+
+
 def _is_between(model: Model, body: RigidLinkGroup) -> bool:
     """Whether the bodies before and behind it, one of them at least, all have collision geometry."""
     tree = model.tree
-    behind = [j.child for name in body.links for j in tree.child_joints[name] if j.type != "fixed"]
+    behind = _list_moved_links(model, body)
     around = [tree.parent_joint[body.links[0]].parent, *behind]
     return bool(behind) and all(
         any(model.link_by_name[name].collisions for name in tree.list_body_links(link)) for link in around
@@ -102,7 +131,7 @@ def _is_sheltered(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
     """Whether the bounding box of a body's visuals lies within that of the collisions of a neighbouring body."""
     tree = model.tree
     near = [tree.parent_joint[body.links[0]].parent]
-    near += [j.child for name in body.links for j in tree.child_joints[name] if j.type != "fixed"]
+    near += _list_moved_links(model, body)
     # Along the axes of the body's first link, so that the root's orientation does not matter.
     home = np.linalg.inv(model.frames[body.links[0]])
     drawn = compute_bounding_box(

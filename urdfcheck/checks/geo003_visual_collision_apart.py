@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
 from urdfcheck.core.text import format_box_size
+from urdfcheck.facts.mesh.topology import label_components
 from urdfcheck.model import Link, Model
+from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
+from urdfcheck.model.shapes.solids import get_mesh_scale
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -25,8 +28,14 @@ _PADDING = 0.01
 _UNITS = {1000.0: "millimetres and metres", 100.0: "centimetres and metres", 25.4: "inches and millimetres",
           39.37: "inches and metres", 10.0: "millimetres and centimetres"}  # fmt: skip
 _UNIT_TOL = 0.02
+# A piece that strayed has less than this part of the surface.
+_STRAY_AREA = 0.2
 # Ratio of the diagonals up to which a neighbour's shape may stand for a part, rather than contain it or be in it.
 _ALIKE = 1.5
+# A shape is of the part with which it shares this much of the smaller box.
+_OWN = 0.5
+# A scale changes all edges of a box: those that agree to this factor had none.
+_SAME_EDGE = 1.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +65,30 @@ class _BoxPair:
         return float(np.linalg.norm(self.collision_box.mean(axis=0) - self.visual_box.mean(axis=0)))
 
 
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class _StrayPieces:
+    """Small bodies of a mesh that are far from all others."""
+
+    place: Located
+    role: str
+    """``visual`` or ``collision``."""
+    distance: float
+    """From the middle of all others in m."""
+    triangles: int
+    total: int
+    """Triangles of the mesh."""
+
+    def describe(self, link: Link) -> dict[str, Any]:
+        return {
+            "link": link.name,
+            "role": self.role,
+            "other": "collision" if self.role == "visual" else "visual",
+            "distance": float(f"{self.distance:.3g}"),
+            "triangles": self.triangles,
+            "total": self.total,
+        }
+
+
 def check(model: Model, rule: Rule, *, overlap: float, ratio: float, covered: float) -> Iterator[Finding]:
     def classify_pair(pair: _BoxPair) -> str | None:
         if not 1 / ratio <= pair.ratio <= ratio:
@@ -72,9 +105,20 @@ def check(model: Model, rule: Rule, *, overlap: float, ratio: float, covered: fl
         for link, message, pair in suspects:
             if message == "apart" and _is_covered(model, body, link, pair, covered):
                 continue
-            cause = _guess_unit_mismatch(pair.ratio)
+            stray = _find_stray_pieces(model, link, pair, ratio) if message == "size" else None
+            if stray is not None:
+                yield rule.finding("stray", at=stray.place, **stray.describe(link))
+                continue
+            units = _guess_unit_mismatch(pair.ratio)
+            owner = None if units else _find_owner(model, body, link)
             yield rule.finding(
-                message, at=_locate(link, message), cause="units" if cause else None, **_collect_data(link, pair, cause)
+                message,
+                at=_locate(link, message),
+                cause="units" if units else "neighbour" if owner else None,
+                repair=_describe_repair(message, pair, owner),
+                owner=owner.link.name if owner else "",
+                twin=owner.twin if owner else "",
+                **_collect_data(link, pair, units),
             )
 
 
@@ -83,14 +127,8 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
 
     A cylinder about a joint's axis may belong to either of the links that the joint connects.
     """
-    tree = model.tree
-    near = [j.child for name in body.links for j in tree.child_joints[name]]
-    if body.links[0] in tree.parent_joint:
-        near.append(tree.parent_joint[body.links[0]].parent)
     home = np.linalg.inv(model.frames[link.name])
-    for name in dict.fromkeys(name for neighbour in near for name in tree.list_body_links(neighbour)):
-        if name in body.links:
-            continue
+    for name in _list_neighbours(model, body):
         placed = [(s, home @ model.frames[name]) for s in model.link_by_name[name].collisions if not is_dummy_shape(s)]
         box = compute_bounding_box(model, placed)
         if box is None or not _measure_diagonal(box):
@@ -99,6 +137,66 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
         if stand_in.overlap >= covered and 1 / _ALIKE <= stand_in.ratio <= _ALIKE:
             return True
     return False
+
+
+def _list_neighbours(model: Model, body: RigidLinkGroup) -> list[str]:
+    """Return the links of the bodies in front and behind."""
+    tree = model.tree
+    near = [j.child for name in body.links for j in tree.child_joints[name]]
+    if body.links[0] in tree.parent_joint:
+        near.append(tree.parent_joint[body.links[0]].parent)
+    found = dict.fromkeys(name for neighbour in near for name in tree.list_body_links(neighbour))
+    return [name for name in found if name not in body.links]
+
+
+@dataclass(frozen=True, slots=True)
+class _Owner:
+    """The link to which collision geometry belongs that another link has."""
+
+    link: Link
+    twin: str
+    """Its counterpart, which has the like geometry itself."""
+
+
+def _find_owner(model: Model, body: RigidLinkGroup, link: Link) -> _Owner | None:
+    """Find the link in front or behind that is drawn where the collision geometry of ``link`` is, at rest, if it has none itself
+    and its counterpart on the other side has such geometry, and the counterpart of ``link`` has not."""
+    try:
+        known = mirror_pairs(model)
+    except FactUnavailableError:
+        return None  # an origin elsewhere is malformed
+    pairs = [names for pair in known for names in ((pair.one, pair.other), (pair.other, pair.one))]
+    twins = [other for one, other in pairs if one == link.name]
+    count = sum(not is_dummy_shape(shape) for shape in link.collisions)
+    home = np.linalg.inv(model.frames[link.name])
+    box = compute_bounding_box(model, [(s, np.eye(4)) for s in link.collisions if not is_dummy_shape(s)])
+    for name in _list_neighbours(model, body):
+        neighbour = model.link_by_name[name]
+        drawn = compute_bounding_box(
+            model, [(s, home @ model.frames[name]) for s in neighbour.visuals if not is_dummy_shape(s)]
+        )
+        if box is None or drawn is None or neighbour.collisions or not _measure_diagonal(drawn):
+            continue
+        fit = _BoxPair(drawn, box)
+        if fit.overlap < _OWN or not 1 / _ALIKE <= fit.ratio <= _ALIKE:
+            continue
+        for twin in (other for one, other in pairs if one == name):
+            has_own = len(model.link_by_name[twin].collisions) == count
+            if has_own and any(len(model.link_by_name[other].collisions) < count for other in twins):
+                return _Owner(neighbour, twin)
+    return None
+
+
+def _describe_repair(message: str, pair: _BoxPair, owner: _Owner | None) -> str:
+    if owner is not None:
+        return f"move the <collision> to {owner.link.name}, with the <origin> that leaves it in its place at rest"
+    if message == "apart":
+        return "give the <collision> the <origin> that puts it where the visual is"
+    edges = [box[1] - box[0] for box in (pair.visual_box, pair.collision_box)]
+    both = "give collision and visual the same size, whichever is right"
+    if (np.maximum(*edges) <= _SAME_EDGE * np.minimum(*edges)).any():
+        return f"{both}; a scale is not the cause, because one edge agrees"
+    return f"{both}; for a mesh check its scale first"
 
 
 def _compare_links(
@@ -152,6 +250,33 @@ def _compute_link_poses(model: Model, links: Sequence[Link]) -> list[Array]:
         return [np.eye(4)]
     home = np.linalg.inv(model.frames[links[0].name])
     return [home @ model.frames[link.name] for link in links]
+
+
+def _find_stray_pieces(model: Model, link: Link, pair: _BoxPair, ratio: float) -> _StrayPieces | None:
+    """Find the small bodies of a mesh that alone make one role of a link so much larger than the other; None without them."""
+    role, other = ("collision", pair.visual_box) if pair.ratio > 1 else ("visual", pair.collision_box)
+    for shape in link.collisions if role == "collision" else link.visuals:
+        facts, scale = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True)
+        if facts is None or scale is None or len(facts.components) < 2:
+            continue
+        corners = (facts.vertices * scale)[facts.faces]
+        labels = label_components(facts.faces, len(facts.vertices))
+        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        middle = np.median(corners.mean(axis=1), axis=0)
+        distances = np.full(int(labels.max()) + 1, np.inf)  # of the nearest corner of each body
+        np.minimum.at(distances, labels, np.linalg.norm(corners - middle, axis=2).min(axis=1))
+        order = np.sort(distances)
+        is_far = (distances >= order[1 + int(np.argmax(np.diff(order)))])[labels]
+        near, far = corners[~is_far].reshape(-1, 3), corners[is_far].reshape(-1, 3)
+        box = np.array((near.min(axis=0), near.max(axis=0)))
+        is_alike = 1 / ratio <= _measure_diagonal(box) / _measure_diagonal(other) <= ratio
+        if is_alike and area[is_far].sum() < _STRAY_AREA * area.sum():
+            distance = float(np.linalg.norm(far.mean(axis=0) - box.mean(axis=0)))
+            place = shape if shape.geometry_element is None else shape.geometry_element
+            return _StrayPieces(
+                place=place, role=role, distance=distance, triangles=int(is_far.sum()), total=len(is_far)
+            )
+    return None
 
 
 def _locate(link: Link, message: str) -> Located:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
@@ -17,6 +17,7 @@ from urdfcheck.system.files import read_regular, walk
 _FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_frame_id"})
 # The sensors whose data programs place by its frame.
 _PLACED = re.compile(r"camera|depth|rgbd|thermal|segmentation|lidar|ray|imu|sonar")
+_BRIDGES = ("ros_gz", "ros_ign")
 _TEXTS = (".py", ".xml", ".launch", ".yaml", ".yml")
 # Files of the package that are searched for the frame: a transform or a node may supply it.
 _MOST_FILES, _LARGEST = 200, 200_000
@@ -28,6 +29,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     broadcast = _collect_broadcast_names(model)
     without = [sensor for sensor in list_sensors(model) if _lacks_frame(sensor) and sensor.name not in broadcast]
     texts = list(_read_texts(model)) if without else []
+    if not _speaks_ros(model, texts):
+        return
     without = [sensor for sensor in without if not any(_names_frame(text, sensor) for text in texts)]
     if without:
         first = without[0]
@@ -50,7 +53,20 @@ def _collect_broadcast_names(model: Model) -> frozenset[str]:
     return frozenset(sensor.get("name") for block in blocks for sensor in block.find_children("sensor"))
 
 
+def _speaks_ros(model: Model, texts: Iterable[str]) -> bool:
+    """Whether ROS gets the data: by a plugin, a dependency of the package, or a bridge that it starts. Others need no frame."""
+    plugins = [e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin"]
+    needed = frozenset() if model.package is None else model.package.dependencies
+    return (
+        any("ros" in plugin.get("filename").lower() for plugin in plugins)
+        or any(name.startswith(_BRIDGES) for name in needed)
+        or any(name in text for text in texts for name in _BRIDGES)
+    )
+
+
 def _lacks_frame(sensor: GazeboSensor) -> bool:
+    if any(element.tag == "plugin" for element in sensor.element.walk()):
+        return False  # the plugin publishes the data
     named = any(element.tag in _FRAMES and element.text.strip() for element in sensor.element.walk())
     return _PLACED.search(sensor.type) is not None and not named
 

@@ -36,12 +36,14 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         if not excess > rel_tol:  # INR004 covers a tensor whose largest moment is not positive
             continue
         # Most models have no such tensor, and do without what a repair needs.
-        from urdfcheck.model.inertials.inertial_proposals import propose_repair
+        from urdfcheck.model.inertials.inertial_proposals import has_mistake, propose_repair
 
         whole = find_merged_body(model, declared.link)
         typed = measure_tensor_rounding(declared.texts, rel_tol)
         data = _collect_data(declared, excess, typed)
         if excess < rounding and typed.explained_by_rounding:
+            if has_mistake(model, declared.link, "own_missing"):
+                continue  # more digits would not make the tensor right: INR009 reports it
             yield _build_rounded_finding(rule, declared, repair=propose_repair(model, declared.link), data=data)
             continue
         if whole is not None and whole.is_physically_valid(rel_tol):

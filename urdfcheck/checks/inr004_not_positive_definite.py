@@ -203,7 +203,8 @@ def _guess_cause(components: Sequence[float]) -> str | None:
 def _check_singular_links(
     model: Model, rule: Rule, message: str, *, links: Sequence[DeclaredTensor], rel_tol: float
 ) -> Iterator[Finding]:
-    """Warn about each link whose whole body is singular, and report all others together as an info."""
+    """Warn about each link whose whole body is singular, and report all others together: a warning for lines, which MuJoCo
+    refuses in each link before it adds up those that fixed joints connect."""
     alone: list[DeclaredTensor] = []
     harmless: list[DeclaredTensor] = []
     for declared in links:
@@ -223,16 +224,21 @@ def _check_singular_links(
             severity=Severity.WARNING,
             consequences={**of_point, **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
+            names=declared.link.name,
         )
-    if harmless:
-        yield rule.finding(
-            f"{message}_fixed",
-            at=harmless[0].element,
-            related=[declared.element for declared in harmless[1:]],
-            severity=Severity.INFO,
-            consequences=_predict_mujoco(message, harmless),
-            links=_format_masses(harmless),
-        )
+    refused = [declared for declared in harmless if message == "line" and is_refused_by_mujoco(declared.components)]
+    for group, severity in ((refused, Severity.WARNING), ([d for d in harmless if d not in refused], Severity.INFO)):
+        if group:
+            yield rule.finding(
+                f"{message}_fixed",
+                at=group[0].element,
+                related=[declared.element for declared in group[1:]],
+                severity=severity,
+                consequences=_predict_mujoco(message, group),
+                links=_format_masses(group),
+                names=join_names(declared.link.name for declared in group),
+                refusal="; MuJoCo refuses it" if group is refused else "",
+            )
 
 
 def _predict_mujoco(message: str, links: Sequence[DeclaredTensor]) -> dict[str, str]:

@@ -11,7 +11,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import merge_identical
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent, measure_hull_distance
-from urdfcheck.facts.inertials.inertia_tensor import list_half_units
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, list_half_units
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
@@ -22,13 +22,18 @@ from urdfcheck.model.inertials.inertial_proposals import (
     describe_mistake,
     propose_undo,
 )
+from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape
+from urdfcheck.model.shapes.visual_solid import has_drawn_shape, measure_link_geometry
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
+# kg·m² in one unit that a tensor is written in by mistake, from programs that calculate in grams or in smaller lengths.
+_TENSOR_UNITS = {"kg·cm²": 1e-4, "kg·mm²": 1e-6, "g·m²": 1e-3, "g·cm²": 1e-7, "g·mm²": 1e-9}
+# A part has a tensor like that of its uniform solid, within this factor.
+_UNIT_RANGE = 10.0
 # A part that is not drawn may be larger than what it is fixed to, but not ten times: variances, (10)².
 _OTHER_PART = 100.0
 
@@ -50,7 +55,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
             continue
-        repair, computed, explained = _propose(model, part)
+        repair, computed, explained = _propose(model, part, declared, ratio=ratio, excess=excess)
         yield rule.finding(
             "exceeds",
             at=declared.element,
@@ -68,7 +73,9 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
 
 
-def _propose(model: Model, part: EnclosedInertial) -> tuple[InertialRepair | None, str, str]:
+def _propose(
+    model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, ratio: float, excess: float
+) -> tuple[InertialRepair | None, str, str]:
     """Return a repair, what the advice says about it, and the end of the message about its cause."""
     diagnosed = inertial_diagnoses(model).get(part.link.name)
     is_explained = (
@@ -79,9 +86,34 @@ def _propose(model: Model, part: EnclosedInertial) -> tuple[InertialRepair | Non
     if diagnosed is not None and is_explained and (undo := propose_undo(model, part.link)) is not None:
         mistake = describe_mistake(diagnosed.diagnosis.cause or "", diagnosed.diagnosis.detail)
         return undo, f"write {undo.words} if that is the mistake", f". One mistake explains it: {mistake}"
+    if excess >= VAST and (unit := _guess_unit(model, part, ratio)) is not None:
+        name, factor = unit
+        tensor = [
+            f'{axis}="{factor * value:.6g}"' for axis, value in zip(TENSOR_NAMES, declared.components, strict=True)
+        ]
+        fits = f". The same numbers are possible in {name}, and in no other unit"
+        return None, f"write {' '.join(tensor)} if they are in {name}", fits
     is_known = has_drawn_shape(part.link) and len(part.readings) == 1
     drawn = describe_drawn_inertial(model, part.link) if is_known else ""
     return None, f"write {drawn}" if drawn else "compute them from the mesh", ""
+
+
+def _guess_unit(model: Model, part: EnclosedInertial, ratio: float) -> tuple[str, float] | None:
+    """Return the one unit in which the author's own tensor is possible inside the geometry, and about as large as that of a
+    uniform part; None where none is, or several are, for a placeholder, and for a unit that no program writes."""
+    drawn, declared = measure_link_geometry(model, part.link), model.tensor_by_name[part.link.name]
+    if drawn is None or describe_placeholder(part.mass, declared.components) is not None:
+        return None
+    uniform = float(np.trace(compute_solid_inertia(drawn.solid, part.mass)))
+    fitting = []
+    for name, factor in _TENSOR_UNITS.items():
+        size = factor * float(np.trace(declared.tensor)) / uniform if uniform > 0.0 else 0.0
+        if 1.0 / _UNIT_RANGE < size < _UNIT_RANGE and all(
+            compute_spread_ratios(points, part.com, factor * part.covariance, margin=0.0)[0].max() <= ratio
+            for points in part.readings
+        ):
+            fitting.append((name, factor))
+    return fitting[0] if len(fitting) == 1 and fitting[0][0] != "g·m²" else None
 
 
 def _compute_excess(

@@ -35,6 +35,7 @@ from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.shapes.visual_solid import (
     describe_geometry_source,
     explain_collision_stand_in,
+    has_loose_hull,
     has_up_axis_ambiguity,
     measure_link_geometry,
 )
@@ -54,14 +55,21 @@ LIGHT = 0.05
 # The body may be a thin shell, its hull or box may have been easier to compute, and a decorative piece may have been left out:
 # such causes are worth knowing and rarely harmful. So is rounding, which leaves a possible tensor here.
 MILD_CAUSES = frozenset({"shell", "convex_hull", "bounding_box", "one_piece", "rounded"})
+# Causes after which the numbers come from the drawn part, so that they agree with it by construction.
+_FROM_DRAWING = MILD_CAUSES | {"own_missing", "com_missing"}
+# What agrees where the pieces of a part were taken for points.
+_POINTLIKE = "the tensor is the drawn part's: what is written is the parallel-axis terms of its bodies, to within 5 %"
 # What a program gets wrong in all links of a model alike.
 UNIT_CAUSES = frozenset({"com_unit", "mass_unit", "inertia_unit"})
+_OF_ALL_LINKS = UNIT_CAUSES | {"units"}
 # Either the mass or the tensor may be the wrong number: two different edits make such an inertial agree.
 AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 # What typed digits and tessellation leave of equal numbers.
 DIGITS = 0.01
 # A tenth of a radius of gyration, or of a second moment, is worth saying; so are moments that differ by a third in size.
 NOTABLE, SIMILAR = 0.1, 1.33
+# Moments so many times too small are those of a part of a tenth of the size.
+_TINY = 100.0
 # All second moments below this part of the drawn part's are those of a smaller part.
 _MUCH_LESS = 0.25
 # A tensor so many times farther off than its principal moments is about other axes.
@@ -79,7 +87,15 @@ _SAME_MOMENTS, _DISTINCT, _OTHER_AXES = 0.02, 0.1, 0.1
 # Causes that make a tensor too large or too small as a whole.
 SIZE_CAUSES = frozenset(
     {
-        *("inertia_unit", "about_origin", "positive_notation", "steiner_twice", "steiner_missing", "other_mass"),
+        *(
+            "inertia_unit",
+            "about_origin",
+            "positive_notation",
+            "steiner_twice",
+            "steiner_missing",
+            "own_missing",
+            "other_mass",
+        ),
         *("wrong_formula", *MILD_CAUSES),
     },
 )
@@ -102,6 +118,7 @@ SHORT_CAUSES = {
     "positive_notation": "at the origin, CAD signs",
     "steiner_twice": "parallel-axis term twice",
     "steiner_missing": "no parallel-axis term",
+    "own_missing": "own tensors of the pieces left out",
     "one_piece": "of one piece only",
     "products_sign": "products have flipped signs",
     "axes_permuted": "its x y z are {detail}",
@@ -137,8 +154,11 @@ def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Itera
 def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
     doubtful: list[DeclaredTensor] = []
     habitual = _list_habitual_links(model)
-    if habitual:
-        yield _build_habit_finding(model, rule, habitual)
+    pointlike = _list_pointlike_links(model)
+    for group in (habitual, pointlike):
+        if group:
+            yield _build_habit_finding(model, rule, group)
+    grouped = {link.name for link in (*habitual, *pointlike)}
     rotated = _find_rotated_tensors(model)
     for name in rotated:
         yield _build_axes_finding(model, rule, name, rotated)
@@ -146,7 +166,7 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
     disputed = _find_disputed_units(model)
     for name, judged in inertial_diagnoses(model).items():
         tensor, diagnosis = model.tensor_by_name[name], judged.diagnosis
-        if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged) or tensor.link in habitual:
+        if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged) or name in grouped:
             continue
         if name in rotated or (judged.is_habit and not _shows_habit_alone(model, tensor.link, diagnosis)):
             continue
@@ -163,7 +183,7 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
                 _is_rounded_uniform(model, tensor, judged) or _is_placeholder(tensor, judged)
             ):
                 continue
-            if explain_collision_stand_in(model, tensor.link) == "unread":
+            if explain_collision_stand_in(model, tensor.link) == "unread" or has_loose_hull(model, tensor.link):
                 continue  # the shape of the part is not known
             if diagnosis.min_moment_ratio > concentrated or _is_light(model, tensor.link):
                 if _is_too_dense(model, tensor.link, judged):
@@ -193,6 +213,21 @@ def _list_habitual_links(model: Model) -> list[Link]:
         for name, judged in inertial_diagnoses(model).items()
         if judged.is_habit and _is_possible(judged) and _shows_habit(model, model.link_by_name[name], judged.diagnosis)
     ]
+    if links and inertial_diagnoses(model)[links[0].name].diagnosis.cause in _OF_ALL_LINKS:
+        numbers = inertial_diagnoses(model).values()
+        judged = {(one.declared.mass, *one.declared.tensor.ravel()) for one in numbers}
+        members = {
+            (d.mass, *d.tensor.ravel()) for link in links for d in (inertial_diagnoses(model)[link.name].declared,)
+        }
+        if 2 * len(members) <= len(judged):
+            return []
+    return links if len(links) > 1 else []
+
+
+def _list_pointlike_links(model: Model) -> list[Link]:
+    """List the links whose pieces count as points, which is what a program does to all links; none where there is only one."""
+    diagnosed = inertial_diagnoses(model).items()
+    links = [model.link_by_name[name] for name, judged in diagnosed if judged.diagnosis.cause == "own_missing"]
     return links if len(links) > 1 else []
 
 
@@ -321,6 +356,8 @@ def _is_proven(model: Model, link: Link) -> bool:
 
 def _describe_median_agreement(model: Model, links: Sequence[Link]) -> str:
     """Describe how much nearer the numbers of links are to those of the drawn parts when their mistake is undone."""
+    if inertial_diagnoses(model)[links[0].name].diagnosis.cause == "own_missing":
+        return _POINTLIKE
     shares, distances = [], []
     for link in links:
         judged, drawn = inertial_diagnoses(model)[link.name], measure_link_geometry(model, link)
@@ -377,7 +414,10 @@ def _find_disputed_units(model: Model) -> dict[str, str]:
 
 
 def _is_possible(judged: DiagnosedInertial) -> bool:
-    """Whether a body can have the tensor; otherwise INR003 or INR004 reports it, with the cause found here."""
+    """Whether a body can have the tensor; otherwise INR003 or INR004 reports it, with the cause found here. Three points have a
+    tensor that rounding makes impossible."""
+    if judged.diagnosis.cause == "own_missing":
+        return True
     validity = check_inertia_validity(judged.declared.tensor)
     return validity.positive_definite and validity.triangle_inequality
 
@@ -461,35 +501,50 @@ def _is_vast(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
 
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
-    drawn = describe_drawn_inertial(model, tensor.link)
+    drawn = describe_drawn_inertial(model, tensor.link, with_com=judged.diagnosis.com_mismatch > NOTABLE)
+    is_tiny = _is_tiny(model, tensor.link, judged)
     return rule.finding(
         "disagrees",
         at=tensor.element,
+        severity=None if is_tiny else Severity.INFO,
+        confidence=None if is_tiny else Confidence.HEURISTIC,
         edit=f", or write {drawn}" if drawn else "",
         unlike=_describe_other_shape(model, tensor.link, judged),
         **_collect_data(model, tensor.link, judged),
     )
 
 
+def _is_tiny(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the moments are so small that the mass would be in a tenth of the drawn part's size."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None:
+        return False
+    uniform = compute_solid_inertia(drawn.solid, judged.declared.mass)
+    return float(np.trace(uniform)) >= _TINY * float(np.trace(judged.declared.tensor))
+
+
 def _describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) -> str:
-    """Say for a headline of which part the tensor is, by the direction in which it misses the drawn one most."""
+    """Say for a headline what disagrees most: the COM, or the tensor, by the direction in which it misses the drawn one most."""
     drawn, declared, source = measure_link_geometry(model, link), judged.declared, describe_geometry_source(model, link)
     if drawn is None:
-        return f"does not fit {source}"
+        return f"inertia does not fit {source}"
     which = "the drawn one" if source == "the drawn part" else "its collision shape"
     moments, uniform = (
         np.linalg.eigvalsh(t) for t in (declared.inertia, compute_solid_inertia(drawn.solid, declared.mass))
     )
-    if moments.sum() > SIMILAR * uniform.sum():
-        return _compare_sizes(moments, uniform, "×", digits=2)
+    is_similar = bool(((moments < SIMILAR * uniform) & (uniform < SIMILAR * moments)).all())
+    if judged.diagnosis.com_mismatch > (NOTABLE if is_similar else judged.diagnosis.tensor_mismatch):
+        return f"COM {format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))} from that of {source}"
+    if moments.sum() > SIMILAR * uniform.sum() or uniform.sum() >= _TINY * moments.sum():
+        return f"inertia {_compare_sizes(moments, uniform, '×', digits=2)}"
     variances, axes = np.linalg.eigh(drawn.solid.covariance)  # along the drawn part's axes, the longest last
     along = np.diag(axes.T @ compute_mass_covariance(declared.inertia, declared.mass) @ axes) / variances
     if along.max() < _MUCH_LESS:
-        return f"fits a far smaller part than {which}"
+        return f"inertia fits a far smaller part than {which}"
     least = int(along.argmin())
     is_rod = variances[1] < 0.5 * variances[2]
     word = "thinner" if least == 0 else "shorter" if least == 2 and is_rod else "narrower"
-    return f"fits a far {word} part than {which}"
+    return f"inertia fits a far {word} part than {which}"
 
 
 def _collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_certain: bool = False) -> dict[str, Any]:
@@ -548,19 +603,24 @@ def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None)
     residual, mended = max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch), diagnosis.mended
     if diagnosis.com_order:
         return f"the tensor agrees, and the COM does with its x y z as {diagnosis.com_order}"
+    if diagnosis.cause == "own_missing":
+        return _POINTLIKE
     if residual < EXACT:
         return f"the two agree to within {max(1.0, 100 * residual):.0f} %"
     if mended is None or drawn is None:
         return "the two agree better"
     left = []
-    if diagnosis.mended_com_mismatch < diagnosis.com_mismatch - DIGITS:
+    is_own = diagnosis.cause not in _FROM_DRAWING
+    if is_own and diagnosis.mended_com_mismatch < diagnosis.com_mismatch - DIGITS:
         apart = format_length(float(np.linalg.norm(mended.com - drawn.solid.com)))
         left.append("the COM agrees" if diagnosis.mended_com_mismatch < DIGITS else f"the COM is {apart} off")
     before, after = (_measure_difference(numbers, drawn) for numbers in (judged.declared, mended))
-    is_own = diagnosis.cause not in MILD_CAUSES  # otherwise the numbers without the mistake come from the drawn part
     if is_own and diagnosis.mended_tensor_mismatch < diagnosis.tensor_mismatch - DIGITS and after < before:
         falls = f"the tensor is {_format_share(after)} off instead of {_format_share(before)}"
         left.append("the tensor agrees" if diagnosis.mended_tensor_mismatch < DIGITS else falls)
+    if not is_own and diagnosis.com_mismatch > NOTABLE:
+        apart = format_length(float(np.linalg.norm(judged.declared.com - drawn.solid.com)))
+        return f"the tensor agrees, and the COM stays {apart} off"
     return " and ".join(left) or "the two agree better"
 
 

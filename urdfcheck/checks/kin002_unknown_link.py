@@ -32,7 +32,12 @@ def _build_finding(rule: Rule, graph: KinematicGraph, places: list[tuple[Joint, 
     attributes = [attribute for _, attribute in places]
     called = attributes[0].value
     related = [*(a.location for a in attributes[1:10]), *(d.location for d in attributes[0].collect_definitions())]
-    data: dict[str, Any] = {"called": spell_breaks(called), "where": _describe_places(places)}
+    is_child = any(attribute.owner.tag == "child" for attribute in attributes)
+    data: dict[str, Any] = {
+        "called": spell_breaks(called),
+        "where": _describe_places(places),
+        "consequences": {"yourdfpy": "refuses the file" if is_child else "loads it"},
+    }
     near = graph.guess_link(attributes[0].owner.tag, called)
     if near is None:
         links = join_names(graph.links) or "none"

@@ -29,12 +29,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not bodies or any(_has_mass(links) for links in bodies.values()):
         return
     head, links = next(iter(bodies.items()))
+    attached = {joint.name for link in links for joint in model.tree.child_joints[link.name] if joint.type != "fixed"}
     yield rule.finding(
         "vanishes",
         at=links[0],
         link=head,
         with_it=f" (with {join_names(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",
         count=len(model.links),
+        joints=join_names(joint.name for joint in model.joints if joint.name in attached),
         mass=sum(declared.mass for declared in model.masses),
     )
 

@@ -17,6 +17,8 @@ from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
 # x to the right, y down, z forward, seen from a camera link with x forward and z up (REP 103).
 _OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+# Frames of inertial sensors in cameras, which drivers give the word too: no picture is in them.
+_INERTIAL = re.compile(r"(?:^|_)(?:accel|gyro|imu)(?:_|$)", re.IGNORECASE)
 # Words that a camera link and its optical frame add to the camera's name.
 _FRAME_SUFFIX = re.compile(r"_?(?:optical|frame|link|joint|parent)(?=_|$)")
 
@@ -86,7 +88,7 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
 
 def _is_optical_frame(child: str, parent: str) -> bool:
     """Whether the child is, by its name, the optical frame of the camera that the parent is."""
-    if "optical" not in child.lower() or "optical" in parent.lower():
+    if "optical" not in child.lower() or "optical" in parent.lower() or _INERTIAL.search(child):
         return False
     return _FRAME_SUFFIX.sub("", child.lower()) == _FRAME_SUFFIX.sub("", parent.lower())
 

@@ -5,12 +5,19 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
+from itertools import islice
+from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.core.text import join_names
+from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, load_package
-from urdfcheck.source.package.references import PackageMention, mentions_package, read_package_contents
+from urdfcheck.source.package.references import (
+    PackageMention,
+    iter_package_files,
+    mentions_package,
+    read_package_contents,
+)
 from urdfcheck.source.text.xml import Element, SourceFile
 
 # Metapackages, and what the names of their packages begin with unless with the name of the metapackage.
@@ -28,6 +35,11 @@ _MAX_MANIFESTS = 1_000
 _TEST_FOLDERS = {"test", "tests"}
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
+# Files of a robot: a package of this repository that has one of the same name is where a mention of no known package leads.
+_ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
+_VIEW_SUFFIX = ".rviz"
+# So many files of each package of the repository are compared.
+_MOST_FILES = 20_000
 
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
@@ -46,6 +58,10 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         for name, uses in sorted(undeclared.items())
         if name not in covered and not name.startswith(parts) and _needs_declaration(name, uses, package)
     }
+    homes = {name: _find_home(package, name, uses) for name, uses in missing.items()}
+    for name, home in homes.items():
+        if home is not None:
+            yield _build_misnamed_finding(package, rule, root, name=name, uses=missing.pop(name), home=home)
     circular = [name for name in missing if package.name in _collect_dependencies(package, [name])]
     for name in circular:
         yield _build_finding(package, rule, root, file, message="circle", missing={name: missing.pop(name)})
@@ -84,6 +100,48 @@ def _build_finding(
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
     )
     return replace(finding, subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()))
+
+
+def _build_misnamed_finding(
+    package: Package, rule: Rule, root: Element, *, name: str, uses: Sequence[PackageMention], home: tuple[str, str]
+) -> Finding:
+    runtime = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
+    owner, path = home
+    finding = rule.finding(
+        "misnamed",
+        at=root.find_child("name") or root,
+        related=[use.location for use in uses[:3]],
+        name=name,
+        names=[name],
+        package=package.name,
+        file=PurePosixPath(path).name,
+        home=owner,
+        path=path,
+        tag=runtime,
+        where=", ".join(dict.fromkeys(use.location.span.file for use in uses[:2] if use.location.span)),
+    )
+    return replace(finding, subjects=(f"package[{package.name}]/{runtime}[{name}]",))
+
+
+def _find_home(package: Package, name: str, uses: Sequence[PackageMention]) -> tuple[str, str] | None:
+    """Return the only package of the repository that has all robot files for which a package that is not found is named, and
+    the path of the first in it; None if there is none, or a mention is of another file than these and views of them."""
+    if package.finder is None or package.finder.find(name) is not None:
+        return None
+    files = dict.fromkeys(PurePosixPath(use.subpath).name for use in uses)
+    wanted = [file for file in files if file.lower().endswith(_ROBOT_SUFFIXES) and "$" not in file]
+    if not wanted or any(file not in wanted and not file.endswith(_VIEW_SUFFIX) for file in files):
+        return None
+    folders = {package.name: package.path, **package.finder.list_workspace_packages()}
+    found: dict[str, dict[str, str]] = {}
+    for owner, folder in folders.items():
+        if not package.finder.can_open(folder):
+            continue
+        for path in islice(iter_package_files(package, folder), _MOST_FILES):
+            if path.name in wanted:
+                found.setdefault(owner, {}).setdefault(path.name, path.relative_to(folder).as_posix())
+    complete = [(owner, paths[wanted[0]]) for owner, paths in found.items() if len(paths) == len(wanted)]
+    return complete[0] if len(complete) == 1 else None
 
 
 def _collect_dependencies(package: Package, names: Iterable[str]) -> set[str]:

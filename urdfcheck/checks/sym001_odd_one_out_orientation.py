@@ -22,7 +22,12 @@ from urdfcheck.facts.likeness.symmetry import (
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
-from urdfcheck.model.likeness.sibling_joints import find_common_base, sibling_joints, trace_fixed_chain
+from urdfcheck.model.likeness.sibling_joints import (
+    find_common_base,
+    is_drawn_in_place,
+    sibling_joints,
+    trace_fixed_chain,
+)
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
 from urdfcheck.source.text.values import parse_number
@@ -36,6 +41,8 @@ ANGLE_TOLERANCE = 2e-3
 ROUND_STEP = math.pi / 12
 # An angle within 0.06° of a multiple of 0.5°, or with at most three decimals, may have been typed by hand (JNT016).
 MAX_ROUND_DEVIATION, MAX_TYPED_DECIMALS = 0.06, 3
+# Fingers of grippers are drawn in poses that differ by about a degree.
+_SLIGHT = math.radians(2)
 NUMBER_WORDS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven"}
 
 
@@ -78,10 +85,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         axes = [joint.axis or (1.0, 0.0, 0.0) for joint in group]
         odd = find_odd_frame(frames[:, :3, 3], frames[:, :3, :3], axes)
         if odd is not None:
-            outliers[group[odd.index].name] = _build_outlier(group, odd, base)
+            by_pattern = _build_outlier(group, odd, base)
+            if not _is_choice_of_frame(
+                model, by_pattern.joint, by_pattern.others[0], by_pattern.expected, kind=odd.kind
+            ):
+                outliers[by_pattern.joint.name] = by_pattern
             continue
         suspects = find_suspect_frames(frames[:, :3, 3], frames[:, :3, :3], axes)
         if suspects is None or not _has_consistent_bases(model, group, suspects):
+            continue
+        suspect, like = [*suspects.members, *(i for i in range(len(group)) if i not in suspects.members)][:2]
+        expected = base[:3, :3] @ suspects.expected_frames[0]
+        if _is_choice_of_frame(model, group[suspect], group[like], expected, kind=suspects.kind):
             continue
         outlier = _pick_outlier_by_angles(model, group, suspects)
         if outlier is not None:
@@ -97,6 +112,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield (
             _build_finding(model, rule, outliers[name]) if name in outliers else _build_pair_finding(rule, pairs[name])
         )
+
+
+def _is_choice_of_frame(model: Model, joint: Joint, like: Joint, expected: Array, *, kind: str) -> bool:
+    """Whether a frame is rotated about the joint's axis, and what is in it takes that back: nothing is elsewhere."""
+    return kind == "zero_offset" and is_drawn_in_place(model, joint, like, expected)
 
 
 def _build_outlier(group: Sequence[Joint], odd: OddFrame, base: Array) -> _OrientationOutlier:
@@ -191,8 +211,10 @@ def _has_round_angles(joint: Joint) -> bool:
 
 def _build_pair_finding(rule: Rule, pair: tuple[Joint, Joint, SuspectFrames]) -> Finding:
     first, second, suspects = pair
+    angle = abs(suspects.angles[0])
+    zeros = "pair" if angle >= _SLIGHT else "pair_slight"
     return rule.finding(
-        "pair" if suspects.kind == "zero_offset" else "pair_tilt",
+        zeros if suspects.kind == "zero_offset" else "pair_tilt",
         at=locate_origin_attribute(first, "rpy"),
         related=[locate_origin_attribute(second, "rpy")],
         severity=Severity.INFO,
@@ -200,7 +222,7 @@ def _build_pair_finding(rule: Rule, pair: tuple[Joint, Joint, SuspectFrames]) ->
         joint=first.name,
         sibling=second.name,
         pattern=suspects.pattern,
-        size=math.degrees(abs(suspects.angles[0])),
+        size=math.degrees(angle),
     )
 
 

@@ -27,12 +27,14 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     find_cause,
     find_copied_side,
     find_wrong_side,
+    fit_own_drawings_alike,
     get_comparable_inertial,
     list_inertial_changes,
 )
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
 from urdfcheck.model.likeness.mirrored_joints import (
     MismatchedLimit,
+    are_limits_measured,
     find_mismatched_limit,
     find_misplaced_joint,
     find_pair_joints,
@@ -211,6 +213,8 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
     slip = find_slip_between_twins(first, second)
     if slip is None and not (pair.is_in_place and deviation.worst > note):
         return None
+    if slip is None and fit_own_drawings_alike(model, one, other, threshold=note):
+        return None
     differences = []
     if deviation.mass > note:
         differences.append(f"masses of {first.mass:.4g} and {second.mass:.4g} kg")
@@ -291,6 +295,9 @@ def _compare_limits(model: Model, rule: Rule, pairs: Sequence[MirrorPair], *, sh
         for pair in _skip_repeated_pairs(pairs)
         if (mismatch := find_mismatched_limit(model, pair, known_pairs=pairs, threshold=shares.note)) is not None
     ]
+    if mismatches and are_limits_measured(model, pairs):
+        # Each joint was calibrated: twins differ by little in all of them.
+        mismatches = [mismatch for mismatch in mismatches if mismatch.max_difference >= shares.differ]
     for chain in group_by_chain(mismatches):
         if len(chain) < MIN_CHAIN_JOINTS:
             yield from (_build_limits_finding(rule, mismatch, shares) for mismatch in chain)
@@ -392,6 +399,9 @@ def _compare_origins(model: Model, rule: Rule, pair: MirrorPair, *, pairs: Seque
         at, related = (locate_origin_attribute(joint, "xyz") for joint in both)
         back, there = off.places
         first, second = _describe_move(off.joint, off.twin, there), _describe_move(off.twin, off.joint, back)
+        if off.carries_mirrored:
+            # What it carries must stay where it is.
+            first, second = (f"{move} and move what it carries back by as much" for move in (first, second))
         return rule.finding(
             "origin", at=at, related=[related], distance=off.distance * 1e3, first=first, second=second, **data
         )

@@ -28,6 +28,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if a is not None
     }
     tags = {e.span: e for tree in source.trees.values() for e in tree.walk() if e.tag.startswith("xacro:")}
+    findings: dict[tuple[str, frozenset[Span | None]], Finding] = {}
     for problem in problems:
         first, second = problem.data["lost"], problem.location
         before, after = definitions.get(first.span), definitions.get(second.span)
@@ -39,7 +40,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             continue
         # The author of both files can see that the definition without effect is wrong.
         at, other = (first, second) if message == "included" else (second, first)
-        yield rule.finding(
+        # Files that are included several times replace each other's value in turn: that is one clash.
+        key = problem.data["name"], frozenset({first.span, second.span})
+        if key in findings and message != "clash":
+            continue
+        findings[key] = rule.finding(
             message,
             at=Location(after.subject, at.span, at.via),
             related=[Location(after.subject, other.span, other.via)],
@@ -50,6 +55,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             file=files[1],
             lines=f"{_get_line_number(first)} or {_get_line_number(second)}",
         )
+    yield from findings.values()
 
 
 def _is_intentional(before: Element, after: Element, *, second: Location, tags: Mapping[Span | None, Element]) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_repetition
 from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import is_collision_part
@@ -54,6 +54,11 @@ _SDF = frozenset({
 # XAC007 reports xacro without its prefix.
 _XACRO = frozenset(["macro", "property", "include", "arg", "if", "unless", "insert_block"])
 
+# The elements that a parent holds any number of.
+_REPEATED = {"robot": CHILDREN["robot"], "link": frozenset({"visual", "collision"})}
+RENAMING = "write `<{near}>`, also in the end tag"
+DELETION = "delete it: <{parent}> already has a <{near}>"
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     unknown: dict[tuple[str, str], list[Element]] = {}
@@ -68,13 +73,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         message, severity, data = verdict
         if message in {"misspelt", "misplaced"} and all(map(_holds_zeros, places)):
             severity = Severity.INFO
+        edits: tuple[Edit, ...] = ()
+        if message == "misspelt":
+            taken = _is_taken(parent_tag, data["near"], places)
+            data["repair"] = DELETION.format(parent=parent_tag, **data) if taken else RENAMING.format(**data)
+            edits = () if taken else build_rename_edits(places, data["near"], model.source.files)
         data = {"tag": tag, "parent": parent_tag, "times": format_repetition(len(places)), **data}
         finding = rule.finding(
             message,
             at=places[0],
             severity=severity,
             related=places[1:10],
-            edits=build_rename_edits(places, data["near"], model.source.files) if "near" in data else (),
+            edits=edits,
             consequences=_describe_consequences(message, parent_tag, places),
             **data,
         )
@@ -104,6 +114,13 @@ def _holds_zeros(element: Element) -> bool:
         return True
     words = [word for inner in element.walk() for a in inner.attributes.values() for word in a.value.split()]
     return bool(words) and all(parse_number(word) == 0 for word in words)
+
+
+def _is_taken(parent: str, tag: str, places: list[Element]) -> bool:
+    """Whether one of the places already has the element beside it, of which parsers read only one."""
+    return tag not in _REPEATED.get(parent, frozenset()) and any(
+        place.parent is not None and place.parent.find_child(tag) is not None for place in places
+    )
 
 
 def _is_empty(element: Element) -> bool:

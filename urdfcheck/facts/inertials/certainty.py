@@ -56,7 +56,7 @@ def can_be_named(
     if ranking.best.id in _PRECISE and len({_name_changed_number(mistake) for mistake in ranking.contenders}) > 1:
         return False
     is_of_file = habit is not None and ranking.best.id == habit.id
-    if ranking.best.id in _UNITS and not _shows_unit(declared, reference, ranking, is_of_file=is_of_file):
+    if ranking.best.id in _UNITS and not _shows_unit(declared, reference, ranking):
         return False
     least = TWIN_LIKE if reference.twin is not None else EFFECT
     if is_of_file:
@@ -67,18 +67,16 @@ def can_be_named(
     )
 
 
-def _shows_unit(
-    declared: DeclaredInertial, reference: Reference, ranking: Ranking, *, is_of_file: bool = False
-) -> bool:
+def _shows_unit(declared: DeclaredInertial, reference: Reference, ranking: Ranking) -> bool:
     """Whether the numbers are those of the part in another unit: not one number in place of three moments, which no unit makes
     of a part that is not round, and not a size that several units explain where the moments have no common ratio. A unit as small
-    as a pound has to leave the part's own numbers, unless the whole file has it (``is_of_file``): mass that is not drawn changes
-    as much."""
+    as a pound has to leave the part's own numbers, even if the whole file seems to have it: mass that is not drawn changes as
+    much."""
     tensor = declared.tensor
     is_identity = bool((tensor == tensor[0, 0] * np.eye(3)).all())
     if is_identity and float(ranking.fit.tensor_mismatch[0]) > EFFECT:
         return False
-    if not is_of_file and reference.twin is None and _leaves_another_part(ranking, 0):
+    if reference.twin is None and _leaves_another_part(ranking, 0):
         return False
     contenders = np.flatnonzero((ranking.leads <= MARGIN) & [m.id in _UNITS for m in ranking.mistakes])
     sizes = np.trace(ranking.numbers.tensor[contenders], axis1=1, axis2=2) / ranking.numbers.mass[contenders]

@@ -54,7 +54,7 @@ _OF_AXES = frozenset({"quarter_turn", "axes_permuted"})
 # Mistakes that lost the part's own numbers, or are not in them, so that undoing them does not lead to those of its twin.
 _LOSSY = frozenset(
     {
-        *("shell", "bounding_box", "convex_hull", "one_piece", "steiner_missing"),
+        *("shell", "bounding_box", "convex_hull", "one_piece", "steiner_missing", "own_missing"),
         *("row_major", "com_missing", "rpy_missing", "mesh_scale", "rounded", "wrong_formula"),
     }
 )

@@ -38,6 +38,8 @@ _SECOND_HABIT = -3.0
 _NEAR_ZERO = 0.3
 # Mistakes that are told together where it is not certain which of them was made, by the one that both have in common.
 _FAMILIES = {"inertia_unit": "units", "positive_notation": "about_origin"}
+# Mistakes whose numbers were compared one by one already, and that say nothing about the COM.
+_COMPARED = frozenset({"wrong_formula", "own_missing"})
 # Mistakes that only scale a COM.
 _SCALED = frozenset({"com_unit", "decimal_point"})
 
@@ -97,7 +99,7 @@ def rank_explanations(suspect: Suspect, habit: Habit | None = None) -> Ranking:
         mistakes = [_weigh_by_habit(mistake, habit) for mistake in mistakes]
     fit = measure_fit(reference, numbers, np.array([mistake.factor for mistake in mistakes]))
     for i, mistake in enumerate(mistakes):
-        if mistake.id == "wrong_formula":  # its numbers were compared digit by digit, and it says nothing about the COM
+        if mistake.id in _COMPARED:
             fit.tensor_mismatch[i], fit.com_mismatch[i] = 0.0, fit.com_mismatch[0]
         elif mistake.source_body is not None:
             body = mistake.source_body

@@ -68,7 +68,7 @@ def copy_model(model: Path, read: Iterable[str], target: Path, packages: Package
     files = {path for path in files if os.path.basename(path) != _MANIFEST}
     files |= {drawn for path in files if Path(path).suffix.lower() in _MESHES for drawn in _list_drawn_with(Path(path))}
     homes = {path: home for path in files if (home := finder.find_home(Path(path))) is not None}
-    own = {home for home in homes.values() if is_below(str(home), finder.project)}
+    own = {homes[str(model)], *(home for home in homes.values() if is_below(str(home), finder.project))}
     base = os.path.commonpath([finder.find_base(home) for home in own])
     copied: dict[str, Path] = {}
     for home in sorted(set(homes.values())):

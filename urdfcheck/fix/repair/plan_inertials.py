@@ -24,6 +24,8 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 # Six digits write most tensors; those that rounding makes impossible get more.
 _DIGITS = (6, 9, 12, 17)
+# kg/m³ of aerogel, and of osmium: beyond these what a link draws is not what has its mass.
+_LIGHTEST, _DENSEST = 1.0, 22_600.0
 # A number below this share of the link's size or largest moment is what a mesh leaves of a zero.
 _NOISE = 1e-4
 
@@ -72,6 +74,9 @@ def _compute_inertial(model: Model, link: Link, options: RepairOptions) -> tuple
         mass = declared
     else:
         return None, "kept: it has no mass (--density)", {}
+    density = mass / drawn.solid.volume
+    if not _LIGHTEST <= density <= _DENSEST:
+        return None, f"kept: the mass {mass:.3g} kg of what it draws would have {density:.3g} kg/m³", {}
     tensor = compute_solid_inertia(drawn.solid, mass)
     size = float(np.sqrt(np.trace(drawn.solid.covariance)))
     com, tensor = _drop_noise(drawn.solid.com, size), _drop_noise(tensor, float(np.abs(tensor).max()))
@@ -79,7 +84,6 @@ def _compute_inertial(model: Model, link: Link, options: RepairOptions) -> tuple
     if text is None:
         return None, "kept: its geometry gives a tensor that MuJoCo refuses", {}
     source = "closed geometry" if drawn.closed else "convex hull of its open meshes"
-    density = mass / drawn.solid.volume
     return text, f"{mass:.4g} kg at {density:.4g} kg/m³, from the {source}", {"mass": mass, "density": density}
 
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Finding, ModelInfo, Run, Severity, UrdfcheckError
+from urdfcheck.core import Applicability, Finding, ModelInfo, Run, Severity, UrdfcheckError
 from urdfcheck.core.errors import ModelNotCheckedError, ModelTimeout
 from urdfcheck.core.findings import iter_occurrences
-from urdfcheck.fix.fixer import compute_fixes, select_disjoint
+from urdfcheck.fix.fixer import compute_fixes, iter_fixable, select_disjoint
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError, write_files
 from urdfcheck.fix.repair.copy_sources import CopiedModel, copy_model, ensure_target
 from urdfcheck.fix.repair.steps import STAGES, RepairOptions, RepairStep
@@ -31,6 +31,9 @@ from urdfcheck.system.process_pool import WorkerDiedError, WorkerTimeoutError, m
 _ATTEMPTS = 4
 # Findings that an inertial from geometry repairs: those about mass alone, or about a choice of frame, it does not.
 _REPAIRED_INERTIALS = frozenset(f"INR{number:03}" for number in (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 18))
+# The rule about the scale of whole meshes.
+_WRONG_SCALE = "MSH008"
+_UNCERTAIN_SIZES = frozenset({(_WRONG_SCALE, "large"), (_WRONG_SCALE, "small")})
 _LINK = re.compile(r"^link\[(.*?)\](?:/|$)")
 
 
@@ -93,8 +96,16 @@ def _repair_copy(request: Request, copied: CopiedModel, options: RepairOptions, 
     current = pipeline.run(request) if fixes.changes else fixes.outcome
     if not current.models or current.models[0].status != "checked":
         raise UrdfcheckError(f"the copy cannot be read: {_explain_unread(current)}")
-    for stage in STAGES:
-        planned = _plan_stage(request, stage, options, _list_bad_links(current))
+    tried: frozenset[str] = frozenset()
+    for stage in (*STAGES, STAGES[-1]):  # links of which only their twins were reported come in the second round
+        bad_links = _list_bad_links(current) - tried
+        if stage in {step.stage for step in steps} and (options.inertia == "all" or not bad_links):
+            continue
+        tried |= bad_links if stage == "inertia" else frozenset()
+        planned = _plan_stage(request, stage, options, bad_links)
+        if stage == "meshes" and options.meshes != "none":
+            planned = (*planned, *_iter_scale_steps(current))
+        planned = tuple(_spare_wrong_scale(step, current) for step in planned)
         done, current = _apply_stage(request, copied, planned, current)
         steps += done
     return RepairResult(
@@ -163,6 +174,27 @@ def _list_bad_links(run: Run) -> frozenset[str]:
 
 def _iter_links(finding: Finding) -> Iterator[str]:
     return (match[1] for subject in finding.subjects if (match := _LINK.match(subject)))
+
+
+def _iter_scale_steps(run: Run) -> Iterator[RepairStep]:
+    """Yield the edits of the scale of meshes that were never converted to metres, or were converted twice."""
+    for finding, fix in iter_fixable(run, {Applicability.UNSAFE, Applicability.SAFE}):
+        if finding.code == _WRONG_SCALE and finding.severity > Severity.INFO:
+            yield RepairStep(
+                stage="meshes",
+                subject=next(_iter_links(finding), finding.subjects[0]),
+                text=finding.headline or finding.message,
+                edits=fix.edits,
+            )
+
+
+def _spare_wrong_scale(step: RepairStep, run: Run) -> RepairStep:
+    """Leave out a link whose mesh has a scale that nobody has corrected: a box of 300 m would hide that."""
+    wrong = (f for f in iter_occurrences(run.findings) if (f.code, f.message_id) in _UNCERTAIN_SIZES)
+    if step.stage == "meshes" or not any(step.subject in _iter_links(finding) for finding in wrong):
+        return step
+    text = f"kept: the scale of its mesh is wrong ({_WRONG_SCALE})"
+    return replace(step, is_done=False, text=text, edits=(), files={}, after={})
 
 
 # -- one stage --------------------------------------------------------------------------------------------------------
@@ -268,7 +300,7 @@ def _apply_stage(
         current = pipeline.run(request)
         if current.partial:
             raise KeyboardInterrupt
-        worse = list(_iter_new_findings(before, current)) or list(_iter_remaining(before, current, steps))
+        worse = list(_iter_new_findings(before, current, steps)) or list(_iter_remaining(before, current, steps))
         if not worse:
             break
         _restore_files(written)
@@ -279,9 +311,8 @@ def _apply_stage(
         kept = [group for group in groups if not blamed & {step.subject for step in group}]
         if attempt == _ATTEMPTS or len(kept) == len(groups):
             kept = []
-        reason = f"withdrawn: with it the model has {worse[0].code} ({worse[0].headline or worse[0].message})"
         stay = {id(step) for group in kept for step in group}
-        left += [_withdraw_step(step, reason) for step in steps if id(step) not in stay]
+        left += [_withdraw_step(step, worse) for step in steps if id(step) not in stay]
         steps = [step for group in kept for step in group]
     return [*steps, *left], current
 
@@ -294,7 +325,10 @@ def _iter_remaining(before: Run, after: Run, steps: Sequence[RepairStep]) -> Ite
         yield from (f for f in about if f.severity > Severity.INFO and renewed.intersection(_iter_links(f)))
 
 
-def _withdraw_step(step: RepairStep, reason: str) -> RepairStep:
+def _withdraw_step(step: RepairStep, worse: Sequence[Finding]) -> RepairStep:
+    """Return the step undone, with the finding about its link that it leaves or brings, or else the first."""
+    finding = next((finding for finding in worse if step.subject in _iter_links(finding)), worse[0])
+    reason = f"withdrawn: with it the model has {finding.code} ({finding.headline or finding.message})"
     return replace(step, is_done=False, text=f"{step.text}; {reason}", edits=(), files={}, after={})
 
 
@@ -309,10 +343,17 @@ def _group_steps(steps: Sequence[RepairStep]) -> list[list[RepairStep]]:
     return groups
 
 
-def _iter_new_findings(before: Run, after: Run) -> Iterator[Finding]:
-    """Yield findings, notes aside, that were not there before; the file that a finding is about may have another name."""
+def _iter_new_findings(before: Run, after: Run, steps: Sequence[RepairStep]) -> Iterator[Finding]:
+    """Yield findings, notes aside, that were not there before.
+
+    An inertial that no step has changed had its finding before too, which that of a twin may have hidden.
+    """
     known = Counter(_iter_keys(before.findings))
+    changed = {step.subject for step in steps}
+    is_about_inertials = any(step.stage == "inertia" for step in steps)
     for finding in iter_occurrences(after.findings):
+        if is_about_inertials and finding.code in _REPAIRED_INERTIALS and changed.isdisjoint(_iter_links(finding)):
+            continue
         if finding.suppressed is None and finding.severity > Severity.INFO:
             keys = Counter(_iter_keys([finding]))
             if any(count > known[key] for key, count in keys.items()):

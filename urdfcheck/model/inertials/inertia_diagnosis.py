@@ -26,6 +26,7 @@ from urdfcheck.model.shapes.visual_solid import (
     has_drawn_shape,
     has_unit_ambiguity,
     has_up_axis_ambiguity,
+    integrate_open_meshes,
     measure_link_geometry,
     merge_geometry,
     split_visual_bodies,
@@ -213,6 +214,11 @@ def _diagnose_link(
     if not diagnoses or (not diagnoses[-1].sound and len({d.cause for d in diagnoses}) > 1):
         return None
     best = diagnoses[-1] if diagnoses[-1].sound else diagnoses[0]
+    if not best.sound and best.judged_by == "mesh" and not drawn.closed:
+        for solid in integrate_open_meshes(model, link):  # the hull is not the part; the inside of the mesh may be
+            own = diagnose_inertial(declared, VisualGeometry(solid=solid, closed=True, points=drawn.points))
+            if own is not None and own.sound and max(own.tensor_mismatch, own.com_mismatch) < EXACT:
+                return own
     # Whether the tensors of an assembly's parts were added shows only when its mesh is taken apart.
     explained = best.sound if best.com_mismatch > _NEAR_COM else best.tensor_mismatch < EXACT
     is_habit = habit is not None and best.cause == habit.id

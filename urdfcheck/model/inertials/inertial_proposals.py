@@ -31,7 +31,7 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, has_loose_hull, measure_link_geometry
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Mat3
@@ -64,6 +64,8 @@ TRIANGLE_SLACK = 5e-3
 SMALL_EXCESS = 0.05
 # A tensor that was typed with too few digits gets so many more.
 _MORE_DIGITS = 2
+# A tensor that exceeds the moments of all mass at the ends of the part by this factor cannot be made right by a small change.
+_OTHER_SIZE = 10.0
 # With the right signs the products are so near to the drawn part's, relative to these.
 _NEAR_PRODUCTS = 0.5
 
@@ -91,6 +93,7 @@ _MISTAKE_NAMES = {
     "mass_unit": "unit of the mass",
     "one_piece": "one piece only",
     "one_sign": "one sign",
+    "own_missing": "own tensors of the pieces left out",
     "positive_notation": "tensor about the origin, with products of the other sign",
     "products_sign": "signs of the products",
     "rounded": "rounding",
@@ -161,12 +164,28 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
         return InertialProposal(
             message=f"; {repeated.detail} digit for digit", cause=repeated.id, detail=repeated.detail
         )
+    excess = _measure_size_excess(model, declared)
+    if excess > _OTHER_SIZE:
+        drawn = describe_drawn_inertial(model, link)
+        claim = f"; for this mass and the drawn size, the moments are too large by a factor of {excess:,.0f} or more"
+        return InertialProposal(message=claim, remedy=f"write {drawn}, or " if drawn else "")
     if typed.explained_by_rounding:
         return _propose_nearest(link, declared, "digits", digits=typed.typed_digits + _MORE_DIGITS)
     if find_nearest_tensor(declared.components)[1] < _LARGEST_CHANGE:
         return _propose_nearest(link, declared, None)
     drawn = describe_drawn_inertial(model, link)
     return InertialProposal(remedy=f"write {drawn}, or " if drawn else "")
+
+
+def _measure_size_excess(model: Model, declared: DeclaredTensor) -> float:
+    """Return how many times the moments exceed those of the link's mass at twice the drawn part's size from the COM; zero where
+    nothing is drawn."""
+    drawn, mass = measure_link_geometry(model, declared.link), declared.inertial.mass
+    if drawn is None or mass is None or not mass > 0.0:
+        return 0.0
+    farthest = 2.0 * measure_extent(drawn.points)
+    most = 2.0 * mass * farthest * farthest  # ∫ r² dm is half the sum of the moments
+    return float(np.trace(declared.tensor)) / most if most > 0.0 else 0.0
 
 
 def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None:
@@ -322,14 +341,14 @@ def is_evident(diagnosis: Diagnosis) -> bool:
     return after < LARGEST_SOUND_MISMATCH and after < _REMAINING * before
 
 
-def describe_drawn_inertial(model: Model, link: Link) -> str:
+def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False) -> str:
     """Describe the inertia of what the link draws, at its mass and uniform density. It is advice: the density is not known.
 
-    For an open mesh, the tensor is that of its convex hull or of the collision shape, and the COM is left out. Empty when that is
-    not known, or written already.
+    For an open mesh, the tensor is that of its convex hull or of the collision shape, and the COM is left out. Empty when that
+    is not known, or written already, or when the hull is not that of the part. ``with_com``: a COM that was typed is replaced.
     """
-    change, drawn = _compute_from_geometry(model, link), measure_link_geometry(model, link)
-    if change is None or drawn is None or not change.text:
+    change, drawn = _compute_from_geometry(model, link, with_com=with_com), measure_link_geometry(model, link)
+    if change is None or drawn is None or not change.text or has_loose_hull(model, link):
         return ""
     body, why = "the drawn part" if drawn.closed else "the convex hull of the open mesh", ""
     if drawn.closed and (reason := explain_collision_stand_in(model, link)) is not None:
@@ -426,12 +445,17 @@ def _identify_mistake(model: Model, link: Link) -> tuple[str | None, str]:
     return (None, "") if diagnosed is None else (diagnosed.diagnosis.cause, diagnosed.diagnosis.detail)
 
 
+def has_mistake(model: Model, link: Link, cause: str) -> bool:
+    """Whether this mistake (a cause of INR009) was found in the inertial of a link."""
+    return _identify_mistake(model, link)[0] == cause
+
+
 def _format_drawn_inertial(model: Model, link: Link) -> str | None:
     change = _compute_from_geometry(model, link)
     return None if change is None else change.text
 
 
-def _compute_from_geometry(model: Model, link: Link) -> InertialRepair | None:
+def _compute_from_geometry(model: Model, link: Link, *, with_com: bool = False) -> InertialRepair | None:
     inertial, drawn = link.inertial, measure_link_geometry(model, link)
     if inertial is None or drawn is None or inertial.mass is None or not inertial.mass > 0:
         return None
@@ -444,7 +468,8 @@ def _compute_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     own = None if matrix is None else matrix[:3, 3]
     # A COM that was typed is not part of the placeholder. What a mesh leaves of a zero is not a number to write.
     is_exact = drawn.closed and not _is_replaced_by_collision(model, link)
-    com = own if own is not None and (own.any() or not is_exact) else _drop_noise(drawn.solid.com, size**0.5)
+    keeps_com = own is not None and (not is_exact or (own.any() and not with_com))
+    com = own if own is not None and keeps_com else _drop_noise(drawn.solid.com, size**0.5)
     tensor = _drop_noise(tensor, float(np.abs(tensor).max()))
     return build_inertial_repair(
         inertial, DeclaredInertial(mass=inertial.mass, com=com, tensor=tensor, rotation=rotation), _GUESSED_DIGITS

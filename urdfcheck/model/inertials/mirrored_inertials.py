@@ -12,7 +12,11 @@ import numpy as np
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
-from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, list_inertia_components
+from urdfcheck.facts.inertials.inertia_tensor import (
+    check_inertia_validity,
+    compute_mass_covariance,
+    list_inertia_components,
+)
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.likeness.mirror import (
@@ -79,6 +83,24 @@ def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] |
         _make_side(pair, link=one, twin=other, actual=first, twin_numbers=second, inverse=True),
         _make_side(pair, link=other, twin=one, actual=second, twin_numbers=first, inverse=False),
     )
+
+
+def fit_own_drawings_alike(model: Model, one: Link, other: Link, *, threshold: float) -> bool:
+    """Whether the inertials of two links relate alike to what each link draws, in density and in all principal second moments:
+    then the parts differ, and no number is wrong. ``threshold``: as a share of a mass or a length.
+    """
+    related = []
+    for link in (one, other):
+        declared, drawn = read_declared_inertial(link), measure_link_geometry(model, link)
+        if declared is None or drawn is None or not drawn.solid.volume > 0.0:
+            return False
+        variances = np.linalg.eigvalsh(drawn.solid.covariance)
+        if not variances[0] > 0.0:
+            return False
+        spread = np.linalg.eigvalsh(compute_mass_covariance(declared.inertia, declared.mass)) / variances
+        # A variance is the square of a length.
+        related.append(np.array([declared.mass / drawn.solid.volume, *np.sqrt(np.maximum(spread, 0.0))]))
+    return bool((np.abs(related[0] - related[1]) <= threshold * np.maximum(*related)).all())
 
 
 def get_comparable_inertial(link: Link) -> DeclaredInertial | None:

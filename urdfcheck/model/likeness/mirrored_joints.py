@@ -24,6 +24,11 @@ VOTES = 2
 STRAIGHT, ARRANGED = math.radians(0.25), math.radians(10)
 # A joint is out of place beyond a careful hand measurement, and arranged otherwise beyond this share of the sides' distance.
 PLACE, APART = 1e-3, 0.25
+# Limits that were typed alike agree to within the digits of a conversion.
+_DIGITS = 1e-6
+# From so many pairs of twins on, limits of which most differ in digits were measured on the machine.
+_MEASURED_PAIRS = 4
+_TURNING = frozenset({"revolute", "continuous"})
 # Pairs that must agree about the plane before a joint can be out of its place.
 WITNESSES = 2
 
@@ -69,6 +74,8 @@ class MisplacedJoint:
     """Whether its frame is turned, and not the axis in it."""
     places: tuple[Array, Array]
     """(3,) each: where the first and the second joint would be in their parents' frames if the other one is right."""
+    carries_mirrored: bool
+    """Whether what both joints carry is in mirrored places already, so that it must not move with them."""
 
 
 def find_pair_joints(model: Model, pair: MirrorPair) -> tuple[Joint, Joint] | None:
@@ -90,7 +97,7 @@ def find_mismatched_limit(
         return None
     if not _compute_expected_limit(model, pair, known_pairs, joints=joints, threshold=threshold):
         return None
-    like = [_list_agreeing_joints(model, pair, joint, threshold=threshold) for joint in joints]
+    like = [_list_agreeing_joints(model, pair, joint) for joint in joints]
     first_is_wrong = not like[0] and len(like[1]) >= VOTES
     decided = first_is_wrong or (not like[1] and len(like[0]) >= VOTES)
     twin, joint = joints[::-1] if first_is_wrong else joints
@@ -104,6 +111,23 @@ def find_mismatched_limit(
         copied=copied,
         agreeing_joints=like[first_is_wrong] if decided else (),
     )
+
+
+def are_limits_measured(model: Model, pairs: Sequence[MirrorPair]) -> bool:
+    """Whether the ranges of most twins differ in their digits: each joint's limits were measured, not designed.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    alike = differ = 0
+    for pair in pairs:
+        joints = find_pair_joints(model, pair)
+        if joints is None or not all(a < b for a, b in map(_get_bounds, joints)):
+            continue
+        if _compute_expected_range(model, pair, pairs, joints=joints, threshold=_DIGITS):
+            differ += 1
+        elif pair.drawn_as in {"mirrored", "both"}:
+            alike += 1
+    return differ >= _MEASURED_PAIRS and differ > alike
 
 
 def group_by_chain(mismatches: Iterable[MismatchedLimit]) -> list[list[MismatchedLimit]]:
@@ -144,10 +168,11 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
     one, other = joints
     image, axis = pair.plane.linear @ model.axes[one.name], model.axes[other.name]
     angle = math.atan2(float(np.linalg.norm(np.cross(image, axis))), abs(float(image @ axis)))
-    shift = model.frames[pair.other][:3, :3] @ pair.shift
-    if one.type != "prismatic" and (pair.uses_shift or pair.drawn_as is None):
-        shift = shift - axis * float(shift @ axis)  # where on its axis a joint's frame lies is a choice
-    distance = float(np.linalg.norm(shift))
+    carries_mirrored = are_children_mirrored(model, pair, known_pairs)
+    if pair.uses_shift or pair.drawn_as is None or carries_mirrored:
+        distance = measure_axis_offset(model, pair)
+    else:
+        distance = float(np.linalg.norm(pair.shift))
     sides = float(np.linalg.norm(model.frames[pair.one][:3, 3] - model.frames[pair.other][:3, 3]))
     displaced_by = distance if PLACE < distance < APART * sides else 0.0
     is_slip = STRAIGHT < angle < ARRANGED or (angle > ARRANGED and _is_renamed(pair, joints))
@@ -165,7 +190,33 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
             _compute_image_place(model, pair, joint=one, source=pair.other),
             _compute_image_place(model, pair, joint=other, source=pair.one),
         ),
+        carries_mirrored=carries_mirrored,
     )
+
+
+def measure_axis_offset(model: Model, pair: MirrorPair) -> float:
+    """Measure how far (m) the joints of a pair are from mirror images, where the second one turns without the part along its
+    axis: where on its axis a joint's frame lies is a choice.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    shift, joint = model.frames[pair.other][:3, :3] @ pair.shift, model.tree.parent_joint.get(pair.other)
+    if joint is not None and joint.type in _TURNING and joint.name in model.axes:
+        axis = model.axes[joint.name]
+        shift = shift - axis * float(shift @ axis)
+    return float(np.linalg.norm(shift))
+
+
+def are_children_mirrored(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> bool:
+    """Whether the next pairs behind a pair are mirror images in place: they take back any offset of the pair's own frames.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    below = [known for known in known_pairs if known is not pair and known.is_attached_to(pair)]
+    nearest = [one for one in below if not any(one is not other and one.is_attached_to(other) for other in below)]
+    # An offset along parallel axes is a choice in each of them, but only a frame that is in place takes it back.
+    in_place = any(one.is_in_place for one in below)
+    return in_place and all(measure_axis_offset(model, one) <= PLACE for one in nearest)
 
 
 def _is_renamed(pair: MirrorPair, joints: tuple[Joint, Joint]) -> bool:
@@ -235,16 +286,15 @@ def _get_bounds(joint: Joint) -> tuple[float, float]:
     return math.nan if lower is None else lower, math.nan if upper is None else upper
 
 
-def _list_agreeing_joints(model: Model, pair: MirrorPair, joint: Joint, *, threshold: float) -> tuple[str, ...]:
-    """Return the joints outside the pair that carry parts like the pair's and have a joint's limits, mirrored or not."""
+def _list_agreeing_joints(model: Model, pair: MirrorPair, joint: Joint) -> tuple[str, ...]:
+    """Return the joints outside the pair that carry parts like the pair's and have a joint's limits, digit for digit, mirrored or
+    not."""
     others = [
         model.tree.parent_joint[name]
         for name in list_alike_links_elsewhere(model, pair)
         if name in model.tree.parent_joint
     ]
-    return tuple(
-        other.name for other in others if other.type == joint.type and _has_same_limits(other, joint, threshold)
-    )
+    return tuple(other.name for other in others if other.type == joint.type and _has_same_limits(other, joint, _DIGITS))
 
 
 def _has_same_limits(one: Joint, other: Joint, threshold: float) -> bool:

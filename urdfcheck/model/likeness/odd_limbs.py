@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy
+from urdfcheck.model.likeness.origin_slips import is_taken_back
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
@@ -95,6 +96,8 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
             continue
         like = next(i for i in range(len(group)) if i not in odd)
         others = tuple(other for i, other in enumerate(group) if i != index)
+        if attribute == "xyz" and is_taken_back(model, group[index], group[like]):
+            continue
         if attribute == "xyz" and not _is_sign_slip(places, index, like):
             expected = _restore_signs(places, index)
         elif attribute == "rpy" and _is_slip_of_angle(turns[like].T @ turns[index]):

@@ -12,7 +12,7 @@ import numpy as np
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair, mirror_pairs
-from urdfcheck.model.likeness.mirrored_joints import WITNESSES
+from urdfcheck.model.likeness.mirrored_joints import WITNESSES, are_children_mirrored, measure_axis_offset
 from urdfcheck.model.likeness.shape_comparison import compute_centroid, get_outline, is_alike
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
@@ -86,6 +86,10 @@ def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]
             continue
         if kind == "sign" and pair.drawn_as != "mirrored" and not _is_parallel(model, pair):
             continue  # a part that is rotated by half a turn may be placed by half a turn as well
+        if pair.is_in_place or are_children_mirrored(model, pair, known_pairs):
+            continue  # one joint takes back what another one adds: the correction would displace all that follows
+        if pair.uses_shift and measure_axis_offset(model, pair) <= PLACE:
+            continue  # the frame is at another point of the joint's axis: what it draws is mirrored
         return OriginSlip(
             joint=joints[index],
             twin=joints[1 - index],
@@ -223,12 +227,62 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
         is_shared = len({(joint.parent, *np.round(xyz, 6)) for joint, xyz in zip(group, origins, strict=True)}) < len(
             group
         )
-        if index is not None and not is_shared and _name_slip(origins[index], origins[index - 1]) == "sign":
+        if (
+            index is not None
+            and not is_shared
+            and _name_slip(origins[index], origins[index - 1]) == "sign"
+            and not is_taken_back(model, group[index], group[index - 1], by_sign=True)
+        ):
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
         axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in group]
         index = _find_odd(axes)
         if index is not None and _is_reversed(model, group, index, axes):
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), True)
+
+
+def is_taken_back(model: Model, odd: Joint, like: Joint, *, by_sign: bool = False) -> bool:
+    """Whether an origin that differs from that of another limb moves nothing.
+
+    What the joint carries is where it is on the other limb, or the joint itself takes back what the one before it adds: distances
+    along the axes of a common parent agree. ``by_sign``: the origins differ in signs, so that these have to agree there.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    behind = [
+        _measure_distances(model, joint.parent, [one.child for one in model.tree.child_joints[joint.child]])
+        for joint in (odd, like)
+    ]
+    if by_sign:
+        differ = np.abs(np.array(odd.origin.xyz or (0, 0, 0)) - np.array(like.origin.xyz or (0, 0, 0))) > PLACE
+        signed = [
+            [
+                (np.linalg.inv(model.frames[joint.parent]) @ model.frames[one.child])[:3, 3][differ]
+                for one in model.tree.child_joints[joint.child]
+            ]
+            for joint in (odd, like)
+        ]
+        return _agree(*behind) and bool(np.abs(np.array(signed[0]) - np.array(signed[1])).max(initial=0.0) <= PLACE)
+    before = [model.tree.parent_joint.get(joint.parent) for joint in (odd, like)]
+    if _agree(*behind):
+        return True
+    if before[0] is None or before[1] is None or before[0].parent == odd.parent:
+        return False
+    place = [
+        _measure_distances(model, one.parent, [joint.child])
+        for one, joint in zip(before, (odd, like), strict=True)
+        if one
+    ]
+    return _agree(*place)
+
+
+def _measure_distances(model: Model, home: str, names: Sequence[str]) -> Array:
+    """Measure the distances (n, 3) of links from another one along its axes."""
+    inverse = np.linalg.inv(model.frames[home])
+    return np.array([np.abs((inverse @ model.frames[name])[:3, 3]) for name in names]).reshape(-1, 3)
+
+
+def _agree(one: Array, other: Array) -> bool:
+    return bool(len(one)) and len(one) == len(other) and bool(np.abs(one - other).max() <= PLACE)
 
 
 def _find_odd(values: Sequence[Array]) -> int | None:

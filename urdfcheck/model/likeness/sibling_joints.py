@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from itertools import permutations, product
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
+from urdfcheck.facts.likeness.mirror import measure_outline_mismatch
 from urdfcheck.facts.likeness.symmetry import LinkSignature, build_link_signature, group_by_signature
 from urdfcheck.model.fact import fact
+from urdfcheck.model.likeness.shape_comparison import ALIKE, get_outline
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
 
 
 @fact
@@ -87,3 +97,39 @@ def _compute_surface_moments(model: Model, link: Link) -> Sequence[float]:
             moments, _ = compute_principal_moments(facts.surface_covariance * np.outer(factors, factors))
             return [float(m) for m in moments]
     return ()
+
+
+def is_drawn_in_place(model: Model, joint: Joint, like: Joint, expected: Array) -> bool:
+    """Whether the part behind a joint is drawn where it would be if the joint's frame had the rotation ``expected`` (3, 3), in
+    root coordinates: only the frame is rotated, and what is in it takes that back.
+
+    ``like`` is a joint of the pattern that ``expected`` follows. Where on its axis a joint's frame lies is a choice. False where
+    the part looks the same either way, and where it is not known.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    one, other = get_outline(model, like.child), get_outline(model, joint.child)
+    if one is None or other is None or joint.axis is None:
+        return False
+    axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
+    back = model.frames[joint.child][:3, :3].T @ expected
+
+    def measure_best(turn: Array) -> float:
+        best = math.inf
+        for renaming in _list_axis_renamings():
+            linear = turn @ renaming
+            shift = axis * float((other.centroid - linear @ one.centroid) @ axis)
+            best = min(best, measure_outline_mismatch(one, other, linear=linear, shift=shift))
+        return best
+
+    in_place = measure_best(back)
+    return in_place < ALIKE and in_place < measure_best(np.eye(3)) / 2.0
+
+
+def _list_axis_renamings() -> list[Array]:
+    """Return the 48 signed permutations (3, 3)."""
+    return [
+        np.diag(signs) @ np.eye(3)[list(order)]
+        for order in permutations(range(3))
+        for signs in product((1.0, -1.0), repeat=3)
+    ]

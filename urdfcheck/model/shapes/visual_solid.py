@@ -21,6 +21,8 @@ from urdfcheck.model.shapes.solids import get_mesh_scale, measure_shape_solid
 
 # A shape settles which way up a mesh is meant when its box is nearer to that of one way than to the other's by this ratio.
 _NEARER = 0.5
+# A convex hull that is so many times as large as what its mesh encloses has little to do with the part.
+_LOOSE = 10.0
 # More bodies than this in an assembly, and nobody added up their inertias.
 _MOST_PIECES = 40
 
@@ -66,6 +68,44 @@ def measure_role_geometry(model: Model, link: Link, role: str) -> VisualGeometry
     """Measure the shapes of one ``role`` (``visual`` or ``collision``) alone, like `measure_link_geometry`."""
     shapes = link.visuals if role == "visual" else link.collisions
     return _measure_shapes(model, shapes, apply_unit=True, apply_up_axis=False)
+
+
+@np.errstate(all="ignore")  # of an open mesh nothing need be finite
+def integrate_open_meshes(model: Model, link: Link) -> list[Solid]:
+    """Integrate the volumes of the visual and of the collision shapes of a link as if their meshes were closed, in its frame:
+    next to exact where the holes are small, and meaningless otherwise. Without a role whose meshes are all closed, or flat."""
+    solids = []
+    for shapes in (link.visuals, link.collisions):
+        parts = [_integrate_mesh(model, shape) for shape in shapes if not is_dummy_shape(shape)]
+        known = [part for part in parts if part is not None]
+        if known and len(known) == len(parts) and not all(closed for _, closed in known):
+            solids.append(combine_solids([solid for solid, _ in known]))
+    return [solid for solid in solids if np.isfinite(solid.covariance).all() and np.isfinite(solid.com).all()]
+
+
+def _integrate_mesh(model: Model, shape: Shape) -> tuple[Solid, bool] | None:
+    """Return the volume integrals of a mesh in the link's frame, and whether it is closed; None without them."""
+    facts, scale, pose = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True), shape.origin.matrix
+    if (
+        facts is None
+        or scale is None
+        or pose is None
+        or not np.isfinite(facts.com).all()
+        or not abs(facts.volume) > 0.0
+    ):
+        return None
+    return compute_mesh_solid(facts, scale.tolist(), rotation=pose[:3, :3], translation=pose[:3, 3]), facts.closed
+
+
+def has_loose_hull(model: Model, link: Link) -> bool:
+    """Whether the convex hull of an open mesh stands for the part, and is far larger: it says nothing about the part."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None or drawn.closed:
+        return False
+    meshes = [
+        facts for shape in (*link.visuals, *link.collisions) if (facts := model.meshes.get_facts(shape)) is not None
+    ]
+    return any(not facts.closed and facts.hull.volume > _LOOSE * abs(facts.volume) for facts in meshes)
 
 
 def split_visual_bodies(model: Model, link: Link) -> tuple[Solid, ...]:

@@ -41,6 +41,7 @@ LOG_PRIORS = {
     "positive_notation": -3.0,
     "steiner_twice": -3.5,  # less obvious: the theorem was known
     "steiner_missing": -4.5,  # confirmed: 15 links of 2 robots; needs several pieces
+    "own_missing": -4.5,  # confirmed: 7 links of 1 robot; needs several pieces
     "one_piece": -4.0,  # confirmed: 1
     "products_sign": -2.5,  # confirmed: 6 links of 4 robots; suspected: 54 links of 16 files
     "axes_permuted": -3.5,  # confirmed: 1; each of five orders

@@ -41,6 +41,8 @@ _TELLING_DIGITS = 4
 _NO_PRODUCT = 0.02
 # Half a unit of the last decimal, and what tessellation adds. Rounding that changes no moment by this part is not worth saying.
 _HALF, _LOST = 0.51, 1.0 / 3.0
+# The tensor of pieces without extent is known to this share of itself: what tessellation and different densities leave.
+_SAME_TERM = 0.05
 
 Corrected = Iterator[tuple[Mistake, DeclaredInertial]]
 
@@ -245,6 +247,21 @@ def _compute_parallel_axis_term(geometry: VisualGeometry, mass: float, rotation:
     return added
 
 
+def _undo_own_missing(suspect: Suspect) -> Corrected:
+    """The pieces were moved to the common COM (parallel-axis theorem) as if they were points: the tensor is that of their mass
+    alone, and the part's own is that of its uniform solid."""
+    geometry, declared = suspect.geometry, suspect.declared
+    if geometry is None or len(geometry.pieces) < 2:
+        return
+    term = _compute_parallel_axis_term(geometry, declared.mass, declared.rotation)
+    own = declared.rotation.T @ compute_solid_inertia(geometry.solid, declared.mass) @ declared.rotation
+    off = float(np.linalg.norm(declared.tensor - term))
+    if off < _SAME_TERM * float(np.linalg.norm(term)) and np.linalg.norm(own - term) > EFFECT * np.linalg.norm(own):
+        second = 0.5 * np.trace(term) * np.eye(3) - term
+        points = Solid(geometry.solid.volume, geometry.solid.com, second / declared.mass)
+        yield replace(make_mistake("own_missing"), source_body=points), replace(declared, tensor=own)
+
+
 def _undo_other_body(suspect: Suspect) -> Corrected:
     """The numbers are those of another body: the part's own are those of its twin, or of its uniform solid."""
     geometry, mass = suspect.geometry, suspect.declared.mass
@@ -298,6 +315,7 @@ MIXING_MISTAKES: tuple[Callable[[Suspect], Corrected], ...] = (
     _undo_wrong_formula,
     _undo_other_mass,
     _undo_steiner_missing,
+    _undo_own_missing,
     _undo_other_body,
 )
 

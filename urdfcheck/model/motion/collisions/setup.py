@@ -114,7 +114,7 @@ class CollisionSetup:
             content, pose = self._describe_content(shape), shape.origin.matrix
             assert pose is not None  # see is_usable_shape
             if content not in geometries:
-                geometries[content] = _make_geometry(self.model, shape)
+                geometries[content] = make_geometry(self.model, shape)
             placed.append(PlacedGeometry(geometries[content], owner, pose))
         return make_colliders(placed)
 
@@ -221,7 +221,8 @@ def make_colliders(placed: Sequence[PlacedGeometry]) -> Colliders:
         raise FactUnavailableError("coal is not installed (there are no wheels of it for this platform)") from None
 
 
-def _make_geometry(model: Model, shape: Shape) -> CollisionGeometry:
+def make_geometry(model: Model, shape: Shape) -> CollisionGeometry:
+    """Return the geometry of a usable shape, with its scale."""
     if shape.kind != "mesh":
         return CollisionGeometry(kind=shape.kind or "", size=shape.size or ())
     facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)

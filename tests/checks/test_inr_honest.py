@@ -1,0 +1,203 @@
+"""What findings about inertials must not claim: hulls that are no part, units of a few links, and agreement by construction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from builders import arm_on_base, box, collision, find, inertial, joint, link, mesh, robot, visual
+from castings import CASTING, drawn_boxes, format_inertial, geometry, pieces, steiner, uniform, write_stl
+
+from urdfcheck.core import Severity
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, compute_solid_inertia, make_box_solid
+
+# Three bars side by side, whose centres are not in one line.
+BARS = (
+    ((0.080, 0.010, 0.011), (0.0, 0.0, 0.0)),
+    ((0.070, 0.012, 0.010), (0.004, 0.013, 0.001)),
+    ((0.060, 0.011, 0.012), (-0.003, 0.004, 0.014)),
+)
+
+
+def add_points(solids: tuple[Solid, ...], mass: float) -> DeclaredInertial:
+    """Return the numbers of solids whose own tensors were left out."""
+    whole = combine_solids(solids)
+    tensor = sum(
+        (steiner(mass * one.volume / whole.volume, one.com - whole.com) for one in solids),
+        np.zeros((3, 3)),
+    )
+    return DeclaredInertial(mass, whole.com, tensor)
+
+
+# -- pieces that count as points ---------------------------------------------------------------------------------------
+
+
+def test_tensors_of_pieces_that_were_left_out_are_named(tmp_path: Path) -> None:
+    write_stl(tmp_path / "bars.stl", BARS)
+    numbers = add_points(pieces(BARS), 0.02)
+    text = arm_on_base(format_inertial(numbers, 10), visual(mesh("bars.stl")))
+    found = find(tmp_path, text, {"INR003", "INR009"})
+    assert [(finding.code, finding.cause and finding.cause.id) for finding in found] == [("INR009", "own_missing")]
+    (finding,) = found
+    assert "parallel-axis terms of its bodies, to within 5 %" in finding.message
+    own = compute_solid_inertia(combine_solids(pieces(BARS)), 0.02)
+    assert finding.fix is not None
+    written = {edit.replacement for edit in finding.fix.edits}
+    assert f"{own[0, 0]:.6g}" in {f"{float(text):.6g}" for text in written}
+
+
+def test_rounding_does_not_hide_that_pieces_are_points(tmp_path: Path) -> None:
+    # Three points: the smallest moments add up to the largest, and the typed digits break the inequality.
+    flat = tuple(((a, b, 0.01), (x, y, 0.0)) for (a, b, _), (x, y, _) in BARS)
+    write_stl(tmp_path / "bars.stl", flat)
+    numbers = add_points(pieces(flat), 0.02)
+    excess = replace(numbers, tensor=numbers.tensor + np.diag((0.0, 0.0, 4e-6 * numbers.tensor[2, 2])))
+    links = [link("base")]
+    for name in ("one", "other"):
+        links += [
+            joint(f"j_{name}", "base", name, kind="continuous", xyz="0 0 1" if name == "one" else "0 1 0"),
+            link(name, format_inertial(excess, 5), visual(mesh("bars.stl"))),
+        ]
+    found = find(tmp_path, robot(*links), {"INR003", "INR009"})
+    assert [(finding.code, finding.message_id) for finding in found] == [("INR009", "habit")]
+    assert found[0].headline == "2 of 2 links: wrong inertia (own tensors of the pieces left out)"
+
+
+def test_a_small_tensor_that_is_not_that_of_points_is_another_matter(tmp_path: Path) -> None:
+    write_stl(tmp_path / "bars.stl", BARS)
+    numbers = add_points(pieces(BARS), 0.02)
+    other = replace(numbers, tensor=numbers.tensor * (1.0 + 0.2 * np.eye(3)))
+    found = find(tmp_path, arm_on_base(format_inertial(other, 10), visual(mesh("bars.stl"))), {"INR009"})
+    assert not any(finding.cause is not None and finding.cause.id == "own_missing" for finding in found)
+
+
+# -- hulls ---------------------------------------------------------------------------------------------------------------
+
+
+def write_stray(path: Path) -> None:
+    """A casting with a pin far away, one of whose facets is missing."""
+    write_stl(path, [*CASTING, ((0.005, 0.005, 0.005), (-2.0, 0.0, 9.0))])
+    text = path.read_text(encoding="ascii")
+    path.write_text(text[: text.rindex("facet normal")] + "endsolid part\n", encoding="ascii")
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.2])
+def test_a_hull_around_a_stray_piece_is_not_the_part(tmp_path: Path, factor: float) -> None:
+    write_stray(tmp_path / "stray.stl")
+    numbers = uniform(geometry(CASTING).solid)
+    wrong = replace(numbers, tensor=factor * numbers.tensor)
+    text = arm_on_base(format_inertial(wrong), visual(mesh("stray.stl")))
+    assert not find(tmp_path, text, {"INR009"}, pedantic=True)
+
+
+def test_a_stray_piece_is_no_matter_of_scale(tmp_path: Path) -> None:
+    write_stray(tmp_path / "stray.stl")
+    shape = collision(box("0.25 0.25 0.2"), xyz="0.03 0.08 0.08")
+    (finding,) = find(tmp_path, arm_on_base("", visual(mesh("stray.stl")) + shape), {"GEO003"})
+    assert (finding.message_id, finding.data["role"], finding.data["triangles"]) == ("stray", "visual", 11)
+    assert finding.data["distance"] == pytest.approx(9.2, abs=0.1)
+
+
+def test_a_mesh_in_millimetres_has_no_stray_piece(tmp_path: Path) -> None:
+    write_stl(tmp_path / "part.stl", CASTING)
+    shown = visual(mesh("part.stl", "1000 1000 1000")) + collision(mesh("part.stl"))
+    (finding,) = find(tmp_path, arm_on_base("", shown), {"GEO003"})
+    assert finding.message_id == "size"
+
+
+# -- units ---------------------------------------------------------------------------------------------------------------
+
+
+def make_plates(factors: list[float]) -> str:
+    """Plates of different sizes, each with its own mass in another unit."""
+    parts = [link("base")]
+    for i, factor in enumerate(factors):
+        size = (0.3 + 0.02 * i, 0.2 - 0.005 * i, 0.1 + 0.01 * i)
+        tensor = compute_solid_inertia(make_box_solid(size), 4.0 + i)
+        edges = " ".join(f"{edge:g}" for edge in size)
+        parts += [
+            joint(f"j{i}", "base", f"l{i}", kind="continuous", xyz=f"0 0 {i}"),
+            link(
+                f"l{i}",
+                format_inertial(DeclaredInertial(4.0 + i, np.zeros(3), tensor * factor)),
+                visual(box(edges)),
+            ),
+        ]
+    return robot(*parts)
+
+
+def test_a_unit_is_that_of_most_links_or_of_none(tmp_path: Path) -> None:
+    most = find(tmp_path / "most", make_plates([1e4] * 7 + [1.0]), {"INR009"})
+    few = find(tmp_path / "few", make_plates([1e4] * 3 + [1.0] * 7), {"INR009"})
+    assert [finding.message_id for finding in most] == ["habit"]
+    assert "habit" not in {finding.message_id for finding in few}
+
+
+def test_a_large_tensor_is_offered_in_the_one_unit_in_which_it_is_possible(tmp_path: Path) -> None:
+    """The COM is far from the drawn part's, so that its uniform tensor says little."""
+    numbers = DeclaredInertial(20.0, np.array((0.0, 0.0, -0.4)), 1e6 * np.diag((0.2, 0.5, 0.3)))
+    text = arm_on_base(format_inertial(numbers), visual(box("0.4 0.3 1.5")))
+    (finding,) = find(tmp_path, text, {"INR005"})
+    assert finding.message.endswith("The same numbers are possible in kg·mm², and in no other unit")
+    assert finding.fix is not None
+    assert 'write ixx="0.2" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.3" if they are in kg·mm²' in finding.fix.title
+    assert finding.fix.edits == ()
+
+
+def test_an_impossible_tensor_of_another_size_is_not_made_possible(tmp_path: Path) -> None:
+    text = arm_on_base(inertial(0.009, ixx="1e-4", iyy="0.02", izz="0.0206"), visual(box("0.06 0.04 0.003")))
+    (finding,) = find(tmp_path, text, {"INR003", "INR005"})
+    assert finding.code == "INR003"
+    assert "for this mass and the drawn size, the moments are too large by a factor of" in finding.message
+    assert finding.fix is not None
+    assert "nearest possible tensor" not in finding.fix.title
+    assert "(the drawn part at this mass and uniform density)" in finding.fix.title
+
+
+# -- what disagrees, and what stays so -----------------------------------------------------------------------------------
+
+
+def test_a_com_that_disagrees_is_what_the_finding_says(tmp_path: Path) -> None:
+    blocks = (((0.06, 0.06, 0.006), (0.0, 0.0, 0.0)), ((0.008, 0.008, 0.04), (0.0, 0.0, 0.023)))
+    largest = float(compute_solid_inertia(combine_solids(pieces(blocks)), 0.14)[2, 2])
+    flat = np.diag((0.5005 * largest, 0.5005 * largest, largest))  # next to no mass above or below the middle
+    numbers = DeclaredInertial(0.14, np.array((0.002, 0.001, 0.018)), flat)
+    (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers), drawn_boxes(blocks)), {"INR009"})
+    assert (finding.message_id, finding.severity) == ("disagrees", Severity.INFO)
+    assert finding.headline == "arm: COM 15.7 mm from that of the drawn part"
+    assert finding.fix is not None
+    assert 'write xyz="0 0 0.002437"' in finding.fix.title
+
+
+@pytest.mark.parametrize(("factor", "severity"), [(0.02, Severity.INFO), (0.005, Severity.WARNING)])
+def test_moments_a_hundred_times_too_small_are_a_warning(tmp_path: Path, factor: float, severity: Severity) -> None:
+    own = uniform(geometry(CASTING).solid)
+    slanted = own.tensor * factor + np.diag((0.0, 0.0, 0.2 * factor * own.tensor[2, 2]))
+    numbers = replace(own, com=own.com + np.array((0.013, -0.011, 0.007)), tensor=slanted)
+    found = find(tmp_path, arm_on_base(format_inertial(numbers), drawn_boxes(CASTING)), {"INR009"})
+    assert [(finding.message_id, finding.severity) for finding in found] == [("disagrees", severity)]
+    assert (severity == Severity.WARNING) == found[0].headline.endswith("× too small")
+
+
+def test_a_hull_says_nothing_about_the_com(tmp_path: Path) -> None:
+    drawn = geometry(CASTING)
+    assert drawn.hull is not None
+    write_stl(tmp_path / "part.stl", CASTING)
+    hull = uniform(drawn.hull, 0.6)
+    numbers = replace(hull, com=drawn.solid.com + np.array((0.0, 0.012, 0.0)))
+    (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers), visual(mesh("part.stl"))), {"INR009"})
+    assert finding.cause is not None
+    assert finding.cause.id == "convex_hull"
+    assert "the COM stays 12 mm off" in finding.message
+    assert " 0 mm off" not in finding.message
+
+
+def test_a_bar_that_moves_with_a_tip_is_refused_by_mujoco(tmp_path: Path) -> None:
+    bar = inertial(0.03, ixx="1e-5", iyy="1e-5", izz="0")
+    tip = link("tip", inertial(0.01, 1e-6)) + joint("tip_joint", "arm", "tip", xyz="0 0 0.1")
+    (finding,) = find(tmp_path, arm_on_base(bar, more=tip), {"INR004"})
+    assert (finding.message_id, finding.severity) == ("line_fixed", Severity.WARNING)
+    assert finding.headline == "arm: zero moment of inertia; MuJoCo refuses it"
