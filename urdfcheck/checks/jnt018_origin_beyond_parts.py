@@ -1,4 +1,4 @@
-"""JNT018 reports joints whose origins put their child far away from the rest of the robot."""
+"""JNT018 reports joints whose origins put their child away from the rest of the robot."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from urdfcheck.core.text import format_length, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.motion.far_origins import FarOrigin, FarThresholds, find_far_origins
+from urdfcheck.model.motion.loose_parts import LoosePart, OriginChange, find_loose_part
 from urdfcheck.model.repairs.edits import edit_values, read_typed_text
 from urdfcheck.model.repairs.number_text import write_numbers
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
@@ -34,11 +35,23 @@ SAME = 0.005
 
 
 def check(
-    model: Model, rule: Rule, *, drawn: float, undrawn: float, least: float, least_fixed: float, apart: float
+    model: Model,
+    rule: Rule,
+    *,
+    drawn: float,
+    undrawn: float,
+    least: float,
+    least_fixed: float,
+    apart: float,
+    loose: float,
+    unexplained: float,
 ) -> Iterator[Finding]:
     limits = FarThresholds(drawn=drawn, undrawn=undrawn, least=least, least_fixed=least_fixed, apart=apart)
     found = find_far_origins(model, limits)
     if not found:
+        part = find_loose_part(model, loose)
+        if part is not None and (part.change is not None or part.share >= unexplained):
+            yield _report_loose(rule, part)
         return
     farthest = max(found, key=lambda far: far.length)
     restored = _restore_by_twins(model, found)
@@ -73,6 +86,38 @@ def check(
         sizes=format_length(farthest.sizes),
         **{"ways": "", "twin": "", **place},
     )
+
+
+def _report_loose(rule: Rule, part: LoosePart) -> Finding:
+    change = part.change
+    joint = part.joint if change is None else change.joint
+    return rule.finding(
+        "loose",
+        at=_Place(joint),
+        cause=None if change is None else "slip",
+        joint=joint.name,
+        child=joint.child,
+        parent=joint.parent,
+        length=format_length(part.gap),
+        gap=format_length(part.gap),
+        distance=part.gap,
+        size=format_length(part.size),
+        others=part.others,
+        change="" if change is None else _describe_change(change),
+    )
+
+
+def _describe_change(change: OriginChange) -> str:
+    typed = read_typed_text(attribute) if (attribute := change.joint.origin.get_attribute("xyz")) is not None else ""
+    name = " and ".join("xyz"[axis] for axis in change.axes)
+    xyz = write_numbers(typed, change.xyz)
+    what = {
+        "sign": f"{name} has the other sign",
+        "swap": f"{name} are swapped",
+    }
+    places = {"left": "one place", "left2": "two places", "left3": "three places"}
+    slip = what.get(change.kind) or f"the decimal point of {name} is {places[change.kind]} further left"
+    return f"{slip}: {xyz}"
 
 
 class _Place:

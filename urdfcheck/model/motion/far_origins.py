@@ -31,7 +31,7 @@ _FOOTPRINT = re.compile(r"(?i)foot_?print")
 # What hangs on an empty root without such a name may be so far away (m).
 _SCENE_SIZE = 20.0
 # Names of the root of a scene, on which robots and cameras stand wherever they are.
-_SCENE = re.compile(r"(?i)(^|_)(world|map|odom|earth|origin|ground|scene|utm|room|environment|floor|station)(_|$)")
+SCENE = re.compile(r"(?i)(^|_)(world|map|odom|earth|origin|ground|scene|utm|room|environment|floor|station)(_|$)")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,7 +147,7 @@ def _confirm_by_others(
             least = limits.least
         if parent.is_empty and not _FOOTPRINT.search(joint.parent):
             # Frames of a scene are where they are: robots, cameras, the frames of a map.
-            least = np.inf if _SCENE.search(joint.parent) else _SCENE_SIZE
+            least = np.inf if SCENE.search(joint.parent) else _SCENE_SIZE
         if length < least:
             continue
         if child.is_empty and _has_suspects_below(model, joint.child, suspects):
@@ -172,7 +172,7 @@ def _confirm_by_parts(
     found = [
         _measure(model, joint, lengths[joint.name], sides[joint.parent], sides[joint.child], others=None)
         for joint in _iter_joints(model, huge)
-        if not _SCENE.search(joint.parent)
+        if not SCENE.search(joint.parent)
     ]
     return [far for far in found if far.gap is not None and far.gap > max(apart * far.sizes, _OPEN * far.length)]
 
