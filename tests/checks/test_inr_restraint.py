@@ -99,7 +99,7 @@ def test_the_sign_of_one_coordinate_is_smaller_than_a_mirror() -> None:
     [
         ((0.03, 0.03, 0.03), "fits a far shorter part"),
         ((0.0018, 0.0018, 0.4), "fits a far thinner part"),
-        ((0.005, 0.005, 0.06), "fits a far smaller part"),
+        ((0.008, 0.008, 0.05), "fits a far smaller part"),
         ((0.002, 0.002, 0.02), "inertia 400× too small"),
     ],
 )
