@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools
 
 # Parts touch if the space between their boxes is at most this share of the smaller side: no joint that moves exceeds it in
-# 278 published robots, apart from those that draw a part of their links only.
+# 161 published robots, apart from those that draw a part of their links only.
 TOUCHING = 0.075
 # So many other joints have to separate drawn parts, and at most this share of them may be loose too.
 _LEAST_OTHERS, _MOST_LOOSE = 4, 0.1
