@@ -15,7 +15,7 @@ from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
     NOTABLE,
     SHORT_CAUSES,
-    collect_data,
+    collect_message_data,
     describe_median_agreement,
     describe_other_shape,
     format_ruled_out,
@@ -136,7 +136,7 @@ def _build_axes_finding(model: Model, rule: Rule, name: str, rotated: Mapping[st
         else "export the tensor again",
         percent=float(f"{100.0 * rotated[name]:.2g}"),
         others=f". The tensors of {join_names(others)} are about other axes, too" if others else "",
-        **collect_data(model, tensor.link, diagnoses[name]),
+        **collect_message_data(model, tensor.link, diagnoses[name]),
     )
 
 
@@ -192,7 +192,7 @@ def _build_cause_finding(
         message = cause
     elif others:
         message = "disputed"
-    data = {**collect_data(model, link, judged, is_certain=message == "exact"), "others": others}
+    data = {**collect_message_data(model, link, judged, is_certain=message == "exact"), "others": others}
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
     return rule.finding(
         message,
@@ -216,7 +216,7 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
         confidence=rank[1],
         edit=f", or write {drawn}" if drawn else "",
         unlike=describe_other_shape(model, tensor.link, judged),
-        **collect_data(model, tensor.link, judged),
+        **collect_message_data(model, tensor.link, judged),
     )
 
 

@@ -161,7 +161,10 @@ def describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) ->
     return f"inertia fits a far {word} part than {which}"
 
 
-def collect_data(model: Model, link: Link, judged: DiagnosedInertial, *, is_certain: bool = False) -> dict[str, Any]:
+def collect_message_data(
+    model: Model, link: Link, judged: DiagnosedInertial, *, is_certain: bool = False
+) -> dict[str, Any]:
+    """Collect the data of a finding about one inertial; ``is_certain``: the edit brings exactly the drawn part's numbers."""
     declared, diagnosis = judged.declared, judged.diagnosis
     drawn = measure_link_geometry(model, link)
     source = describe_geometry_source(model, link)
