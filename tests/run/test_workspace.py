@@ -151,7 +151,8 @@ setup(
 </robot>
 """,
     "src/rover_moveit_config/config/joint_limits.yaml": """joint_limits:
-  left_wheel_joint: {has_velocity_limits: true, max_velocity: 1.0}
+  left_wheel_joint: &wheel {has_velocity_limits: true, max_velocity: 1.0, has_acceleration_limits: true, max_acceleration: 2.0}
+  right_wheel_joint: *wheel
 """,
     "src/rover_moveit_config/launch/demo.launch.py": """from moveit_configs_utils import MoveItConfigsBuilder
 
