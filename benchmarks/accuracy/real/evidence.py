@@ -274,9 +274,13 @@ def _carries_something(part: Part) -> bool:
 
     if not any(has_body(link.name) for link in model.links):
         return True
+    try:
+        below = model.tree.child_joints
+    except FactUnavailableError:  # the robot is wrong already: what its joint carries is not known
+        return False
     names = [part.link.name]
     for name in names:
-        names += [below.child for below in model.tree.child_joints[name]]
+        names += [joint.child for joint in below[name]]
     return any(map(has_body, names))
 
 
