@@ -48,7 +48,7 @@ def find_errors(folder: Path, control: str) -> list[Finding]:
         (block(HARDWARE) + block(HARDWARE), ["duplicate"]),
         (block(HARDWARE) + block(HARDWARE, 'name="d" type="sensor"'), []),
         (block(HARDWARE + f'<joint name="a">{STATE}</joint>' * 2), ["twice"]),
-        (block(HARDWARE + f'<joint name="a">{STATE}</joint><gpio name="a">{STATE}</gpio>'), ["twice"]),
+        (block(HARDWARE + f'<joint name="a">{STATE}</joint><gpio name="a">{STATE}</gpio>'), ["kinds"]),
         (block(HARDWARE + f'<joint name="a">{STATE}</joint><sensor name="a"/>'), []),
         (block(HARDWARE + '<joint name="a" mimic="true"/>'), ["mimic"]),
         (block(HARDWARE + '<joint name="a" mimic="false"/>'), []),
@@ -66,7 +66,7 @@ def find_errors(folder: Path, control: str) -> list[Finding]:
 def test_what_the_parser_refuses(tmp_path: Path, control: str, messages: list[str]) -> None:
     findings = find_errors(tmp_path, control)
     assert [f.message_id for f in findings] == messages
-    assert all((f.severity is Severity.ERROR) == (f.message_id != "leader") for f in findings)
+    assert all((f.severity is Severity.ERROR) == (f.message_id not in {"leader", "kinds"}) for f in findings)
 
 
 def test_hardware_that_the_arguments_leave_out_is_a_warning(tmp_path: Path) -> None:

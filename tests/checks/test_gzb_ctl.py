@@ -335,6 +335,11 @@ def test_the_frame_of_a_camera_is_its_optical_frame(tmp_path: Path, kind: str, o
     assert finding.fix.title == f"write {meant}"
 
 
+def test_the_frame_of_a_camera_is_not_guessed_by_its_name(tmp_path: Path) -> None:
+    body = block("tip", sensor("camera", RATE + "<gz_frame_id>bsae</gz_frame_id>"))
+    assert messages(tmp_path, MERGED + body, "GZB004") == ["frame-elsewhere"]
+
+
 def test_sensors_of_one_name_on_two_bodies(tmp_path: Path) -> None:
     body = MERGED.replace('"j" type="fixed"', '"j" type="continuous"')
     assert not messages(tmp_path, body + block("tip", sensor("imu")) + block("base", sensor("imu")), "GZB004")
@@ -515,3 +520,12 @@ def test_a_block_for_a_link_of_another_variant_is_an_info(tmp_path: Path) -> Non
     assert (finding.message_id, finding.severity) == ("optional", Severity.INFO)
     (unknown,) = find(tmp_path / "b", files | {"bumper.xacro": robot(xacro=True)}, "GZB001", name="robot.urdf.xacro")
     assert (unknown.message_id, unknown.severity) == ("unknown", Severity.WARNING)
+
+
+def test_a_part_that_has_a_block_is_not_what_another_block_means(tmp_path: Path) -> None:
+    other = '<gazebo reference="tipp"><mu1>0</mu1></gazebo>'
+    (finding,) = find(tmp_path, robot(MERGED, other), "GZB001")
+    assert finding.fix is not None
+    assert finding.fix.edits
+    (finding,) = find(tmp_path, robot(MERGED, other, '<gazebo reference="tip"><mu1>1</mu1></gazebo>'), "GZB001")
+    assert finding.fix is None or not finding.fix.edits

@@ -628,3 +628,8 @@ def test_a_copied_tensor_names_all_its_links(tmp_path: Path) -> None:
         (tmp_path / "r.urdf").write_text(text + "</robot>")
         (finding,) = check(tmp_path / "r.urdf", codes={"INR003"}).findings
         assert finding.message.startswith(named)
+
+
+def test_a_frame_behind_a_joint_without_type_may_be_meant_as_fixed(tmp_path: Path) -> None:
+    text = make_arm(SOUND, more=fixed("camera", "").replace('type="fixed"', ""))
+    assert not [f for f in find(tmp_path, text, "INR001") if f.severity > Severity.INFO]

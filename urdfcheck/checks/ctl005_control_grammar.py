@@ -126,8 +126,17 @@ def _check_repeated_components(rule: Rule, block: Element) -> Iterator[Finding]:
         twice = next((key for key in keys if key in seen and seen[key] is not component), None)
         if twice is not None and name and name not in reported:
             reported.add(name)
+            first = seen[twice].tag
+            is_one_kind = first == component.tag
             yield rule.finding(
-                "twice", at=component, related=[seen[twice]], name=block.get("name"), tag=component.tag, part=name
+                "twice" if is_one_kind else "kinds",
+                at=component,
+                related=[seen[twice]],
+                severity=None if is_one_kind else Severity.WARNING,
+                name=block.get("name"),
+                tag=component.tag,
+                first=first,
+                part=name,
             )
         for key in keys:
             seen.setdefault(key, component)

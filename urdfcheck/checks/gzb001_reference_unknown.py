@@ -19,10 +19,12 @@ _TEMPLATE = re.compile(r"(?<!\$)\{[^{}]*\}")
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     known = {*model.link_by_name, *model.joint_by_name}
     unknown: dict[str, list[Attribute]] = {}
-    for element in model.robot.find_children("gazebo"):
-        reference = element.attributes.get("reference")
-        if reference is not None and reference.value and reference.value not in known:
+    references = [e.attributes["reference"] for e in model.robot.find_children("gazebo") if e.get("reference")]
+    for reference in references:
+        if reference.value not in known:
             unknown.setdefault(reference.value, []).append(reference)
+    # A part that has a block already is not what another block means.
+    free = known - {reference.value for reference in references}
     templates = [use for name, uses in unknown.items() if _TEMPLATE.search(name) for use in uses]
     if templates:
         yield _build_template_finding(rule, templates)
@@ -39,14 +41,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 content=_join_child_tags(uses),
             )
         elif not _TEMPLATE.search(name):
-            near = find_only_near_name(name, known, SLIP_LIKENESS)
+            near = find_only_near_name(name, free, SLIP_LIKENESS)
             yield rule.finding(
                 "unknown",
                 at=uses[0],
                 related=[*uses[0].collect_definitions(), *uses[1:]],
                 edits=build_replacement_edits(uses, near) if near is not None else (),
                 reference=name,
-                near=format_name_hint(name, known),
+                near=format_name_hint(name, free),
                 content=_join_child_tags(uses),
             )
 

@@ -141,6 +141,8 @@ def _guess_frame(frame: str, sensor: GazeboSensor, model: Model) -> str | None:
     """Return the link that an unknown frame may mean: the sensor's own if only the words "link" and "frame" differ."""
     if sensor.reference in model.link_by_name and _strip_kind_words(frame) == _strip_kind_words(sensor.reference):
         return sensor.reference
+    if _CAMERA.search(sensor.type):
+        return None  # a picture needs an optical frame, whatever the names are like
     return find_nearest_name(frame, model.link_by_name) if len(model.link_by_name) <= _MOST_COMPARED else None
 
 

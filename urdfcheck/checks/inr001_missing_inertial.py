@@ -41,6 +41,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if any(link.inertial is not None for link in links):
             continue
         head = links[0]
+        if not model.tree.parent_joint[head.name].type:
+            continue  # the joint may be meant as fixed: KIN009 reports it
         behind, heavy = _inspect_subtree(model, body)
         message = "missing" if any(link.visuals or link.collisions for link in links) else "frame"
         yield rule.finding(
