@@ -85,6 +85,7 @@ def test_what_was_built_is_no_source(workspace: Path, folder: str) -> None:
 def test_a_folder_marked_to_be_ignored_is_skipped_with_all_below_it(workspace: Path, mark: str) -> None:
     write(workspace, {f"old/{mark}": "", "old/a.urdf": URDF, "old/deep/b.urdf": URDF, "new/c.urdf": URDF})
     assert models(".") == ["new/c.urdf"]
+    assert models("old") == ["old/a.urdf", "old/deep/b.urdf"]  # it is named
 
 
 def test_a_skipped_folder_that_is_named_is_checked_all_the_same(workspace: Path) -> None:

@@ -20,7 +20,7 @@ from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
 from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS
 from urdfcheck.source.reach import find_project_folder
 from urdfcheck.system.programs import find_program, make_program_environment
 
@@ -359,8 +359,8 @@ def _iter_files(
     while below:  # not os.walk, which calls itself for each level
         folder, real = below.pop()
         names, files = _list_folder(folder)
-        if real in visited or "COLCON_IGNORE" in files or "AMENT_IGNORE" in files or "CATKIN_IGNORE" in files:
-            continue
+        if real in visited or (folder != str(root) and not IGNORE_MARKS.isdisjoint(files)):
+            continue  # a marked folder that is named is checked
         visited.add(real)
         if os.path.islink(folder) and not finder.can_open(Path(folder)):
             outside.append(Path(folder))

@@ -7,11 +7,10 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS
 from urdfcheck.system.files import read_regular
 
-# What makes colcon and catkin pass over a folder, and folders into which they do not look.
-_IGNORE_MARKS = ("COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE")
+# Folders that colcon and catkin do not search.
 _SKIPPED = BUILD_FOLDERS | {"build_isolated", "devel", "devel_isolated", "install_isolated", "node_modules"}
 _GIT_FOLDER = re.compile(r"gitdir:\s*([^\0\n]+?)[/\\]worktrees[/\\]")
 
@@ -37,7 +36,7 @@ def _is_rival(own: Path, other: Path) -> bool:
     for folder in (own, other):
         between = [folder, *folder.parents][: len(folder.relative_to(common).parts)]
         copied = folder.parent.name == "share"  # PREFIX/share/NAME
-        ignored = any(os.path.lexists(level / mark) for level in between for mark in _IGNORE_MARKS)
+        ignored = any(os.path.lexists(level / mark) for level in between for mark in IGNORE_MARKS)
         inside = any(_has_manifest(level) for level in between[1:] if level != common)
         if copied or ignored or inside or any(level.name in _SKIPPED for level in between):
             return False

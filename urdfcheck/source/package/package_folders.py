@@ -13,6 +13,8 @@ from urdfcheck.system.files import read_regular, record_reads
 # How many folders of one folder are looked into.
 MAX_SIBLINGS = 2_000
 BUILD_FOLDERS = frozenset({"build", "install", "log"})
+# Files that tell colcon and catkin to leave out a folder with all below it.
+IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 # The folders of each package, by its name.
 PackagesByName = Mapping[str, Sequence[Path]]
