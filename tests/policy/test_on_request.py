@@ -149,7 +149,7 @@ def test_a_page_says_that_its_notes_are_on_request() -> None:
 
 
 def test_a_page_names_messages_that_exist(tmp_path: Path) -> None:
-    page = load_rules()["MSH002"].page.replace('on_request = ["drawn"', 'on_request = ["drawm"')
+    page = load_rules()["MSH002"].page.replace('on_request = ["', 'on_request = ["drawm", "')
     (tmp_path / "MSH002-not-watertight.md").write_text(page)
     with pytest.raises(UrdfcheckError, match="no message 'drawm'"):
         load_page(tmp_path / "MSH002-not-watertight.md")

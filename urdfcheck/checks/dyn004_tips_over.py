@@ -77,12 +77,15 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     if now.tip_angle >= -SLACK:
         # On a slope the plumb line meets the ground farther down, as if the COM were there on level ground.
         downhill = com + math.tan(math.radians(slope)) * now.height * now.outwards
-        if not meant or len(touching) < _FEWEST_SUPPORTS:
+        is_line = _is_line(now.polygon)
+        if not meant or (len(touching) < _FEWEST_SUPPORTS and not is_line):
             return
+        if is_line and sum(name != model.tree.root for name in supports) >= _FEWEST_SUPPORTS:
+            return  # it leans on a caster that is a little short
         if math.degrees(shape.measure_rest_tilt(downhill).tilt) <= rest:
             return
         message, severity, details = "slope", Severity.INFO, {"slope": slope}
-        if _is_line(now.polygon):
+        if is_line:
             message = "line"
     else:
         end = shape.measure_rest_tilt(com)

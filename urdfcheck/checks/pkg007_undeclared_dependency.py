@@ -98,18 +98,8 @@ def _build_finding(
         tag=tags[names[0]],
         where=", ".join(dict.fromkeys(use.location.span.file for use in missing[names[0]][:2] if use.location.span)),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
-        doubt=_describe_doubt([name for name in names if package.finder is None or package.finder.find(name) is None]),
     )
     return replace(finding, subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()))
-
-
-def _describe_doubt(unknown: Sequence[str]) -> str:
-    """Say that no package of these names is in reach, so that a name may be a slip or that of the author's machine."""
-    return (
-        f" (check the name: {join_names(unknown)} {'is' if len(unknown) == 1 else 'are'} not in reach)"
-        if unknown
-        else ""
-    )
 
 
 def _build_misnamed_finding(

@@ -16,7 +16,6 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.corners import compute_shape_corners
-from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, has_up_axis_ambiguity
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools
@@ -202,6 +201,11 @@ def _is_part(model: Model, joints: Sequence[Joint]) -> bool:
     links = [
         name for joint in joints for end in (joint.parent, joint.child) for name in model.tree.list_body_links(end)
     ]
+    from urdfcheck.model.shapes.visual_solid import (  # few robots have a loose part
+        has_unit_ambiguity,
+        has_up_axis_ambiguity,
+    )
+
     return not has_unit_ambiguity(model, links) and not has_up_axis_ambiguity(model, links)
 
 
