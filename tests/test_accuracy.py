@@ -40,7 +40,7 @@ def lumped() -> Sequence[Outcome]:
 
 def test_every_mistake_has_a_name() -> None:
     named = {name for kind in KINDS if kind.common for name in kind.names}
-    # Made on parts of their own: by `formulas.py`, and by the tests of the rule.
+    # Formulas are judged below; pieces that count as points need a mesh of several bodies (test_inr_honest).
     assert named | {"wrong_formula", "own_missing"} == set(HYPOTHESES)
 
 

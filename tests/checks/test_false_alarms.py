@@ -183,7 +183,7 @@ def test_a_tensor_of_another_mass_does_not_say_which_is_wrong(tmp_path: Path) ->
     (finding,) = find(tmp_path, text, CODES)
     assert finding.cause is not None
     assert finding.cause.id == "other_mass"
-    assert "write that mass" in finding.cause.text
+    assert "Write that mass only if" in finding.cause.text
     assert "no other single edit" not in finding.message
     assert finding.fix is not None
     assert finding.fix.edits == ()

@@ -72,6 +72,12 @@ def test_a_description_that_cannot_move_needs_no_inertial(tmp_path: Path) -> Non
     assert not find(tmp_path, make_arm("", kind="fixed", base=""), "INR001")
 
 
+def test_a_link_may_be_meant_to_be_fixed_where_its_joint_has_no_type(tmp_path: Path) -> None:
+    assert find(tmp_path / "a", make_arm(BOX), "INR001")
+    assert not find(tmp_path / "b", make_arm(BOX, kind=""), "INR001")
+    assert not find(tmp_path / "c", make_arm(BOX, kind="screw"), "INR001")
+
+
 def test_what_a_target_drops_is_an_error(tmp_path: Path) -> None:
     (solid,) = check_text(tmp_path / "a", make_arm(SOLID), codes={"INR001"}, targets=("mujoco",)).findings
     (dropped,) = check_text(tmp_path / "b", make_arm(BOX), codes={"INR001"}, targets=("gazebo",)).findings

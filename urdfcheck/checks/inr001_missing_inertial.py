@@ -9,6 +9,7 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
+from urdfcheck.source.text.grammar import JOINT_TYPES
 
 # MuJoCo's treatment of a body without mass.
 INFERS = "replaces the missing inertial by that of the collision geometry at 1000 kg/m³"
@@ -41,8 +42,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if any(link.inertial is not None for link in links):
             continue
         head = links[0]
-        if not model.tree.parent_joint[head.name].type:
-            continue  # the joint may be meant as fixed: KIN009 reports it
+        joint = model.tree.parent_joint[head.name]
+        if joint.type not in JOINT_TYPES:
+            continue  # it may be meant to be fixed (KIN009)
         behind, heavy = _inspect_subtree(model, body)
         message = "missing" if any(link.visuals or link.collisions for link in links) else "frame"
         yield rule.finding(
@@ -53,7 +55,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 **dict.fromkeys(("pinocchio", "drake"), LIGHT if heavy else NAN),
             },
             link=head.name,
-            joint=model.tree.parent_joint[head.name].name,
+            joint=joint.name,
             lost=f"the link and the {format_count(behind, 'link')} behind it" if behind else "the link",
             behind=behind,
         )

@@ -20,6 +20,7 @@ from urdfcheck.model.inertials.inertial_proposals import (
     LARGEST_SOUND_MISMATCH,
     describe_drawn_inertial,
     describe_mistake,
+    has_com_apart,
     propose_undo,
 )
 from urdfcheck.model.parts import TENSOR_NAMES
@@ -94,7 +95,7 @@ def _propose(
         fits = f". The same numbers are possible in {name}, and in no other unit"
         return None, f"write {' '.join(tensor)} if they are in {name}", fits
     is_known = has_drawn_shape(part.link) and len(part.readings) == 1
-    drawn = describe_drawn_inertial(model, part.link) if is_known else ""
+    drawn = describe_drawn_inertial(model, part.link, with_com=has_com_apart(model, part.link)) if is_known else ""
     return None, f"write {drawn}" if drawn else "compute them from the mesh", ""
 
 

@@ -28,6 +28,8 @@ MATERIALS: tuple[tuple[str, float, float], ...] = (
 DENSEST = 22590.0
 AIR = 1.2
 
+# kg/m³ that CAD programs give a part without a material.
+CAD_DEFAULT = 1000.0
 # The least density in `MATERIALS`.
 LIGHTEST = 15.0
 

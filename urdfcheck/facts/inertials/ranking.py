@@ -20,7 +20,7 @@ from urdfcheck.facts.inertials.inertial_fit import (
 )
 from urdfcheck.facts.inertials.mistakes.file_habits import HABITS, Habit
 from urdfcheck.facts.inertials.mistakes.mistake import Mistake, Suspect
-from urdfcheck.facts.inertials.mistakes.mixing_mistakes import list_explanations
+from urdfcheck.facts.inertials.mistakes.mixing_mistakes import is_default_density, list_explanations
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools
@@ -40,6 +40,9 @@ _NEAR_ZERO = 0.3
 _FAMILIES = {"inertia_unit": "units", "positive_notation": "about_origin"}
 # Mistakes whose numbers were compared one by one already, and that say nothing about the COM.
 _COMPARED = frozenset({"wrong_formula", "own_missing"})
+# A unit of mass that changes it by less is no cause where the tensor is that of the drawn part at the density that CAD programs
+# give a part without a material: then the mass was changed later.
+_SMALL_UNIT = 5.0
 # Mistakes that only scale a COM.
 _SCALED = frozenset({"com_unit", "decimal_point"})
 
@@ -115,6 +118,7 @@ def rank_explanations(suspect: Suspect, habit: Habit | None = None) -> Ranking:
     )
     scores += [mistake.log_prior for mistake in mistakes]
     scores[_is_meaningless_scaling(declared, reference, mistakes=mistakes, com=numbers.com)] = -np.inf
+    scores[_is_later_mass(suspect, mistakes, numbers)] = -np.inf
     scores[fit.com_mismatch >= [_get_com_tolerance(mistake) for mistake in mistakes]] = -np.inf
     order = np.argsort(-scores, kind="stable")
     return Ranking(
@@ -123,6 +127,17 @@ def rank_explanations(suspect: Suspect, habit: Habit | None = None) -> Ranking:
         fit=fit.take_rows(order),
         numbers=numbers.take_rows(order),
     )
+
+
+def _is_later_mass(suspect: Suspect, mistakes: Sequence[Mistake], numbers: InertialBatch) -> Bools:
+    """Whether (N,) a mistake is a small unit of mass, and the drawn part has the default density of CAD programs without it."""
+    found = [
+        mistake.id == "mass_unit"
+        and suspect.declared.mass < _SMALL_UNIT * mass
+        and is_default_density(suspect.geometry, mass)
+        for mistake, mass in zip(mistakes, numbers.mass.tolist(), strict=True)
+    ]
+    return np.array(found)
 
 
 def _weigh_by_habit(mistake: Mistake, habit: Habit) -> Mistake:

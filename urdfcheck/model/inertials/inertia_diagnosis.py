@@ -28,6 +28,7 @@ from urdfcheck.model.shapes.visual_solid import (
     has_up_axis_ambiguity,
     integrate_open_meshes,
     measure_link_geometry,
+    measure_role_geometry,
     merge_geometry,
     split_visual_bodies,
 )
@@ -51,6 +52,10 @@ _CODE_MODULES = (
 
 # A COM this near the mesh's, in radii of gyration, is that of a part of uniform density.
 _NEAR_COM = 0.05
+# Moments that are within 2 % of those of a shape were computed from it; second moments differ by twice that.
+_COMPUTED = 0.04
+# A collision shape that is rotated or moved like the inertial has the same mistake.
+_OF_PLACE = frozenset({"axes_permuted", "quarter_turn", "unmirrored", "rpy_missing", "rpy_twice", "com_missing"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -219,6 +224,8 @@ def _diagnose_link(
             own = diagnose_inertial(declared, VisualGeometry(solid=solid, closed=True, points=drawn.points))
             if own is not None and own.sound and max(own.tensor_mismatch, own.com_mismatch) < EXACT:
                 return own
+    if not best.sound and best.cause not in _OF_PLACE and (own := _match_collision_shape(model, link, declared)):
+        return own
     # Whether the tensors of an assembly's parts were added shows only when its mesh is taken apart.
     explained = best.sound if best.com_mismatch > _NEAR_COM else best.tensor_mismatch < EXACT
     is_habit = habit is not None and best.cause == habit.id
@@ -229,6 +236,17 @@ def _diagnose_link(
         return best
     taken_apart = diagnose_inertial(declared, replace(drawn, pieces=parts), twin, trusted=trusted, habit=habit)
     return taken_apart if taken_apart is not None and taken_apart.cause is not None else best
+
+
+def _match_collision_shape(model: Model, link: Link, declared: DeclaredInertial) -> Diagnosis | None:
+    """Return the verdict on numbers that were computed from the collision shapes of a link, which may well have another form
+    than what it draws; None where tensor or COM are not theirs, or their density is that of no part."""
+    collision = measure_role_geometry(model, link, "collision")
+    if collision is None or not collision.closed:
+        return None
+    own = diagnose_inertial(declared, collision)
+    is_own = own is not None and own.sound and max(own.tensor_mismatch, own.com_mismatch) < _COMPUTED
+    return own if is_own else None
 
 
 def _list_geometry_readings(model: Model, link: Link) -> Iterator[VisualGeometry]:

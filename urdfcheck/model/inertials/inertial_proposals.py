@@ -49,6 +49,8 @@ _UNIT_CAUSES = frozenset({"inertia_unit", "mass_unit", "units"})
 _REMAINING, LARGEST_SOUND_MISMATCH = 0.3, 0.75
 # A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size.
 _FAR_COM = 0.1
+# A tensor is about another point where the COM is half a radius of gyration away.
+_APART = 0.5
 # The nearest possible tensor is offered as an edit without a cause where it changes less than mass properties are known by.
 _NEGLIGIBLE_CHANGE = 5e-3
 # Where the nearest possible tensor changes more, nothing can be learned from the author's numbers.
@@ -345,16 +347,29 @@ def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False)
     """Describe the inertia of what the link draws, at its mass and uniform density. It is advice: the density is not known.
 
     For an open mesh, the tensor is that of its convex hull or of the collision shape, and the COM is left out. Empty when that
-    is not known, or written already, or when the hull is not that of the part. ``with_com``: a COM that was typed is replaced.
+    is not known, or written already, or when the hull is not that of the part. ``with_com``: a COM that was typed is replaced,
+    which no hull can do.
     """
     change, drawn = _compute_from_geometry(model, link, with_com=with_com), measure_link_geometry(model, link)
     if change is None or drawn is None or not change.text or has_loose_hull(model, link):
+        return ""
+    if with_com and not drawn.closed:
         return ""
     body, why = "the drawn part" if drawn.closed else "the convex hull of the open mesh", ""
     if drawn.closed and (reason := explain_collision_stand_in(model, link)) is not None:
         body = "the collision shape"
         why = {"open": "; the visual mesh is open", "unread": "; the visual mesh could not be read"}.get(reason, "")
     return f"{change.text} ({body} at this mass and uniform density{why})"
+
+
+def has_com_apart(model: Model, link: Link) -> bool:
+    """Whether the COM is so far from that of what the link draws that the drawn part's tensor is about another point."""
+    drawn, matrix = measure_link_geometry(model, link), None if link.inertial is None else link.inertial.origin.matrix
+    if drawn is None or matrix is None:
+        return False
+    size = float(np.sqrt(np.trace(drawn.solid.covariance)))
+    distance = float(np.linalg.norm(matrix[:3, 3] - drawn.solid.com))
+    return distance > _APART * size
 
 
 def _is_replaced_by_collision(model: Model, link: Link) -> bool:

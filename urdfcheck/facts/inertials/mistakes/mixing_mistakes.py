@@ -13,6 +13,7 @@ import numpy as np
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_mass_covariance, compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import LOG_SQRT_2PI, InertialBatch, Reference, compute_whitening
+from urdfcheck.facts.inertials.materials import CAD_DEFAULT
 from urdfcheck.facts.inertials.mistakes.mistake import (
     COMPONENT_INDICES,
     EFFECT,
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 # A mass that was changed afterwards differs by this much (standard deviation of its logarithm).
 _REVISION = 1.2
+# What tessellation and three digits leave of the default density.
+_DEFAULT_WITHIN = 0.01
 # In a part of more pieces, nobody mistakes one for the whole.
 _MOST_PIECES = 6
 # The component at each of the nine places of the matrix, row by row.
@@ -218,8 +221,18 @@ def _undo_other_mass(suspect: Suspect) -> Corrected:
         return
     log_prior = LOG_PRIORS["other_mass"] - 0.5 * (math.log(scale) / _REVISION) ** 2 - math.log(_REVISION) - LOG_SQRT_2PI
     detail = f"{declared.mass / scale:.3g} kg"
+    if is_default_density(suspect.geometry, declared.mass / scale):
+        detail += f" at {CAD_DEFAULT:g} kg/m³"
     mistake = Mistake(id="other_mass", detail=detail, log_prior=log_prior, borrowed=(1, 0))
     yield mistake, replace(declared, tensor=declared.tensor * scale)
+
+
+def is_default_density(geometry: VisualGeometry | None, mass: float) -> bool:
+    """Whether a mass gives what is drawn the density of a part without a material, to within `_DEFAULT_WITHIN`."""
+    if geometry is None or not geometry.closed:
+        return False
+    default = CAD_DEFAULT * geometry.solid.volume
+    return abs(mass - default) < _DEFAULT_WITHIN * default
 
 
 def _compute_tensor_scale(declared: DeclaredInertial, reference: Reference) -> float | None:
