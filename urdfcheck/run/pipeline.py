@@ -154,12 +154,11 @@ def _reuse_reports(previous: AuditedRun, units: Sequence[Unit], texts: Mapping[s
     return reused
 
 
-def audit_single_model(request: Request, execution: Execution = IN_WORKERS) -> UnitReport:
-    """Return the report on the one model that the request's paths lead to.
+def select_single_model(request: Request, plan: Plan, units: Sequence[Unit]) -> Unit:
+    """Return the one model that the request's paths lead to.
 
     :raises UrdfcheckError: if they lead to none, or to several.
     """
-    plan, units = plan_units(request, in_process=execution.audit is not None)
     for path, reason in (*plan.missing, *plan.unused):
         raise UrdfcheckError(f"{path}: {reason}")
     models = [unit for unit in units if unit.kind == "model" and not unit.is_part]
@@ -167,6 +166,16 @@ def audit_single_model(request: Request, execution: Execution = IN_WORKERS) -> U
     if len(models) != 1:
         names = f"{len(models)} models; name one of them: {', '.join(m.id for m in models)}" if models else "no model"
         raise UrdfcheckError(f"{', '.join(map(str, request.paths))}: {names}")
+    return models[0]
+
+
+def audit_single_model(request: Request, execution: Execution = IN_WORKERS) -> UnitReport:
+    """Return the report on the one model that the request's paths lead to.
+
+    :raises UrdfcheckError: if they lead to none, or to several.
+    """
+    plan, units = plan_units(request, in_process=execution.audit is not None)
+    models = [select_single_model(request, plan, units)]
     with audit_session(request, models, plan) as settings:
         ((_, report),) = stream_reports(models, settings, jobs=1, execution=execution)
     return report

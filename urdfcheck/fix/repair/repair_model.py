@@ -130,14 +130,7 @@ def _focus_request(request: Request) -> tuple[Request, Unit]:
     :raises UrdfcheckError: if there is not exactly one.
     """
     plan, units = pipeline.plan_units(request)
-    for path, reason in (*plan.missing, *plan.unused):
-        raise UrdfcheckError(f"{path}: {reason}")
-    models = [unit for unit in units if unit.kind == "model" and not unit.is_part]
-    models = models or [unit for unit in units if unit.kind == "model" and unit.is_explicit]
-    if len(models) != 1:
-        names = f"{len(models)} models; name one of them: {', '.join(m.id for m in models)}" if models else "no model"
-        raise UrdfcheckError(f"{', '.join(map(str, request.paths))}: {names}")
-    unit = models[0]
+    unit = pipeline.select_single_model(request, plan, units)
     alone = replace(
         request,
         paths=(Path(unit.path),),
