@@ -11,9 +11,7 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
 from urdfcheck.core.text import format_box_size
-from urdfcheck.facts.mesh.topology import label_components
 from urdfcheck.model import Link, Model
-from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 from urdfcheck.model.shapes.solids import get_mesh_scale
@@ -161,6 +159,8 @@ class _Owner:
 def _find_owner(model: Model, body: RigidLinkGroup, link: Link) -> _Owner | None:
     """Find the link in front or behind that is drawn where the collision geometry of ``link`` is, at rest, if it has none itself
     and its counterpart on the other side has such geometry, and the counterpart of ``link`` has not."""
+    from urdfcheck.model.likeness.mirror_pairs import mirror_pairs  # loaded only where a finding is made
+
     try:
         known = mirror_pairs(model)
     except FactUnavailableError:
@@ -254,6 +254,8 @@ def _compute_link_poses(model: Model, links: Sequence[Link]) -> list[Array]:
 
 def _find_stray_pieces(model: Model, link: Link, pair: _BoxPair, ratio: float) -> _StrayPieces | None:
     """Find the small bodies of a mesh that alone make one role of a link so much larger than the other; None without them."""
+    from urdfcheck.facts.mesh.topology import label_components  # loaded only where a finding is made
+
     role, other = ("collision", pair.visual_box) if pair.ratio > 1 else ("visual", pair.collision_box)
     for shape in link.collisions if role == "collision" else link.visuals:
         facts, scale = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True)

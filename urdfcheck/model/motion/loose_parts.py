@@ -105,6 +105,8 @@ def find_loose_part(model: Model, least: float) -> LoosePart | None:
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
+    if len(model.joints) <= _LEAST_OTHERS:
+        return None
     boxes = _collect_boxes(model)
     if boxes is None:
         return None
