@@ -11,7 +11,7 @@ from conftest import check
 
 from urdfcheck.cli import FINDINGS, NOTHING, OK, compute_exit_code
 from urdfcheck.core import Run, Severity
-from urdfcheck.policy.config import ConfigResolver
+from urdfcheck.policy.config_resolver import ConfigResolver
 
 pytestmark = pytest.mark.slow
 
