@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 # A direction counts as a coordinate axis to within half a degree.
 _SQUARE = 4e-5
+# Joints on both sides of y = 0 are twins if their places mirror each other to this distance (m).
+_TWIN = 1e-3
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -27,7 +29,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # One joint is off by mistake. What several joints show is how the robot is drawn.
     if len(mismatches) == 1 and not _is_drawn_in_two_ways(model, mismatches[0].joint):
         yield _report_bearing(model, rule, mismatches[0])
-    if len(blocked) == 1 and not _is_drawn_in_two_ways(model, blocked[0].joint):
+    if len(blocked) == 1 and not (
+        _has_free_twin(model, blocked[0].joint) or _is_drawn_in_two_ways(model, blocked[0].joint)
+    ):
         yield _report_side(model, rule, blocked[0])
 
 
@@ -38,6 +42,20 @@ def _is_drawn_in_two_ways(model: Model, name: str) -> bool:
     joint = model.joint_by_name[name]
     links = [link for end in (joint.parent, joint.child) for link in model.tree.list_body_links(end)]
     return has_unit_ambiguity(model, links) or has_up_axis_ambiguity(model, links)
+
+
+def _has_free_twin(model: Model, name: str) -> bool:
+    """Whether the joint on the other side has the same axis and limits: it moves alike, and nothing is in its way."""
+    joint = model.joint_by_name[name]
+    place, axis = model.frames[joint.child][:3, 3], model.axes[name]
+    for other in model.joints:
+        if other is joint or other.type != joint.type or other.name not in model.axes:
+            continue
+        limits = [(one.get_limit_value("lower"), one.get_limit_value("upper")) for one in (joint, other)]
+        across = model.frames[other.child][:3, 3] - place * (1, -1, 1)
+        if limits[0] == limits[1] and np.abs(across).max() < _TWIN and float(axis @ model.axes[other.name]) > 0.999:
+            return True
+    return False
 
 
 def _report_bearing(model: Model, rule: Rule, found: BearingMismatch) -> Finding:

@@ -34,7 +34,7 @@ _CODE_MODULES = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlacedShape:
+class BodyShape:
     """A shape that is known, at ``pose`` (4, 4) in root coordinates."""
 
     shape: Shape
@@ -48,7 +48,7 @@ class DrawnBodies:
     model: Model
 
     @cached_property
-    def shapes(self) -> dict[str, tuple[PlacedShape, ...]]:
+    def shapes(self) -> dict[str, tuple[BodyShape, ...]]:
         """What each body draws, or collides with where it draws nothing; bodies without known shapes are left out."""
         found = {}
         for head in self.model.tree.order:
@@ -90,17 +90,17 @@ class DrawnBodies:
         ]
         return sum(one.n_triangles for one in facts if one is not None)
 
-    def _collect(self, head: str) -> tuple[PlacedShape, ...]:
+    def _collect(self, head: str) -> tuple[BodyShape, ...]:
         model = self.model
         names = model.tree.list_body_links(head)
         for role in ("visuals", "collisions"):
-            found: list[PlacedShape] = []
+            found: list[BodyShape] = []
             for name in names:
                 shapes: Sequence[Shape] = getattr(model.link_by_name[name], role)
                 for shape in shapes:
                     pose = shape.origin.matrix
                     if pose is not None and not is_dummy_shape(shape) and is_usable_shape(model, shape):
-                        found.append(PlacedShape(shape, model.frames[name] @ pose))
+                        found.append(BodyShape(shape, model.frames[name] @ pose))
             if found:
                 return tuple(found)
         return ()
