@@ -47,6 +47,8 @@ UNMIRRORED = "unmirrored"
 # Mistakes that change the mass, or its ratio to the tensor: no other explains that one side is heavier by more than this share.
 _MASS_CAUSES = frozenset({"mass_unit", "units", "other_mass", "decimal_point", "mesh_scale"})
 _SAME_MASS = 0.2
+# A COM is the drawn part's within this share of a radius of gyration.
+_OWN_COM = 0.02
 # A coordinate of a COM that is smaller than this share of its distance may have been rounded to zero.
 _SAME_COM = 0.01
 # From so many joints on, the wrong limits of one chain have one cause.
@@ -120,7 +122,8 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     deviation, cause = side.deviation, find_cause(pair, side, note)
     if cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
         return None
-    if wrong is None and fit_own_drawings_alike(model, both[0].link, both[1].link, threshold=note):
+    links = both[0].link, both[1].link
+    if wrong is None and fit_own_drawings_alike(model, *links, threshold=note, com_threshold=_OWN_COM):
         return None
     parts = (("COM", deviation.com_offset), ("inertia tensor", deviation.spread))
     differences = describe_differences(side.actual, side.expected, deviation=deviation, threshold=note)

@@ -50,8 +50,6 @@ PRODUCTS = ("ixy", "ixz", "iyz")
 COPIED = 0.005
 # The mesh of one side decides unless the twin's COM or tensor fits it worse by this much.
 WORSE_FIT = 0.1
-# A COM is that of the drawn part within this share of a radius of gyration: most of the motors are inside.
-_OWN_COM = 0.25
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -88,12 +86,15 @@ def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] |
     )
 
 
-def fit_own_drawings_alike(model: Model, one: Link, other: Link, *, threshold: float) -> bool:
-    """Whether the inertials of two links relate alike to what each link draws, in density, in all second moments and in the COM:
-    then the parts differ as they are drawn, and no number is wrong. ``threshold``: as a share of a mass or a length.
+def fit_own_drawings_alike(
+    model: Model, one: Link, other: Link, *, threshold: float, com_threshold: float = math.inf
+) -> bool:
+    """Whether the inertials of two links relate alike to what each link draws, in density and in all second moments: then the
+    parts differ as they are drawn, and no number is wrong. ``threshold``: as a share of a mass or a length.
 
     The second moments are compared along the axes in which declared and drawn ones differ most: a product of inertia with the
-    wrong sign makes a difference on its side only.
+    wrong sign makes a difference on its side only. ``com_threshold``: how near the COM of each is to that of its drawing, in
+    radii of gyration.
     """
     related = []
     for link in (one, other):
@@ -104,7 +105,7 @@ def fit_own_drawings_alike(model: Model, one: Link, other: Link, *, threshold: f
         if not np.linalg.eigvalsh(covariance)[0] > 0.0:
             return False
         white = compute_whitening(covariance)
-        if float(np.linalg.norm(white @ (declared.com - drawn.solid.com))) > _OWN_COM:
+        if float(np.linalg.norm(white @ (declared.com - drawn.solid.com))) > com_threshold:
             return False
         spread = np.linalg.eigvalsh(white @ compute_mass_covariance(declared.inertia, declared.mass) @ white)
         # A variance is the square of a length.
