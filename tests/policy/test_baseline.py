@@ -11,7 +11,7 @@ from conftest import check
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, main
 from urdfcheck.core import Severity, UrdfcheckError
 from urdfcheck.policy import baseline
-from urdfcheck.policy.config import CliOverrides, ConfigResolver
+from urdfcheck.policy.config_resolver import CliOverrides, ConfigResolver
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("one_process")]
 
