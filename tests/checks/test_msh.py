@@ -615,6 +615,23 @@ def test_metres_that_are_scaled_as_millimetres_vanish(tmp_path: Path) -> None:
     assert finding.message_id == "small"
 
 
+@pytest.mark.parametrize(("others", "found"), [(3, True), (1, False)])
+def test_millimetres_that_are_scaled_twice_get_the_usual_scale(tmp_path: Path, others: int, found: bool) -> None:
+    """What most other meshes of the robot have decides: 400 may be millimetres, centimetres or inches."""
+    (tmp_path / "part.obj").write_text(scaled(CLOSED, 400.0))
+    scales = ["0.001 0.001 0.001"] * others + ["1e-6 -1e-6 1e-6"]
+    text = '<link name="base"/>' + "".join(
+        f'<link name="p{i}">{shape("visual", "part.obj", scale=scale)}</link><joint name="j{i}" type="continuous">'
+        f'<parent link="base"/><child link="p{i}"/><origin xyz="{0.2 + i} 0 0"/></joint>'
+        for i, scale in enumerate(scales)
+    )
+    findings = check_text(tmp_path, f'<robot name="r">{text}</robot>', codes={"MSH008"}).findings
+    assert [f.message_id for f in findings] == ["twice"] * found
+    for finding in findings:
+        assert finding.fix is not None
+        assert [edit.replacement for edit in finding.fix.edits] == ["0.001 -0.001 0.001"]
+
+
 def test_a_tiny_mesh_without_scale_is_meant(tmp_path: Path) -> None:
     assert not find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 0.0004), "", shape("visual"), step=0.3)
 
