@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 from urdfcheck.model.fact import fact
 from urdfcheck.model.ground.wheel_pair import find_lone_wheel_pair
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
-from urdfcheck.model.ground.wheels import CASTER_NAME, NOT_DRIVEN_NAME, Wheel, is_suspended, rolling_wheels
+from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
 from urdfcheck.model.parts import GROUND_NAMES, Joint
 from urdfcheck.model.robot import Model
+from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices

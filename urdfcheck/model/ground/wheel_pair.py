@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
-from urdfcheck.model.ground.wheels import CASTER_NAME, NOT_DRIVEN_NAME, Wheel, is_suspended, rolling_wheels
+from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
 from urdfcheck.model.likeness.side_names import pair_by_name
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_body_corners
+from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
