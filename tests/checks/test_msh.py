@@ -152,6 +152,25 @@ def test_what_only_assimp_loads_is_a_warning_that_names_the_line(tmp_path: Path)
     assert find(tmp_path, robot(link("a", shape("collision", "part.dae"))), "MSH002")
 
 
+def test_a_missing_image_of_a_texture_is_a_note(tmp_path: Path) -> None:
+    effect = (
+        '<library_effects><effect id="e"><profile_COMMON><newparam sid="s"><surface type="2D"><init_from>mount</init_from>'
+        '</surface></newparam><newparam sid="p"><sampler2D><source>s</source></sampler2D></newparam><technique sid="t">'
+        '<lambert><diffuse><texture texture="p" texcoord="u"/></diffuse></lambert></technique></profile_COMMON></effect>'
+        '</library_effects><library_images/><library_materials><material id="m"><instance_effect url="#e"/></material>'
+        "</library_materials><library_geometries>"
+    )
+    bound = (
+        '<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="m" target="#m"/>'
+        "</technique_common></bind_material></instance_geometry>"
+    )
+    text = collada(1.0, 1.0).replace("<library_geometries>", effect).replace("<triangles ", '<triangles material="m" ')
+    finding = find_broken(tmp_path, "part.dae", text.replace('<instance_geometry url="#g"/>', bound))
+    assert (finding.message_id, finding.severity) == ("tolerated", Severity.INFO)
+    assert "missing image" in finding.message
+    assert set(finding.consequences) == {"trimesh", "yourdfpy"}
+
+
 def test_consequences_are_told_of_programs_whose_loader_was_asked(tmp_path: Path) -> None:
     cut = find_broken(tmp_path, "part.dae", collada(1.0, 1.0)[:-20])
     assert (cut.severity, cut.message_id) == (Severity.ERROR, "refused")

@@ -225,6 +225,28 @@ def test_diagonal_wheels_that_are_off_are_not_told_apart(tmp_path: Path) -> None
     assert finding.data["gap"] == pytest.approx(8)
 
 
+@pytest.mark.parametrize(
+    ("left", "right", "message", "severity"),
+    [
+        ((8, 0, 0, 8), (8, 0, 0, 8), "axles", Severity.INFO),
+        ((8, 0, 4, 0), (8, 0, 4, 0), "axles", Severity.INFO),
+        ((8, 0, 0, 0), (0, 0, 0, 8), "uneven", Severity.WARNING),
+        ((8, 0, 0, 0), (0, 0, 0, 0), "odd", Severity.WARNING),
+    ],
+)
+def test_raised_axles_of_a_vehicle_with_many_are_by_design(
+    tmp_path: Path, left: tuple[int, ...], right: tuple[int, ...], message: str, severity: Severity
+) -> None:
+    """Four axles from front to rear, and the heights of their wheels in mm."""
+    wheels = [
+        Wheel(f"{side}_{axle}_wheel", (0.3 - 0.2 * axle, y, 1e-3 * height))
+        for side, y, heights in (("left", 0.12, left), ("right", -0.12, right))
+        for axle, height in enumerate(heights)
+    ]
+    (finding,) = find_in_car(tmp_path, "SYM006", replace(FOUR, wheels=tuple(wheels)))
+    assert (finding.message_id, finding.severity) == (message, severity)
+
+
 def test_a_wheel_with_another_radius_is_told_as_that(tmp_path: Path) -> None:
     (finding,) = find_in_car(tmp_path, "SYM006", changed(FOUR, 1, radius=0.048))
     assert finding.message_id == "radius"
