@@ -15,6 +15,7 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_shape_corners, compute_shape_corners
+from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME, WHEEL_NAME
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -22,14 +23,6 @@ if TYPE_CHECKING:
 
 # A wheel's axis is level to within its camber, and parallel to another to within its toe: 6°.
 LEVEL = 0.1
-WHEEL_NAME = re.compile(r"wheel|tyre|tire", re.IGNORECASE)
-# A part that carries a wheel is named after it and turns about another axis.
-WHEEL_CARRIER_NAME = re.compile(
-    r"steer|swivel|rotation|holder|fork|mount|bracket|knuckle|arm|leg|rocker|bogie|susp|axle", re.IGNORECASE
-)
-CASTER_NAME = re.compile(r"cast[eo]r", re.IGNORECASE)
-# Wheels that turn freely, or are not wheels of a vehicle, or do not touch the ground.
-NOT_DRIVEN_NAME = re.compile(r"caster|castor|roller|steer|swivel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
 _NOT_WHEEL_NAME = re.compile(r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
 
 
