@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from urdfcheck.core import Run, Severity, Verdict
 from urdfcheck.core.text import join_names
+from urdfcheck.output.shared.verdict.engine_answers import list_answers
 from urdfcheck.output.shared.verdict.not_checked import describe_not_checked, explain_unchecked, is_accepted
 from urdfcheck.output.shared.verdict.verdict import summarize_verdict
 from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, get_base_name, join_with_and
@@ -49,7 +50,10 @@ def describe_losses(run: Run) -> str:
         return ""
     targets = run.get_targets(run.models[0].id)
     names: dict[Verdict, list[str]] = {}
+    answers = list_answers(run, run.models[0].id)
     for name, outcome in predict_outcomes([*run.findings, *run.unrequested]).items():
+        if Verdict.REFUSES in {outcome.verdict, answers[name].verdict if name in answers else None} and name in answers:
+            continue  # its own answer counts
         if not targets or name in targets:
             names.setdefault(outcome.verdict, []).append(PROGRAM_NAMES.get(name, name))
     refusing, dropping = names.get(Verdict.REFUSES, []), names.get(Verdict.DROPS, [])
@@ -58,9 +62,12 @@ def describe_losses(run: Run) -> str:
         if refusing
         else []
     )
+    refused = [f"{PROGRAM_NAMES[n]} {a.version}" for n, a in answers.items() if a.verdict is Verdict.REFUSES]
+    if refused:
+        said.insert(0, f"{join_with_and(refused, _MOST_NAMED)} refused this model here")
     if dropping:
         verb = "drops" if len(dropping) == 1 else "drop"
-        said.append(f"{join_with_and(dropping, _MOST_NAMED)} {verb} a part{'' if refusing else ' of this model'}")
+        said.append(f"{join_with_and(dropping, _MOST_NAMED)} {verb} a part{'' if said else ' of this model'}")
     return ", ".join(said)
 
 
