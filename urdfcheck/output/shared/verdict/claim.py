@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from urdfcheck.core import Finding, Run, Severity, Verdict
 from urdfcheck.core.text import join_names
+from urdfcheck.output.shared.verdict.engine_answers import list_answers
 from urdfcheck.output.shared.verdict.not_checked import describe_not_checked, explain_unchecked, is_accepted
 from urdfcheck.output.shared.verdict.verdict import summarize_verdict
 from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, get_base_name, join_with_and
@@ -53,9 +54,12 @@ def describe_losses(run: Run) -> str:
         return ""
     targets = run.get_targets(run.models[0].id)
     names: dict[Verdict, list[str]] = {}
+    answers = list_answers(run, run.models[0].id)
     without_data = []
     findings = [*run.findings, *run.unrequested]
     for name, outcome in predict_outcomes(findings).items():
+        if name in answers and Verdict.REFUSES in (outcome.verdict, answers[name].verdict):
+            continue  # its own answer counts
         if not targets or name in targets:
             alike = names.setdefault(outcome.verdict, [])
             is_data = outcome.verdict is Verdict.DROPS and _loses_only_data(findings, name)
@@ -66,9 +70,12 @@ def describe_losses(run: Run) -> str:
         if refusing
         else []
     )
+    refused = [f"{PROGRAM_NAMES[n]} {a.version}" for n, a in answers.items() if a.verdict is Verdict.REFUSES]
+    if refused:
+        said.insert(0, f"{join_with_and(refused, _MOST_NAMED)} refused this model here")
     if dropping:
         verb = "drops" if len(dropping) == 1 else "drop"
-        said.append(f"{join_with_and(dropping, _MOST_NAMED)} {verb} a part{'' if refusing else ' of this model'}")
+        said.append(f"{join_with_and(dropping, _MOST_NAMED)} {verb} a part{'' if said else ' of this model'}")
     if without_data:
         verb = "drops" if len(without_data) == 1 else "drop"
         said.append(f"{join_with_and(without_data, _MOST_NAMED)} {verb} the data of a sensor")
