@@ -53,7 +53,7 @@ def describe_losses(run: Run) -> str:
         return ""
     targets = run.get_targets(run.models[0].id)
     names: dict[Verdict, list[str]] = {}
-    without_data = []
+    without_data: list[str] = []
     findings = [*run.findings, *run.unrequested]
     for name, outcome in predict_outcomes(findings).items():
         if not targets or name in targets:
