@@ -64,11 +64,13 @@ def _build_outlier_finding(
     others = [_get_inertial(model, link) for link in odd.by]
     repair = build_inertial_repair(inertial, odd.expected)
     shared = any(other.element.span == inertial.element.span for other in others)
+    # Numbers that no link has are as exact as the drawing: compared, not written.
+    edits = () if shared or odd.is_image else repair.edits
     return rule.finding(
-        "odd" if repair.edits and not shared else "computed",
+        "odd" if edits or odd.is_image else "computed",
         at=locate_difference(inertial, odd.deviation, note),
         related=[locate_difference(other, odd.deviation, note) for other in others],
-        edits=() if shared else repair.edits,
+        edits=edits,
         severity=None if odd.deviation.worst >= differ else Severity.INFO,
         numbers=repair.text if shared else repair.words,
         why=why,

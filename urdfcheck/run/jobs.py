@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from urdfcheck.export.link_pairs import LinkPairs
     from urdfcheck.export.outline import ModelOutline
     from urdfcheck.policy.baseline import Baseline
-    from urdfcheck.policy.config import ConfigResolver
+    from urdfcheck.policy.config_resolver import ConfigResolver
 
 # Joint configurations to sample, and with --thorough.
 SAMPLES, THOROUGH = 200, 5_000
@@ -55,6 +55,8 @@ class AuditOptions:
     """Whether reports classify all pairs of links for an SRDF."""
     drop: bool = False
     """Whether models are dropped on a plane."""
+    base: str = "auto"
+    """How their base is held then: auto | fixed | free."""
     environment: tuple[str, ...] = ()
     """Environment variables that a xacro may read beside those of ROS."""
     reading: tuple[str, ...] = ()

@@ -144,9 +144,12 @@ def find_reversal_evidence(part: Part, shared: Collection[str] = ()) -> set[str]
 
 def find_zero_evidence(part: Part, name: str, shared: Collection[str] = ()) -> set[str]:
     """Find what shows that an effort or a velocity must not be 0: all joints of its name have one, or all others, three
-    at least. A robot of one joint, or one whose other joints have 0 too, does not show it."""
+    at least. A robot of one joint, or one whose other joints have 0 too, does not show it; nor does a joint that follows another
+    one (`<mimic>`), which has no drive of its own that a limit would stop."""
     joint = part.joint
     assert joint is not None
+    if not joint.is_driven:
+        return set()
     others = [
         (other, other.get_limit_value(name) or 0.0)
         for other in part.owner.model.joints
