@@ -51,6 +51,8 @@ PRODUCTS = ("ixy", "ixz", "iyz")
 COPIED = 0.005
 # The mesh of one side decides unless the twin's COM or tensor fits it worse by this much.
 WORSE_FIT = 0.1
+# A COM is far from the drawn part's beyond this share of a radius of gyration, and much farther than another by this factor.
+_FAR_COM, _MUCH_FARTHER = 0.3, 3.0
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -169,6 +171,8 @@ def find_wrong_side(
     if not other and len(one) >= VOTES:
         return both[1], one
     suspects = [side for side in both if _is_misfit(model, side)]
+    if not suspects:
+        suspects = [side for side in both if _has_com_on_the_other_side(model, side, threshold)]
     return (suspects[0], ()) if len(suspects) == 1 else None
 
 
@@ -184,6 +188,17 @@ def _is_misfit(model: Model, side: PairSide) -> bool:
         return False
     fits = [measure_inertial_mismatch(n, drawn.solid.com, drawn.solid.covariance) for n in (side.actual, side.expected)]
     return all(twin_fit <= own_fit + WORSE_FIT for own_fit, twin_fit in zip(*fits, strict=True))
+
+
+def _has_com_on_the_other_side(model: Model, side: PairSide, threshold: float) -> bool:
+    """Whether only the COM differs from the twin's image, which is near that of the side's drawing, and the side's own is far."""
+    drawn = measure_link_geometry(model, side.link)
+    if drawn is None or max(side.deviation.mass, side.deviation.spread) > threshold:
+        return False
+    own, twin = (
+        measure_inertial_mismatch(n, drawn.solid.com, drawn.solid.covariance)[1] for n in (side.actual, side.expected)
+    )
+    return own > _FAR_COM and own > _MUCH_FARTHER * twin
 
 
 def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None:
