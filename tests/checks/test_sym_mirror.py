@@ -805,6 +805,18 @@ def test_an_offset_along_the_axis_that_the_next_joint_takes_back_moves_nothing(
     assert not {finding.message_id for finding in found} & {"origin", "slip", "axis"}
 
 
+@pytest.mark.parametrize(("turn", "found"), [(0.0087, False), (0.03, True)])
+def test_a_slight_tilt_that_the_next_joint_takes_back_is_typed(tmp_path: Path, turn: float, found: bool) -> None:
+    """The axis of the arm, y, is tilted about x; the hand is where it should be, and turned as it should be."""
+    placement = build_origin_transform((0.0, 0.0, 0.0), (turn, 0.0, 0.0))
+    robot = with_(moved_link(ROBOT, "right_arm", placement), "joint[@name='right_arm_joint']/axis", xyz="0 1 0")
+    taken_back = find(tmp_path / "a", ET.tostring(robot, encoding="unicode"), "SYM004")
+    assert ("axis" in {finding.message_id for finding in taken_back}) is found
+    tilted = with_(ROBOT, "joint[@name='right_arm_joint']/origin", rpy=f"{turn} 0 0")
+    alone = find(tmp_path / "b", ET.tostring(tilted, encoding="unicode"), {"SYM001", "SYM004"})
+    assert {finding.message_id for finding in alone} & {"axis", "pair_tilt", "tilt", "origin"}
+
+
 def test_a_joint_beside_its_place_takes_along_nothing_that_is_in_place(tmp_path: Path) -> None:
     """The axis of an arm is 5 mm off, but the hand is where it should be."""
     robot = with_(ROBOT, "joint[@name='right_arm_joint']/origin", xyz="0.025 -0.07 0")

@@ -24,7 +24,10 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small:
     if not any(link.collisions for link in model.links):
         if model.masses and not any(declared.mass for declared in model.masses):
             return  # made to be drawn: INR002 reports the masses of 0
-        yield rule.finding("none", at=model.name_location, severity=Severity.INFO, robot=model.name, bodies=len(moving))
+        what = f"robot {model.name}" if model.name else "the robot"
+        yield rule.finding(
+            "none", at=model.name_location, severity=Severity.INFO, robot=model.name, what=what, bodies=len(moving)
+        )
         return
     bare = [body for body in moving if not has_collision_geometry(model, body)]
     missing = [body for body in bare if not _is_exempt(model, body, sheltered)]

@@ -52,6 +52,8 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
         yield rule.finding("radius", at=_locate_xyz(joint), **data)
         return
     before, after, edits = _propose_origin_xyz(model, joint, odd.rise)
+    if abs(odd.rise) > odd.wheel.radius:
+        edits = []  # so far away it is not its height alone that is wrong
     yield rule.finding("odd", at=_locate_xyz(joint), edits=edits, before=before, after=after, **data)
 
 

@@ -57,10 +57,12 @@ class DrivenWheel:
     joint: Joint
     axis: Array
     """Unit vector (3,) in root coordinates."""
+    stands: bool = True
+    """Whether it reaches the ground; of the wheels that are found, some may be far from it by mistake."""
 
 
 def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
-    """Find the wheels on which the robot stands and that no joint steers, when all joints are at zero and z is up.
+    """Find the wheels that no joint steers, and whether the robot stands on them when all joints are at zero and z is up.
 
     A link whose shapes are not known counts as a wheel when its name says so.
 
@@ -73,8 +75,8 @@ def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
         if not NOT_DRIVEN_NAME.search(_join_joint_names(w.joint)) and not _is_steered(model, w.joint, w.axis)
     ]
     ground = min((w.bottom for w in driven), default=0.0)
-    standing = [DrivenWheel(w.joint, w.axis) for w in driven if w.bottom - ground < 0.2 * w.radius]
-    return (*standing, *_find_unseen_wheels(model))
+    found = [DrivenWheel(w.joint, w.axis, w.bottom - ground < 0.2 * w.radius) for w in driven]
+    return (*found, *_find_unseen_wheels(model))
 
 
 @fact

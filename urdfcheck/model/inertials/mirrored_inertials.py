@@ -19,6 +19,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.inertial_fit import compute_whitening, measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.inertials.twin_slips import find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     find_wrong_signs,
@@ -189,10 +190,12 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
     """Find why two inertials are not related as the drawings are; None where nothing explains all differences.
 
     ``copied`` or ``mirrored`` where the drawings were not; ``products_sign`` where the numbers are right but for the signs
-    of all products; ``signs`` for other signs, in frames whose axes are mirror images: only there a mirror changes signs.
+    of all products; ``signs`` for other signs, in frames whose axes are mirror images: only there a mirror changes signs;
+    ``decimal`` where masses differ by a power of ten, alone or as the tensors do.
     """
     if side.deviation.mass > threshold:
-        return None
+        slip = find_slip_between_twins(side.actual, side.expected)
+        return "decimal" if slip is not None and slip.is_either else None
     if any(_is_derived_from(side, copy, threshold) for copy in side.disallowed):
         return "copied"
     if pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
