@@ -55,7 +55,7 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     :raises FactUnavailableError: when the tree is broken, or a shape, a mass or an origin is not known.
     """
     wheels = {wheel.joint.child: wheel for wheel in rolling_wheels(model)}
-    driven = tuple(wheel for wheel in wheels.values() if not _is_caster(wheel.joint))
+    driven = tuple(wheel for wheel in wheels.values() if not is_caster_joint(wheel.joint))
     if len(driven) < 2 or model.tree.root in GROUND_NAMES or any(is_suspended(model, name) for name in wheels):
         return None
     tolerance = max(spread * min(wheel.radius for wheel in driven), least)
@@ -72,7 +72,7 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     if not any(mass.link.name in base for mass in masses):
         return None
     points, owners = collect_robot_corners(model, wheels)
-    casters = tuple(name for name in _list_casters(model) if np.any(owners == model.tree.order.index(name)))
+    casters = tuple(name for name in list_casters(model) if np.any(owners == model.tree.order.index(name)))
     carriers = [model.tree.order.index(name) for name in {*wheels, *casters}]
     carrying = np.isin(owners, carriers)
     com = np.average([mass.com for mass in masses], axis=0, weights=[mass.mass for mass in masses])
@@ -116,12 +116,13 @@ def _list_load_cases(com: Array, driven: Sequence[Wheel], tolerance: float) -> l
     return [com + 2 * tolerance * across, com - 2 * tolerance * across]
 
 
-def _is_caster(joint: Joint) -> bool:
+def is_caster_joint(joint: Joint) -> bool:
+    """Whether the names of a joint and its child say that it is not driven."""
     names = f"{joint.name} {joint.child}"
     return bool(CASTER_NAME.search(names) or NOT_DRIVEN_NAME.search(names))
 
 
-def _list_casters(model: Model) -> list[str]:
+def list_casters(model: Model) -> list[str]:
     """List the links whose names, or whose joints' names, say caster."""
     found = []
     for name in model.tree.order:
