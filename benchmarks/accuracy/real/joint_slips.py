@@ -238,14 +238,14 @@ _ODD = ("SYM001", "SYM002", "SYM004")
 KINDS = (
     *_kinds(
         "joint",
-        (joint_rpy_off, "", ("SYM001", "SYM004", "JNT013", "SYM006", "JNT015", "COL001")),
-        (joint_xyz_off, "", (*_ODD, "COL001", "SYM006")),
+        (joint_rpy_off, "", ("SYM001", "SYM004", "JNT013", "SYM006", "JNT015", "JNT021", "COL001")),
+        (joint_xyz_off, "", (*_ODD, "COL001", "SYM006", "JNT021")),
         (joint_xyz_sign, r"\bsign\b|mirror", (*_ODD, "NAM005", "COL001")),
         (joint_xyz_mm, r"\bmm\b|millimet|1000", ()),
         (joint_xyz_decimal, r"decimal|ten times|10 times", (*_ODD,)),
         (joint_rpy_degrees, "", ("JNT012",)),
-        (axis_reversed, r"axis|axes|opposite|sense", ("SYM004", "SYM005")),
-        (axis_permuted, r"axis|axes", ("JNT015", "SYM001", "SYM004")),
+        (axis_reversed, r"axis|axes|opposite|sense", ("SYM004", "SYM005", "JNT021")),
+        (axis_permuted, r"axis|axes", ("JNT015", "JNT021", "SYM001", "SYM004")),
         (axis_zero, "", ("JNT001",)),
     ),
     *_kinds(
