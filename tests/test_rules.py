@@ -22,7 +22,7 @@ from urdfcheck.core import Applicability, Finding, Rule
 from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.core.headlines import LONGEST_HEADLINE
 from urdfcheck.dev.new_rule import TO_DO
-from urdfcheck.policy import config
+from urdfcheck.policy import config, config_resolver
 from urdfcheck.rules import NEEDS, SCOPES, has_check, load_check, load_rules
 
 FENCE = re.compile(r"^```(\w+)(?: file=(\S+))?[ ]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -88,7 +88,7 @@ def findings_of(case: Case, folder: Path) -> list[Finding]:
     # A single file is named by the user; a tree of files is found in its folder.
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
     # A tree may hold its own urdfcheck.toml.
-    targets = config.find_config(folder).target
+    targets = config_resolver.find_config(folder).target
     rule = load_rules()[case.rule]
     simulated = "simulator" in rule.needs
     if simulated:

@@ -17,7 +17,7 @@ from services import accepts
 from urdfcheck import cli
 from urdfcheck.cli.commands import init
 from urdfcheck.cli.commands.init import HOOKS, LOCAL_HOOKS, add_hooks
-from urdfcheck.policy import config
+from urdfcheck.policy import config_resolver
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("one_process")]
 
@@ -48,7 +48,7 @@ def test_what_launch_files_pass_is_written_down(repository: Path, capsys: pytest
     launch.write_text(start + 'Command(["xacro ", path, " side:=right ", "n:=", "7"])\n')
     assert cli.main(["init"]) == cli.OK
     assert "need" not in capsys.readouterr().out.partition("next")[0]
-    (model,) = config.find_config(repository).models
+    (model,) = config_resolver.find_config(repository).models
     assert (model.path.name, dict(model.arguments)) == ("arm.urdf.xacro", {"side": "right", "n": "7"})
     assert '# side: "launch/view.launch.py:2"' in (repository / "urdfcheck.toml").read_text(encoding="utf-8")
     assert cli.main([".", "--tier", "source"]) == cli.OK
@@ -60,7 +60,7 @@ def test_a_repository_is_set_up(repository: Path, capsys: pytest.CaptureFixture[
     assert "found 2 models, 1 needs arguments" in said
     assert "give urdf/arm.urdf.xacro arguments in urdfcheck.toml" in said
     assert "how urdfcheck is installed" in said
-    read = config.find_config(repository)
+    read = config_resolver.find_config(repository)
     assert [(m.path.name, dict(m.arguments)) for m in read.models] == [("arm.urdf.xacro", {})]
     text = (repository / "urdfcheck.toml").read_text(encoding="utf-8")
     assert '# arguments = { side = "left", n = "" }\n# side: "left", "right"\n' in text
@@ -154,8 +154,8 @@ def test_what_is_there_is_added_to(repository: Path) -> None:
     after = (repository / "pyproject.toml").read_bytes().decode()
     assert after.startswith(project)
     assert "\n" not in after.replace("\r\n", "")
-    assert config.find_config(repository).file == repository / "pyproject.toml"
-    assert len(config.find_config(repository).models) == 1
+    assert config_resolver.find_config(repository).file == repository / "pyproject.toml"
+    assert len(config_resolver.find_config(repository).models) == 1
     job = (repository / ".gitlab-ci.yml").read_text()
     assert job.startswith(ci)
     assert yaml.safe_load(job)["urdfcheck"]["stage"] == "build"

@@ -29,7 +29,7 @@ from urdfcheck.fix import fixer, patch
 from urdfcheck.fix.fixer import FixResult, compute_fixes, select_disjoint
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
 from urdfcheck.fix.regression import find_regression
-from urdfcheck.policy import config
+from urdfcheck.policy import config_resolver
 from urdfcheck.rules import load_rules, select_rules
 from urdfcheck.run import pipeline
 from urdfcheck.run.findings import get_sort_key
@@ -95,7 +95,7 @@ def test_the_repair_of_an_example_repairs_it(rule: Rule, tmp_path: Path) -> None
         for name, text in case.files:
             written(folder, text, name)
         target = folder if len(case.files) > 1 else folder / case.files[0][0]
-        settings = {"tier": "full", "targets": config.find_config(folder).target}
+        settings = {"tier": "full", "targets": config_resolver.find_config(folder).target}
         codes = {rule.code, *rule.hidden_by}
         before = check(target, codes=codes, **settings)
         offered = [f for f in before.findings if f.fix is not None and f.fix.edits]

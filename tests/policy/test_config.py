@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from urdfcheck import cli
 from urdfcheck.cli import FINDINGS, OK, compute_exit_code
 from urdfcheck.core import Run, UrdfcheckError
-from urdfcheck.policy import config
-from urdfcheck.policy.config import CliOverrides, ConfigResolver
+from urdfcheck.policy import config_resolver
+from urdfcheck.policy.config_resolver import CliOverrides, ConfigResolver
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import load_rules
 from urdfcheck.run import pipeline
@@ -406,7 +406,7 @@ class TestMistakes:
         write(tmp_path / "r.urdf", BROKEN.format("a"))
         write(tmp_path / "urdfcheck.toml", text)
         with pytest.raises(UrdfcheckError) as error:
-            config.find_config(tmp_path)
+            config_resolver.find_config(tmp_path)
         assert says in str(error.value)
         assert f"urdfcheck.toml:{line}: " in str(error.value)
 
@@ -414,11 +414,11 @@ class TestMistakes:
         text = '[tool.ruff]\nselct = []\n[project]\nname = "x"\n[tool.urdfcheck]\nselct = []\n'
         write(tmp_path / "pyproject.toml", text)
         with pytest.raises(UrdfcheckError, match=r"pyproject\.toml:6: unknown key"):
-            config.find_config(tmp_path)
+            config_resolver.find_config(tmp_path)
 
     def test_a_byte_order_mark_is_none(self, tmp_path: Path) -> None:
         write(tmp_path / "urdfcheck.toml", '\ufefffail-on = "info"\n')
-        assert config.find_config(tmp_path).fail_on == "info"
+        assert config_resolver.find_config(tmp_path).fail_on == "info"
 
 
 class TestPlaces:
@@ -470,7 +470,7 @@ def test_the_example_of_the_documentation_is_right(tmp_path: Path) -> None:
         (tmp_path / folder).mkdir(parents=True)
     write(tmp_path / "urdf/arm.urdf.xacro", XACRO)
     write(tmp_path / "urdfcheck.toml", text)
-    read = config.find_config(tmp_path)
+    read = config_resolver.find_config(tmp_path)
     assert (len(read.sections), len(read.models), len(read.suppress)) == (2, 1, 1)
 
 
@@ -480,7 +480,7 @@ def test_every_code_a_page_declares_can_be_configured(tmp_path: Path) -> None:
     for rule in load_rules().values():
         lines += [f"[options.{rule.name}]", *(f"{o.name} = {json.dumps(o.default)}" for o in rule.options.values())]
     write(tmp_path / "urdfcheck.toml", "\n".join(lines))
-    read = config.find_config(tmp_path).sections[0].options
+    read = config_resolver.find_config(tmp_path).sections[0].options
     assert read == {c: {o.name: o.default for o in r.options.values()} for c, r in load_rules().items() if r.options}
 
 

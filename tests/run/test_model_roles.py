@@ -11,7 +11,7 @@ from conftest import check
 
 from urdfcheck.cli import FINDINGS, NOTHING, OK, compute_exit_code
 from urdfcheck.core import Run, Severity
-from urdfcheck.policy.config import ConfigResolver
+from urdfcheck.policy.config_resolver import ConfigResolver
 
 pytestmark = pytest.mark.slow
 
@@ -72,6 +72,18 @@ def test_a_library_of_macros_is_no_error_however_it_is_given(package: Path, name
     for run in (check(Path("wheels.urdf.xacro")), check(Path("more.xacro")), check(Path("."))):
         assert (list_errors(run), run.models) == ([], ())
     assert list_unchecked(check(Path("wheels.urdf.xacro"))) == ["wheels.urdf.xacro"]
+
+
+@pytest.mark.parametrize(("child", "is_model"), [("front_bumpr_mount", True), ("camera_mount", False)])
+def test_a_robot_that_misspells_one_of_its_links_is_no_part(package: Path, child: str, is_model: bool) -> None:
+    """A file that another one includes is a robot by itself, too, if all that it names is its own but for one letter."""
+    links = "".join(f'<link name="{name}"/>' for name in ("base", "wheel", "front_bumper_mount"))
+    body = links + joint("base", "wheel") + joint("base", child)
+    others = '<link name="body"/>' + unless_asked(include("dingo.urdf.xacro"))
+    write(package, {"dingo.urdf.xacro": xacro(body), "all.urdf.xacro": xacro(others)})
+    run = check(Path("dingo.urdf.xacro"))
+    assert (list_errors(run) == [("KIN002", "dingo.urdf.xacro")]) is is_model
+    assert (list_unchecked(run) == []) is is_model
 
 
 def test_a_library_is_told_only_where_no_model_uses_it(package: Path) -> None:

@@ -16,7 +16,7 @@ from urdfcheck.core import Run
 from urdfcheck.output import github, gitlab, html, junit, markdown, rdjson, sarif, text
 from urdfcheck.output.json import render as render_json
 from urdfcheck.policy.baseline import collect_entries
-from urdfcheck.policy.config import ConfigResolver
+from urdfcheck.policy.config_resolver import ConfigResolver
 from urdfcheck.rules import load_rules
 from urdfcheck.run.shared_findings import is_computed
 

@@ -19,7 +19,7 @@ import urdfcheck
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, compute_exit_code, main
 from urdfcheck.core import Finding, Run, Severity
 from urdfcheck.output import text
-from urdfcheck.policy.config import ConfigResolver
+from urdfcheck.policy.config_resolver import ConfigResolver
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from urdfcheck.core import Run
-from urdfcheck.policy.config import ConfigResolver
+from urdfcheck.policy.config_resolver import ConfigResolver
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.xacro.argument_values import (
     MOST_COMBINATIONS,

@@ -259,11 +259,11 @@ class TestModels:
 class TestConfiguration:
     def test_of_a_stranger_cannot_widen_the_reach(self, tmp_path: Path) -> None:
         from urdfcheck.core import UrdfcheckError
-        from urdfcheck.policy import config
+        from urdfcheck.policy import config_resolver
 
         (tmp_path / "repository" / ".git").mkdir(parents=True)
         (tmp_path / "elsewhere").mkdir()
         toml = tmp_path / "repository" / "urdfcheck.toml"
         toml.write_text('package-path = ["../elsewhere"]')
         with pytest.raises(UrdfcheckError, match="name it on the command line"):
-            config.find_config(tmp_path / "repository")
+            config_resolver.find_config(tmp_path / "repository")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from urdfcheck.export.link_pairs import LinkPairs
     from urdfcheck.export.outline import ModelOutline
     from urdfcheck.policy.baseline import Baseline
-    from urdfcheck.policy.config import ConfigResolver
+    from urdfcheck.policy.config_resolver import ConfigResolver
 
 # Joint configurations to sample, and with --thorough.
 SAMPLES, THOROUGH = 200, 5_000

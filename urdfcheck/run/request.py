@@ -16,7 +16,8 @@ from urdfcheck.run.jobs import SAMPLES, AuditOptions, PackageFolders, Request
 
 if TYPE_CHECKING:
     from urdfcheck.policy.baseline import Baseline
-    from urdfcheck.policy.config import Config, ConfigResolver
+    from urdfcheck.policy.config import Config
+    from urdfcheck.policy.config_resolver import ConfigResolver
 
 # MiB: an audit of an empty robot takes about half of it.
 MIN_MEMORY = 512
@@ -101,7 +102,9 @@ def make_config_resolver(options: RunOptions) -> ConfigResolver:
 
     :raises UrdfcheckError: for unknown rules and targets.
     """
-    from urdfcheck.policy.config import UNCHECKED, CliOverrides, ConfigResolver, explain_unknown_target
+    from urdfcheck.policy.config import UNCHECKED
+    from urdfcheck.policy.config_resolver import CliOverrides, ConfigResolver
+    from urdfcheck.policy.config_table import explain_unknown_target
     from urdfcheck.rules import select_rules
 
     def select_codes(words: Sequence[str] | None) -> frozenset[str] | None:

@@ -120,6 +120,7 @@ class _PlainUnpickler(pickle.Unpickler):
             "export.outline",
             "source.model_role",
             "policy.config",
+            "policy.config_resolver",
             "policy.limits",
             "policy.suppression",
             "run.jobs",

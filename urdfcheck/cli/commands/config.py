@@ -17,7 +17,8 @@ from urdfcheck.core.errors import UrdfcheckError
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from urdfcheck.policy.config import Config, ConfigResolver
+    from urdfcheck.policy.config import Config
+    from urdfcheck.policy.config_resolver import ConfigResolver
     from urdfcheck.policy.policy import Policy
 
 DEFAULT, COMMAND_LINE = "default", "command line"
@@ -105,7 +106,7 @@ def main(words: Sequence[str]) -> int:
 
 
 def _build_report(resolver: ConfigResolver, config: Config, path: Path, *, baseline: Path | None) -> ConfigReport:
-    from urdfcheck.policy.config import read_typed_table
+    from urdfcheck.policy.config_file import read_typed_table
     from urdfcheck.source.package.finder import format_path
 
     given, effective = resolver.overrides, resolver.resolve(config, path)

@@ -214,7 +214,7 @@ def _ensure_writable_name(name: str) -> None:
 
 def _expand_models(folder: Path) -> Run:
     """Expand the models of a folder, to find those that need arguments."""
-    from urdfcheck.policy.config import make_default_config
+    from urdfcheck.policy.config_resolver import make_default_config
     from urdfcheck.policy.policy import Policy
     from urdfcheck.run.jobs import Request
     from urdfcheck.run.pipeline import Execution, run

@@ -43,8 +43,8 @@ if TYPE_CHECKING:
 _UNDECIDED_CAUSES = frozenset(
     {"other_mass", "one_piece", "shell", "bounding_box", "convex_hull", "com_missing", "mesh_scale"}
 )
-# Units of mass and tensor: all links of a file have the same.
-_UNIT_CAUSES = frozenset({"inertia_unit", "mass_unit", "units"})
+# Units: all links of a file have the same.
+_UNIT_CAUSES = frozenset({"inertia_unit", "mass_unit", "com_unit", "units"})
 # The undone mistake must leave no more than this part of the mismatch, and no more than lumps of a third of the mass make.
 _REMAINING, LARGEST_SOUND_MISMATCH = 0.3, 0.75
 # A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size.
@@ -313,6 +313,7 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
         and _has_same_mistake(model, inertial.element.span)
         and not _contradicts_twins(model, diagnosed)
         and not _is_lone_unit(model, diagnosed)
+        and not _is_of_either_side(model, link, diagnosed)
     )
     return change if is_certain else replace(change, edits=())
 
@@ -419,6 +420,18 @@ def _is_lone_unit(model: Model, diagnosed: DiagnosedInertial) -> bool:
         if one.diagnosis.cause == diagnosis.cause
     }
     return len(numbers) > len(with_unit) == 1
+
+
+def _is_of_either_side(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
+    """Whether a decimal point may as well have slipped in the twin: the numbers that the twin has are not sound for the drawing,
+    so that it does not say which side is right."""
+    from urdfcheck.facts.inertials.diagnosis import diagnose_inertial  # heavy, and needed for wrong inertials only
+
+    diagnosis, drawn = diagnosed.diagnosis, measure_link_geometry(model, link)
+    if diagnosis.judged_by != "twin" or diagnosis.cause != "decimal_point" or diagnosis.mended is None:
+        return False
+    of_twin = None if drawn is None else diagnose_inertial(diagnosis.mended, drawn)
+    return of_twin is None or not of_twin.sound
 
 
 def _contradicts_twins(model: Model, diagnosed: DiagnosedInertial) -> bool:

@@ -17,14 +17,16 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_mass_covariance,
     list_inertia_components,
 )
-from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
+from urdfcheck.facts.inertials.inertial_fit import compute_whitening, measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.inertials.twin_slips import find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     find_wrong_signs,
     measure_deviation,
     measure_principal_deviation,
 )
+from urdfcheck.facts.likeness.symmetry import is_axis_renaming
 from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_inertial, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_elsewhere, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
@@ -85,19 +87,28 @@ def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] |
     )
 
 
-def fit_own_drawings_alike(model: Model, one: Link, other: Link, *, threshold: float) -> bool:
-    """Whether the inertials of two links relate alike to what each link draws, in density and in all principal second moments:
-    then the parts differ, and no number is wrong. ``threshold``: as a share of a mass or a length.
+def fit_own_drawings_alike(
+    model: Model, one: Link, other: Link, *, threshold: float, com_threshold: float = math.inf
+) -> bool:
+    """Whether the inertials of two links relate alike to what each link draws, in density and in all second moments: then the
+    parts differ as they are drawn, and no number is wrong. ``threshold``: as a share of a mass or a length.
+
+    The second moments are compared along the axes in which declared and drawn ones differ most: a product of inertia with the
+    wrong sign makes a difference on its side only. ``com_threshold``: how near the COM of each is to that of its drawing, in
+    radii of gyration.
     """
     related = []
     for link in (one, other):
         declared, drawn = read_declared_inertial(link), measure_link_geometry(model, link)
         if declared is None or drawn is None or not drawn.solid.volume > 0.0:
             return False
-        variances = np.linalg.eigvalsh(drawn.solid.covariance)
-        if not variances[0] > 0.0:
+        covariance = drawn.solid.covariance
+        if not np.linalg.eigvalsh(covariance)[0] > 0.0:
             return False
-        spread = np.linalg.eigvalsh(compute_mass_covariance(declared.inertia, declared.mass)) / variances
+        white = compute_whitening(covariance)
+        if float(np.linalg.norm(white @ (declared.com - drawn.solid.com))) > com_threshold:
+            return False
+        spread = np.linalg.eigvalsh(white @ compute_mass_covariance(declared.inertia, declared.mass) @ white)
         # A variance is the square of a length.
         related.append(np.array([declared.mass / drawn.solid.volume, *np.sqrt(np.maximum(spread, 0.0))]))
     return bool((np.abs(related[0] - related[1]) <= threshold * np.maximum(*related)).all())
@@ -179,16 +190,20 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
     """Find why two inertials are not related as the drawings are; None where nothing explains all differences.
 
     ``copied`` or ``mirrored`` where the drawings were not; ``products_sign`` where the numbers are right but for the signs
-    of all products; ``signs`` for other signs.
+    of all products; ``signs`` for other signs, in frames whose axes are mirror images: only there a mirror changes signs;
+    ``decimal`` where masses differ by a power of ten, alone or as the tensors do.
     """
     if side.deviation.mass > threshold:
-        return None
+        slip = find_slip_between_twins(side.actual, side.expected)
+        return "decimal" if slip is not None and slip.is_either else None
     if any(_is_derived_from(side, copy, threshold) for copy in side.disallowed):
         return "copied"
     if pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
         return "mirrored"
     signs = find_wrong_signs(side.actual, side.expected, threshold)
-    return "products_sign" if signs == PRODUCTS else "signs" if signs else None
+    if signs == PRODUCTS:
+        return "products_sign"
+    return "signs" if signs and is_axis_renaming(pair.linear) else None
 
 
 def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] | None:

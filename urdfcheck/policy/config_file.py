@@ -1,0 +1,187 @@
+"""Reads a configuration file: ``urdfcheck.toml``, or ``[tool.urdfcheck]`` in pyproject.toml."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import tomli
+
+from urdfcheck.core import UrdfcheckError
+from urdfcheck.policy.config import (
+    FAIL_ON,
+    OWN_FILE,
+    PROJECT_FILE,
+    UNCHECKED,
+    Config,
+    NamedModel,
+    Section,
+)
+from urdfcheck.policy.config_table import TableReader, explain_unknown_target
+from urdfcheck.policy.policy import TIERS
+from urdfcheck.policy.suppression import SuppressionEntry
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.reach import OUT_OF_REACH, FileReach
+from urdfcheck.source.text.toml import Key, locate_keys
+from urdfcheck.system.files import read_regular
+
+# The largest pyproject.toml of well-known projects has 60 kB; tomli takes a second for each megabyte.
+MAX_FILE_SIZE = 4 * 1024**2
+
+
+def read_folder_config(folder: Path) -> Config | None:
+    """Read the configuration in a folder."""
+    own, project = folder / OWN_FILE, folder / PROJECT_FILE
+    if os.path.isfile(own):
+        text = _read_text(own)
+        return _parse_config(own, text, table=_parse_toml(own, text), key=())
+    if os.path.isfile(project):
+        text = _read_text(project)
+        tools = _parse_toml(project, text).get("tool", {})
+        table = tools.get("urdfcheck") if isinstance(tools, dict) else None
+        if table is not None:
+            return _parse_config(project, text, table=table, key=("tool", "urdfcheck"))
+    return None
+
+
+def read_typed_table(config: Config) -> tuple[Mapping[str, Any], Mapping[Key, str]]:
+    """Return the table of a configuration as typed, and the place of each of its keys as ``file:line``."""
+    if config.file is None:
+        return {}, {}
+    text = _read_text(config.file)
+    table, own = _parse_toml(config.file, text), () if config.file.name == OWN_FILE else ("tool", "urdfcheck")
+    for key in own:
+        table = table[key]
+    name = format_path(config.file)
+    found = locate_keys(text)
+    return table, {key[len(own) :]: f"{name}:{line}" for key, line in found.items() if key[: len(own)] == own}
+
+
+def _read_text(path: Path) -> str:
+    """Read a configuration, which may be a stranger's: of bounded size, and not through a link out of reach."""
+    try:
+        if not FileReach.from_paths([path], []).can_open(path):
+            raise UrdfcheckError(f"{format_path(path)}: {OUT_OF_REACH}")
+        return read_regular(path, MAX_FILE_SIZE).decode("utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UrdfcheckError(f"{format_path(path)}: {error}") from None
+
+
+def _parse_toml(path: Path, text: str) -> dict[str, Any]:
+    try:
+        table: dict[str, Any] = tomli.loads(text)
+        return table
+    # A number with more digits than Python reads raises a plain ValueError.
+    except (ValueError, RecursionError) as error:
+        raise UrdfcheckError(f"{format_path(path)}: {error}") from None
+
+
+_KEYS = (
+    *("select", "ignore", "severity", "options", "target", "fail-on", "tier", "exclude", "packages", "package-path"),
+    *("pedantic", "unchecked", "baseline", "strict-baseline", "paths", "models", "suppress"),
+)
+_SECTION_KEYS = ("match", "select", "ignore", "severity", "options", "target", "pedantic")
+_MODEL_KEYS = ("path", "name", "arguments")
+_SUPPRESS_KEYS = ("codes", "subject", "path", "reason")
+
+
+def _parse_config(path: Path, text: str, *, table: Any, key: Key) -> Config:
+    reader = TableReader(path, text, table=table, key=key)
+    reader.ensure_known_keys(_KEYS)
+    root = path.parent
+    packages, package_path = reader.read_texts("packages"), reader.read_words("package-path") or ()
+    for name, folder in packages.items():
+        reader.ensure_folder(("packages", name), "packages", folder)
+    for number, folder in enumerate(package_path):
+        reader.ensure_folder(("package-path", number), "package-path", folder)
+    baseline = reader.read_text("baseline")
+    if baseline is not None and not FileReach.from_paths([path], []).can_open(root / baseline):
+        raise reader.make_type_error("baseline", "a file of the repository (name it on the command line)")
+    return Config(
+        root=root,
+        file=path,
+        sections=tuple(_parse_section(r, key) for r in (reader, *reader.read_tables("paths", _SECTION_KEYS))),
+        fail_on=reader.read_choice("fail-on", FAIL_ON, "error"),
+        tier=reader.read_choice("tier", TIERS, "full"),
+        unchecked=_parse_unchecked(reader),
+        strict_baseline=reader.read_flag("strict-baseline"),
+        exclude=reader.read_words("exclude") or (),
+        packages={name: root / folder for name, folder in packages.items()},
+        package_path=tuple(root / p for p in package_path),
+        baseline=None if baseline is None else root / baseline,
+        models=_parse_models(reader),
+        suppress=tuple(_parse_suppression(entry) for entry in reader.read_tables("suppress", _SUPPRESS_KEYS)),
+    )
+
+
+def _parse_unchecked(reader: TableReader) -> str | tuple[str, ...]:
+    """Read how bad it is that a model cannot be checked, or the patterns of the models for which it is accepted."""
+    value = reader.table.get("unchecked", "error")
+    if isinstance(value, list):
+        return reader.read_words("unchecked") or ()
+    if value not in UNCHECKED:
+        raise reader.make_type_error("unchecked", f"one of {', '.join(UNCHECKED)}, or a list of patterns for models")
+    return str(value)
+
+
+def _parse_section(reader: TableReader, table: Key) -> Section:
+    of_paths = reader.key != table
+    match = reader.read_words("match") or ()
+    if of_paths and not match:
+        raise reader.make_type_error("match", "a list of patterns for files, which every section of paths needs")
+    target = reader.read_words("target")
+    for number, name in enumerate(target or ()):
+        if (wrong := explain_unknown_target(name)) is not None:
+            raise reader.make_error(("target", number), wrong)
+    return Section(
+        match=match,
+        select=reader.read_codes("select"),
+        ignore=reader.read_codes("ignore"),
+        severity=reader.read_severities(),
+        options=reader.read_options(),
+        target=target,
+        pedantic=reader.read_flag("pedantic") if "pedantic" in reader.table else None,
+        key=reader.key[len(table) :],
+    )
+
+
+def _parse_models(reader: TableReader) -> tuple[NamedModel, ...]:
+    found: list[NamedModel] = []
+    known: dict[tuple[str, str], TableReader] = {}
+    for entry in reader.read_tables("models", _MODEL_KEYS):
+        typed, name = entry.read_required_text("path"), entry.read_text("name")
+        path = entry.path.parent / typed
+        if not FileReach.from_paths([entry.path], []).can_open(path):
+            raise entry.make_type_error("path", "a file of the repository")
+        if not path.is_file():
+            raise entry.make_type_error("path", f"a file that exists; {typed} does not{_suggest_file(path, typed)}")
+        arguments = entry.read_arguments()
+        key, same = ("name", "this name") if name is not None else ("arguments", "these arguments")
+        alike = (os.path.realpath(path), name if name is not None else str(sorted(arguments.items())))
+        other = known.setdefault(alike, entry)
+        if other is not entry:
+            raise entry.make_error((key,), f"{typed} has an entry with {same} already ({other.describe_place(())})")
+        found.append(NamedModel(path, name, arguments))
+    return tuple(found)
+
+
+def _parse_suppression(entry: TableReader) -> tuple[str, SuppressionEntry]:
+    codes = entry.read_codes("codes")
+    if not codes:
+        raise entry.make_type_error("codes", "a list of codes, prefixes, names or tags")
+    return entry.read_text("path") or "", SuppressionEntry(
+        codes, entry.read_text("subject") or "*", entry.read_required_text("reason")
+    )
+
+
+def _suggest_file(path: Path, typed: str) -> str:
+    """Suggest a file with a similar name beside one that does not exist."""
+    try:
+        known = os.listdir(path.parent)
+    except OSError:
+        return ""
+    near = difflib.get_close_matches(path.name, known, n=1)
+    return f"; did you mean {typed.removesuffix(path.name)}{near[0]}?" if near else ""
