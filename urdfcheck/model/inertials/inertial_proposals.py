@@ -423,7 +423,7 @@ def _is_lone_unit(model: Model, diagnosed: DiagnosedInertial) -> bool:
 
 
 def _is_of_either_side(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
-    """Whether a decimal point may as well have slipped in the twin: the numbers that the twin has are not sound for the drawing,
+    """Whether a decimal point may also have slipped in the twin: the numbers that the twin has are not sound for the drawing,
     so that it does not say which side is right."""
     from urdfcheck.facts.inertials.diagnosis import diagnose_inertial  # heavy, and needed for wrong inertials only
 
