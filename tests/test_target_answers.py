@@ -11,6 +11,7 @@ import pytest
 from builders import inertial, joint, limit, link, robot
 
 from urdfcheck.cli import main
+from urdfcheck.simulators.target_answers import _cut_folders
 
 pytestmark = pytest.mark.slow
 
@@ -114,3 +115,27 @@ def test_what_is_not_installed_was_not_asked(ask, monkeypatch: pytest.MonkeyPatc
     assert "= effect MuJoCo refuses to compile" in told
     assert "MuJoCo was not asked, because it is not installed: pip install 'urdfcheck[engines]'" in told
     assert answers(ask(arm(SOUND), "--target", "mujoco", "--format", "json")[1]) == [("mujoco", None)]
+
+
+def test_what_an_engine_says_names_no_folder_of_the_machine(ask, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    pytest.importorskip("mujoco")
+    (tmp_path / "part.dae").write_text("<COLLADA/>")
+    shape = '<collision><geometry><mesh filename="part.dae"/></geometry></collision>'
+    _, document = ask(robot(link("base", SOUND, shape)), "--target", "mujoco", "--format", "json")
+    (answer,) = json.loads(document)["answers"]
+    assert answer["verdict"] == "refuses"
+    assert "'part.dae'" in answer["reasons"][0]
+    assert str(tmp_path) not in document
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ("mesh file '/a b/c/d.stl' (id 1)", "mesh file 'd.stl' (id 1)"),
+        ("cannot open /srv/robots/x.stl: 1/2 of it", "cannot open x.stl: 1/2 of it"),
+        ('cannot open "C:\\\\robots\\\\x.stl"', 'cannot open "x.stl"'),
+        ("A + B >= C; a/b", "A + B >= C; a/b"),
+    ],
+)
+def test_folders_are_cut(said: str, told: str) -> None:
+    assert _cut_folders(said) == told

@@ -23,6 +23,9 @@ from urdfcheck.system.process_pool import map_in_processes
 RULE = "XML015"
 # What an engine names, and what a finding is about.
 _NAME = re.compile(r"'([^']+)'")
+# The folders of an absolute path; one in quotes may have blanks.
+_QUOTED_PATH = re.compile(r"(?<=['\"])(?:[A-Za-z]:)?[/\\][^'\"]*[/\\]([^'\"/\\]+)(?=['\"])")
+_FOLDERS = re.compile(r"(?<![\w.])(?:[A-Za-z]:)?[/\\](?:[^\s'\"/\\]+[/\\])+")
 _SUBJECT = re.compile(r"(?:link|joint)\[([^\]]+)\]")
 
 
@@ -82,8 +85,13 @@ def _iter_answers(
                 engine=engine,
                 version=versions[engine] or "",
                 verdict=judgement.verdict,
-                reasons=judgement.reasons,
+                reasons=tuple(map(_cut_folders, judgement.reasons)),
             )
+
+
+def _cut_folders(reason: str) -> str:
+    """Cut the folders of this machine from what an engine says."""
+    return _FOLDERS.sub("", _QUOTED_PATH.sub(r"\1", reason))
 
 
 def _state_answers(run: Run, audited: AuditedRun) -> Run:

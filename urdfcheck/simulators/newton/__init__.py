@@ -23,7 +23,7 @@ INSTALL = (
     f"and {ENVIRONMENT_VARIABLE}=NEWTON"
 )
 # Imports those of that environment.
-LIBRARIES = ("urdfcheck.simulators.newton_libraries",)
+LIBRARIES = ("urdfcheck.simulators.newton.libraries",)
 # Names that are printed of those that it replaces.
 _MOST_NAMES = 3
 
