@@ -7,7 +7,8 @@ import re
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
 from urdfcheck.model.ground.support_polygon import LEG
-from urdfcheck.model.ground.wheels import CASTER_NAME, WHEEL_NAME, rolling_wheels
+from urdfcheck.model.ground.wheels import rolling_wheels
+from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import GROUND_NAMES, Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass
