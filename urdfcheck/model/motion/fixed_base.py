@@ -8,11 +8,11 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
 from urdfcheck.model.ground.support_polygon import LEG
 from urdfcheck.model.ground.wheels import rolling_wheels
-from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import GROUND_NAMES, Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.robot import Model
+from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
 
 # Parts on which a robot drives, swims or flies. A base_footprint is the place of a mobile robot on the ground.
 _MOBILE_NAME = re.compile(
