@@ -193,3 +193,27 @@ def test_frames_without_mass_join_the_list_of_links_without_mass(tmp_path: Path)
 def test_a_shaft_on_a_vehicle_is_a_part(tmp_path: Path, child: float, light: bool) -> None:
     text = arm_on_base(inertial(child, 1e-6), base=inertial(1500, 300))
     assert [f.message_id for f in find(tmp_path, text, "INR011")] == ["light"] * light
+
+
+# -- signs of the products ------------------------------------------------------------------------------------------------
+
+SIGNS = np.array([[1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
+
+
+# A rod along (3, 2, 1).
+ROD = 0.002137 * (14.0 * np.eye(3) - np.outer((3.0, 2.0, 1.0), (3.0, 2.0, 1.0))) + np.diag((1.1e-4, 1.3e-4, 1.2e-4))
+
+
+@pytest.mark.parametrize("drawn", ["", drawn_boxes(CASTING)])
+def test_impossible_products_may_be_those_about_the_origin(tmp_path: Path, drawn: str) -> None:
+    """In positive notation, about the origin: with other signs the tensor is possible, and about the COM it is, too."""
+    away = replace(TRUE, com=np.array((0.3, 0.3, 0.3)))
+    printed = replace(away, tensor=SIGNS * (away.tensor + steiner(away.mass, away.com)))
+    (finding,) = find(tmp_path, arm_on_base(format_inertial(printed), drawn), {"INR003", "INR004"})
+    assert finding.cause is None or finding.cause.id != "products_sign"
+    assert "with the other sign" in finding.message or drawn
+    near = replace(TRUE, com=np.zeros(3), tensor=SIGNS * ROD)
+    (finding,) = find(tmp_path / "near", arm_on_base(format_inertial(near)), {"INR003", "INR004"})
+    assert finding.cause is not None
+    assert finding.cause.id == "products_sign"
+    assert finding.fix is None or not finding.fix.edits

@@ -599,6 +599,7 @@ def test_a_line_is_proposed_for_a_package_that_exists(tmp_path: Path, name: str,
     [
         (False, "launch/a.launch", True),
         (False, "a.launch", True),
+        (False, "urdf/a.launch", True),
         (False, "mesh/arm5/a.launch", False),
         (True, "launch/a.launch", True),
         (True, "old/a.launch", False),  # CMakeLists.txt does not install the folder

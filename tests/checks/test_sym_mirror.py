@@ -750,6 +750,24 @@ def test_the_edit_of_a_sign_leaves_the_digits_of_the_other_numbers(tmp_path: Pat
     assert edit.replacement.lstrip("-") == rounded["iyz"].lstrip("-")
 
 
+@pytest.mark.parametrize(("y", "side"), [(0.0266, "right"), (-0.0266, "left"), (0.003, None)])
+def test_the_com_that_is_on_the_other_side_of_the_drawn_part_is_wrong(
+    tmp_path: Path, y: float, side: str | None
+) -> None:
+    """Both COMs are ``y`` (m) from the middle, which nothing in one link explains: the drawn ones are 17 mm out on each side."""
+    robot = ROBOT
+    for path in (LEFT, RIGHT):
+        x, _, z = numbers(ROBOT, f"{path}/origin")["xyz"].split()
+        robot = with_(robot, f"{path}/origin", xyz=f"{x} {y} {z}")
+    finding = one(tmp_path, robot)
+    assert (finding.message_id == "inertial") is (side is not None)
+    if side is not None:
+        assert finding.location.subject == f"link[{side}_arm]/inertial/origin@xyz"
+        assert finding.fix is not None
+        (edit,) = finding.fix.edits
+        assert float(edit.replacement.split()[1]) == pytest.approx(-y)
+
+
 def test_neither_side_is_mirrored_where_both_coms_are_elsewhere(tmp_path: Path) -> None:
     far = with_(ROBOT, f"{RIGHT}/origin", xyz="0.3 0.4 0.1")
     far = with_(far, f"{RIGHT.replace('right', 'left')}/origin", xyz="0.3 0.4 0.1")

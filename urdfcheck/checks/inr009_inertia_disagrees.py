@@ -199,6 +199,7 @@ def _build_cause_finding(
         message = "disputed"
     elif is_approximation(model, link, judged):
         message = "approximation"
+    fallback = "the inertia of the drawn part" if message == "approximation" else ""
     data = {**collect_message_data(model, link, judged, is_certain=message == "exact"), "others": others}
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
     return rule.finding(
@@ -208,7 +209,7 @@ def _build_cause_finding(
         edits=() if mended is None else mended.edits,
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
-        edit="" if mended is None else mended.words,
+        edit=fallback if mended is None else mended.words,
         **data,
     )
 

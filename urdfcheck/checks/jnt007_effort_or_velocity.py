@@ -37,7 +37,10 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
         absurd[name] = [joint for joint in driven if (joint.get_limit_value(name) or 0.0) >= most]
     both = [joint for joint in absurd["effort"] if joint in absurd["velocity"]]
     if both:  # the two placeholders of one <limit> are one defect
-        yield _build_finding(rule, "both-absurd", "effort", both, **_find_largest(both))
+        largest = _find_largest(both)
+        yield _build_finding(
+            rule, "both-absurd", "effort", both, effort=largest["effort"], velocity=largest["velocity"]
+        )
     for name, most in (("effort", most_effort), ("velocity", most_velocity)):
         if one := [joint for joint in absurd[name] if joint not in both]:
             yield _build_finding(rule, f"{name}-absurd", name, one, largest=_find_largest(one)[name], most=most)

@@ -47,6 +47,7 @@ _MUTUAL = frozenset({"circle", "mutual"})
 _DEFAULT = re.compile(r"\bdefault(?:_value)?\s*=")
 _DEFAULT_LINES = 4
 _VIEW_SUFFIX = ".rviz"
+_SHAPE_FOLDERS = frozenset({"mesh", "meshes", "textures", "materials"})
 # So many files of each package of the repository are compared.
 _MOST_FILES = 20_000
 
@@ -139,7 +140,7 @@ def _drop_stray_uses(package: Package, missing: dict[str, list[PackageMention]])
 
 
 def _is_stray(use: PackageMention, package: Package) -> bool:
-    """Whether nothing leads to the file that names a package: the build leaves it out, or it is not where launch files are."""
+    """Whether nothing leads to the file that names a package: the build leaves it out, or it was left beside meshes."""
     span = use.location.span
     own = package.path.absolute()
     file = None if span is None else Path(os.path.abspath(span.file))
@@ -151,7 +152,7 @@ def _is_stray(use: PackageMention, package: Package) -> bool:
     install = read_install_rules(package)
     if install is not None:
         return not install.installed.may_fill(folders[0])
-    return not any("launch" in folder.lower() or folder in _TEST_FOLDERS for folder in folders)
+    return not _SHAPE_FOLDERS.isdisjoint(folder.lower() for folder in folders)
 
 
 def _are_defaults(uses: Iterable[PackageMention]) -> bool:

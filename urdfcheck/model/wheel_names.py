@@ -1,4 +1,4 @@
-"""What the names of links and joints say of wheels."""
+"""What the names of links and joints say about wheels."""
 
 from __future__ import annotations
 

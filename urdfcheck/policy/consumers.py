@@ -23,6 +23,7 @@ OTHERS = (
         "xacro",
     ),
     "yourdfpy",
+    "newton",
 )
 # Those that are asked what they do with a model if they are targets and installed: the ones that answer in a second.
 ASKED_ENGINES = ("mujoco", "drake", "bullet")

@@ -13,7 +13,6 @@ from pathlib import Path
 
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unreadable, resolve_path
-from urdfcheck.source.left_out import list_left_out_packages
 from urdfcheck.source.package.file_kinds import (
     FORMATS_BY_ROOT,
     find_other_format,
@@ -27,6 +26,7 @@ from urdfcheck.source.package.file_kinds import (
 )
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.gltf_users import find_buffer_users
+from urdfcheck.source.package.package_folders import list_left_out_packages
 from urdfcheck.source.plan import DiscoveryConfig, ModelTarget, Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, explain_unreachable
@@ -194,7 +194,7 @@ class _Planner:
                 self.add_model(ModelTarget(path=model, arguments=self.arguments))
         self.unused += [(format_path(link), OUT_OF_REACH) for link in sorted(folder.outside)]
         for marked in sorted(folder.marked):
-            for place, mark in list_left_out_packages(marked, folder.finder):
+            for place, mark in list_left_out_packages(marked, folder.finder.can_open):
                 if not self.is_excluded(place):
                     self.left_out.append((format_path(place), f"left out because of its {mark}; name it to check it"))
         for place, reason in sorted(folder.unreadable):

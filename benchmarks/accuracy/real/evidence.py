@@ -58,7 +58,7 @@ def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool, share
     if _is_impossible(new) and not _is_impossible(old):
         found.add("impossible")
     reach = measure_reach(part.owner)
-    if max(_size(new)) > _REACH * reach >= max(_size(old)):
+    if _has_telling_joints(part) and max(_size(new)) > _REACH * reach >= max(_size(old)):
         found.add("reach")
     if max(old.mass, new.mass) < _LIGHT * _measure_body_mass(part):
         return found
@@ -67,6 +67,12 @@ def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool, share
     if _differs_from_twins(part, old, new, with_meshes=with_meshes, shared=shared):
         found.add("twin")
     return found
+
+
+def _has_telling_joints(part: Part) -> bool:
+    """Whether so many joints have a length that they say how large the robot is."""
+    lengths = [float(np.linalg.norm(joint.origin.xyz or (0, 0, 0))) for joint in part.owner.model.joints]
+    return sum(length > 1e-6 for length in lengths) >= _LEAST_JOINTS
 
 
 def _measure_body_mass(part: Part) -> float:

@@ -227,21 +227,25 @@ def _typo(attribute: Attribute | None, rng: Rng, start: int, end: int | None = N
 
 def _kinds(family: str, *kinds: tuple[Make, str, Sequence[str]]) -> tuple[Kind, ...]:
     lossy = (axis_zero, limits_equal, effort_zero, velocity_zero)
-    return tuple(Kind(make, family, says, frozenset(codes), is_lossy=make in lossy) for make, says, codes in kinds)
+    twin = (joint_xyz_sign, joint_xyz_decimal)
+    return tuple(
+        Kind(make, family, says, frozenset(codes), is_lossy=make in lossy, needs_twin=make in twin)
+        for make, says, codes in kinds
+    )
 
 
 _ODD = ("SYM001", "SYM002", "SYM004")
 KINDS = (
     *_kinds(
         "joint",
-        (joint_rpy_off, "", ("SYM001", "SYM004", "JNT013", "SYM006", "JNT015", "COL001")),
-        (joint_xyz_off, "", (*_ODD, "COL001", "SYM006")),
+        (joint_rpy_off, "", ("SYM001", "SYM004", "JNT013", "SYM006", "JNT015", "JNT021", "COL001")),
+        (joint_xyz_off, "", (*_ODD, "COL001", "SYM006", "JNT021")),
         (joint_xyz_sign, r"\bsign\b|mirror", (*_ODD, "NAM005", "COL001")),
         (joint_xyz_mm, r"\bmm\b|millimet|1000", ()),
         (joint_xyz_decimal, r"decimal|ten times|10 times", (*_ODD,)),
         (joint_rpy_degrees, "", ("JNT012",)),
-        (axis_reversed, r"axis|axes|opposite|sense", ("SYM004", "SYM005")),
-        (axis_permuted, r"axis|axes", ("JNT015", "SYM001", "SYM004")),
+        (axis_reversed, r"axis|axes|opposite|sense", ("SYM004", "SYM005", "JNT021")),
+        (axis_permuted, r"axis|axes", ("JNT015", "JNT021", "SYM001", "SYM004")),
         (axis_zero, "", ("JNT001",)),
     ),
     *_kinds(
@@ -258,7 +262,7 @@ KINDS = (
     *_kinds(
         "shape",
         (mesh_scale, r"scale|times as large", ("MSH008",)),
-        (collision_shifted, "", ("GEO003", "GEO005", "COL001")),
+        (collision_shifted, "", ("GEO003", "GEO005", "COL001", "JNT015")),
         (collision_size, r"times", ("GEO003", "SYM007")),
     ),
     *_kinds(

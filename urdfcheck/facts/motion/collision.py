@@ -245,6 +245,20 @@ class Colliders:
                 deepest = way
         return deepest
 
+    def count_contacts(self, frames: Array, one: int, other: int, most: int) -> int:
+        """Count coal's contacts of two bodies, up to ``most`` for each two shapes; of meshes, the triangles that cross.
+
+        ``frames`` (B, 4, 4): see `detect_collisions`.
+        """
+        mates = product(np.flatnonzero(self._owner == one).tolist(), np.flatnonzero(self._owner == other).tolist())
+        count = 0
+        for a, b in mates:
+            at_a, at_b = self._compute_shape_pose(frames, a), self._compute_shape_pose(frames, b)
+            apart = np.linalg.norm(self._compute_shape_centre(a, at_a) - self._compute_shape_centre(b, at_b))
+            if apart <= self._radius[a] + self._radius[b]:
+                count += len(self._list_contacts(a, b, at_one=at_a, at_other=at_b, most=most))
+        return count
+
     def _compute_shape_pose(self, frames: Array, shape: int) -> Array:
         at: Array = frames[self._owner[shape]] @ self._pose[shape]
         return at

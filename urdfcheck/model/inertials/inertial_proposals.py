@@ -244,6 +244,8 @@ def _compute_drawn_tensor(model: Model, declared: DeclaredTensor) -> Mat3 | None
 def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialProposal:
     """Propose other signs of products; as an edit only if the drawn part shows which."""
     claim = "with the other sign of {detail} the tensor is possible"
+    if slip.id == "products_sign" and _may_be_about_origin(model, link, slip):
+        return replace(_propose_slip(link, slip, claim), edits=(), cause=None)
     if slip.residual is None:
         proposal = _propose_slip(link, slip, claim)
         return replace(proposal, edits=(), remedy=f"compare the signs with the CAD program's: {proposal.remedy}")
@@ -253,6 +255,26 @@ def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialPropos
     text = None if link.inertial is None else link.inertial.element.span
     is_certain = slip.residual[1] < _NEAR_PRODUCTS and len(_links_by_inertial_text(model)[text]) == 1
     return proposal if is_certain else replace(proposal, edits=())
+
+
+def _may_be_about_origin(model: Model, link: Link, slip: TensorSlip) -> bool:
+    """Whether the tensor may as well be one of positive notation: also about the link's origin, as CAD programs print it.
+
+    Where the drawn part is known, it has to be nearer to that.
+    """
+    inertial = link.inertial
+    matrix = None if inertial is None else inertial.origin.matrix
+    if inertial is None or inertial.mass is None or matrix is None or slip.components is None:
+        return False
+    flipped, lever = build_inertia_tensor(slip.components), matrix[:3, :3].T @ matrix[:3, 3]
+    shift = inertial.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+    if float(np.linalg.norm(shift)) < SMALL_EXCESS * float(np.linalg.norm(flipped)):
+        return False
+    possible = check_inertia_validity(flipped - shift, TRIANGLE_SLACK)
+    if not (possible.positive_definite and possible.triangle_inequality):
+        return False
+    drawn = _compute_drawn_tensor(model, model.tensor_by_name[link.name])
+    return drawn is None or float(np.linalg.norm(flipped - shift - drawn)) < float(np.linalg.norm(flipped - drawn))
 
 
 def _propose_slip(link: Link, slip: TensorSlip, claim: str) -> InertialProposal:
@@ -423,7 +445,7 @@ def _is_lone_unit(model: Model, diagnosed: DiagnosedInertial) -> bool:
 
 
 def _is_of_either_side(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
-    """Whether a decimal point may as well have slipped in the twin: the numbers that the twin has are not sound for the drawing,
+    """Whether a decimal point may also have slipped in the twin: the numbers that the twin has are not sound for the drawing,
     so that it does not say which side is right."""
     from urdfcheck.facts.inertials.diagnosis import diagnose_inertial  # heavy, and needed for wrong inertials only
 

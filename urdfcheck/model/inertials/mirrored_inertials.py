@@ -51,6 +51,9 @@ PRODUCTS = ("ixy", "ixz", "iyz")
 COPIED = 0.005
 # The mesh of one side decides unless the twin's COM or tensor fits it worse by this much.
 WORSE_FIT = 0.1
+# Two COMs are far apart beyond this share of the drawn part's radius of gyration; of the way between them, the drawn part's is at
+# the first quarter: three times as near to one as to the other.
+_FAR_COM, _NEAR_IMAGE = 0.3, 0.25
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -169,6 +172,8 @@ def find_wrong_side(
     if not other and len(one) >= VOTES:
         return both[1], one
     suspects = [side for side in both if _is_misfit(model, side)]
+    if not suspects:
+        suspects = [side for side in both if _has_com_on_the_other_side(model, pair, side, threshold=threshold)]
     return (suspects[0], ()) if len(suspects) == 1 else None
 
 
@@ -184,6 +189,20 @@ def _is_misfit(model: Model, side: PairSide) -> bool:
         return False
     fits = [measure_inertial_mismatch(n, drawn.solid.com, drawn.solid.covariance) for n in (side.actual, side.expected)]
     return all(twin_fit <= own_fit + WORSE_FIT for own_fit, twin_fit in zip(*fits, strict=True))
+
+
+def _has_com_on_the_other_side(model: Model, pair: MirrorPair, side: PairSide, *, threshold: float) -> bool:
+    """Whether the COM of the side's drawing is near that of the twin's image, in the direction in which the side's own is far:
+    its COM is wrong, and the tensor that was copied with it."""
+    drawn, deviation = measure_link_geometry(model, side.link), side.deviation
+    is_whole = deviation.spread <= threshold or find_cause(pair, side, threshold) == "copied"
+    if drawn is None or deviation.mass > threshold or deviation.com_offset <= threshold or not is_whole:
+        return False
+    away = side.actual.com - side.expected.com
+    is_far = float(np.linalg.norm(compute_whitening(drawn.solid.covariance) @ away)) > _FAR_COM
+    # 0 at the twin's image, 1 at the side's own COM.
+    place = float((drawn.solid.com - side.expected.com) @ away) / float(away @ away)
+    return is_far and -1.0 < place < _NEAR_IMAGE
 
 
 def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None:

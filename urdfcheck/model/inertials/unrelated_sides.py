@@ -33,7 +33,7 @@ class UnlikeSides:
     slip: TwinSlip | None
     """The one mistake that explains all of the difference."""
     copied: tuple[Link, Link] | None
-    """The side with the numbers of a link that is no counterpart of either, and that link."""
+    """The side with the numbers of a link that is not a counterpart of either, and that link."""
     are_drawn: bool
     """Whether the shapes of both sides are known."""
 

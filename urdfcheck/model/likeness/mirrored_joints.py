@@ -224,8 +224,10 @@ def are_children_mirrored(model: Model, pair: MirrorPair, known_pairs: Sequence[
 
 
 def _is_turn_taken_back(pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> bool:
-    """Whether the frames of a pair are turned against each other, and the next pairs behind it turn back: two angles that were
-    typed to fit each other, as those of a CAD assembly, are no slip."""
+    """Whether the frames of a pair are rotated relative to each other, and the next pairs behind it turn back.
+
+    Two angles that were typed to fit each other, as those of a CAD assembly, are not a slip.
+    """
     below = [known for known in known_pairs if known is not pair and known.is_attached_to(pair)]
     nearest = [one for one in below if not any(one is not other and one.is_attached_to(other) for other in below)]
     is_back = all(_is_axis_aligned(one.linear) and one.is_in_place for one in nearest)

@@ -177,7 +177,7 @@ class CollisionSetup:
         for shape, owner in zip(self.shapes, self.owners, strict=True):
             pose = shape.origin.matrix
             words.append(f"{owner} {self._describe_content(shape)} {None if pose is None else pose.tolist()}")
-        words += [_describe_joint(self.model.tree.parent_joint[name]) for name in self.model.tree.order[1:]]
+        words += [describe_joint(self.model.tree.parent_joint[name]) for name in self.model.tree.order[1:]]
         return hashlib.sha256("\0".join(words).encode()).hexdigest()
 
     def compute_placements(self, configurations: JointConfigurations) -> Array:
@@ -200,7 +200,7 @@ class CollisionSetup:
         return f"{shape.kind} {compute_drawn_scale(self.model, shape) if shape.kind == 'mesh' else shape.size} {file}"
 
 
-def _describe_joint(joint: Joint) -> str:
+def describe_joint(joint: Joint) -> str:
     """Return everything about a joint that decides where its child is, in any configuration."""
     pose = joint.origin.matrix
     mimic = None if joint.mimic is None else [(a.name, a.value) for a in joint.mimic.attributes.values()]

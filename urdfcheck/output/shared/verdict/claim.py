@@ -55,7 +55,7 @@ def describe_losses(run: Run) -> str:
     targets = run.get_targets(run.models[0].id)
     names: dict[Verdict, list[str]] = {}
     answers = list_answers(run, run.models[0].id)
-    without_data = []
+    without_data: list[str] = []
     findings = [*run.findings, *run.unrequested]
     for name, outcome in predict_outcomes(findings).items():
         if name in answers and Verdict.REFUSES in (outcome.verdict, answers[name].verdict):

@@ -136,7 +136,7 @@ class Guards:
     ) -> None:
         """Start the count. ``namespace``: xacro's class of name tables, the only type of value that is not Python's own.
 
-        ``places``: the folders that the file was told so far; ``notify`` is called with the kind of problem
+        ``places``: the folders that the file has asked for so far; ``notify`` is called with the kind of problem
         where an expression looks into one (place-decides), or goes through a set whose order is random (order-decides);
         ``set_order``: see `sort_items`.
         """
@@ -228,7 +228,7 @@ class Guards:
             self._notify("place-decides")
 
     def _find_places(self, value: Any) -> set[str]:
-        """Return the folders that the file was told and that are in the texts of a value, at any depth."""
+        """Return the folders that the file asked for and that are in the texts of a value, at any depth."""
         found: set[str] = set()
         stack, seen = [value], set()
         while stack:
@@ -251,7 +251,7 @@ class Guards:
             )
 
     def _guard_member(self, value: Any) -> Any:
-        """Return an operand of ``in`` or a key, after a look at it."""
+        """Return an operand of ``in`` or a key, after checking it."""
         self._ensure_foreign_table(value)
         self._note_decision(value)
         return self.guard_argument(value)

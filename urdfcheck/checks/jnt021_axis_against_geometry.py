@@ -1,0 +1,112 @@
+"""JNT021 reports joints whose axis, its sign or its place contradicts the parts on both sides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import format_length, format_point
+from urdfcheck.model import Model
+from urdfcheck.model.motion.axes.contradicted import find_contradicted_axes
+from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
+
+if TYPE_CHECKING:
+    from urdfcheck.model.motion.axes.bearings import BearingMismatch
+    from urdfcheck.model.motion.axes.sweeps import BlockedSide
+
+# A direction counts as a coordinate axis to within half a degree.
+_SQUARE = 4e-5
+# Joints on both sides of y = 0 are twins if their places mirror each other to this distance (m).
+_TWIN = 1e-3
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    mismatches, blocked = find_contradicted_axes(model)
+    # One joint is off by mistake. What several joints show is how the robot is drawn.
+    if len(mismatches) == 1 and not _is_drawn_in_two_ways(model, mismatches[0].joint):
+        yield _report_bearing(model, rule, mismatches[0])
+    if len(blocked) == 1 and not (
+        _has_free_twin(model, blocked[0].joint) or _is_drawn_in_two_ways(model, blocked[0].joint)
+    ):
+        yield _report_side(model, rule, blocked[0])
+
+
+def _is_drawn_in_two_ways(model: Model, name: str) -> bool:
+    """Whether programs draw a part at a joint in different sizes, or turned."""
+    from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, has_up_axis_ambiguity  # few joints get here
+
+    joint = model.joint_by_name[name]
+    links = [link for end in (joint.parent, joint.child) for link in model.tree.list_body_links(end)]
+    return has_unit_ambiguity(model, links) or has_up_axis_ambiguity(model, links)
+
+
+def _has_free_twin(model: Model, name: str) -> bool:
+    """Whether the joint on the other side has the same axis and limits: it moves alike, and nothing is in its way."""
+    joint = model.joint_by_name[name]
+    place, axis = model.frames[joint.child][:3, 3], model.axes[name]
+    for other in model.joints:
+        if other is joint or other.type != joint.type or other.name not in model.axes:
+            continue
+        limits = [(one.get_limit_value("lower"), one.get_limit_value("upper")) for one in (joint, other)]
+        across = model.frames[other.child][:3, 3] - place * (1, -1, 1)
+        if limits[0] == limits[1] and np.abs(across).max() < _TWIN and float(axis @ model.axes[other.name]) > 0.999:
+            return True
+    return False
+
+
+def _report_bearing(model: Model, rule: Rule, found: BearingMismatch) -> Finding:
+    joint = model.joint_by_name[found.joint]
+    frame = model.frames[joint.parent if found.kind == "beside" else joint.child]
+    local = frame[:3, :3].T @ found.vector
+    at = {
+        "beside": locate_origin_attribute(joint, "xyz"),
+        "tilted": locate_origin_attribute(joint, "rpy"),
+        "across": joint.axis_location,
+    }
+    is_length = found.kind == "beside"
+    return rule.finding(
+        found.kind,
+        at=at[found.kind],
+        joint=joint.name,
+        child=joint.child,
+        parent=joint.parent,
+        hub=format_length(found.hub),
+        bore=format_length(found.radius),
+        distance=format_length(found.amount) if is_length else "",
+        angle="" if is_length else f"{found.amount:.3g}°",
+        line=format_point(local, decimals=5) if is_length else _format_direction(local),
+    )
+
+
+def _report_side(model: Model, rule: Rule, found: BlockedSide) -> Finding:
+    joint = model.joint_by_name[found.joint]
+    lower, upper = joint.get_limit_value("lower") or 0.0, joint.get_limit_value("upper") or 0.0
+    kinds = [joint.parent] if found.by_parent else []
+    kinds += [found.by_others] if found.by_others and found.by_others not in kinds else []
+    return rule.finding(
+        "reversed",
+        at=joint.axis_location,
+        severity=None if found.by_parent and found.by_others else Severity.INFO,
+        related=[joint.location if joint.limit is None else joint.limit.location],
+        joint=joint.name,
+        child=joint.child,
+        blocked=" and ".join(kinds),
+        limit=f"{found.declared:.3g}",
+        other=f"{-found.declared:.3g}",
+        axis=_format_direction(-np.array(joint.axis, dtype=float)),
+        lower=f"{-upper:.6g}",
+        upper=f"{-lower:.6g}",
+    )
+
+
+def _format_direction(vector: np.ndarray) -> str:
+    """Write a direction, as a coordinate axis where it is one."""
+    unit = vector / math.sqrt(float(vector @ vector))
+    largest = int(np.abs(unit).argmax())
+    if 1 - abs(float(unit[largest])) < _SQUARE:
+        unit = np.sign(unit) * (np.arange(3) == largest)
+    return format_point(unit, decimals=4)

@@ -1,0 +1,229 @@
+"""Joints beside the bearing that their parts show: the child is round about the axis, the parent about another line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.facts.likeness.round_surfaces import (
+    Ring,
+    RoundLine,
+    RoundStrips,
+    find_round_strips,
+    join_strips,
+)
+from urdfcheck.model.motion.axes.bodies import DrawnBodies
+from urdfcheck.model.parts import Joint, Shape
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.solids import compute_drawn_scale
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
+# Meshes with more triangles are not searched.
+_MOST_FACES = 200_000
+# A hub covers so much of a turn: a fillet or a rounded end covers a quarter or a half.
+_HUB = 0.4
+# A hub fits a bore if neither radius is more than so many times the other: a wall or a bearing is between them.
+_FITS = 1.35
+# A bore beside the axis is farther away than this (m): typed digits, a mesh that is a millimetre off; and within this reach:
+# beyond it, a part has other bores.
+_BESIDE, _REACH = 2e-3, 0.035
+# Two axes are one line within this angle (rad) and distance (m).
+_SAME_ANGLE, _SAME_PLACE = 0.02, 2e-3
+# A bore may be that of another joint whose origin is so near (m): the second jaw of a gripper.
+_NEIGHBOUR = 0.1
+# A tilted axis is off by so many degrees; one along another coordinate by more.
+_TILTED = (1.0, 30.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class BearingMismatch:
+    """A joint whose axis is not that of the bearing of its parts; vectors in root coordinates."""
+
+    joint: str
+    kind: str
+    """``beside``: the parent's bore is parallel to the axis; ``tilted``: it passes through the origin at a small angle;
+    ``across``: both parts are round about a line that is across the axis."""
+    amount: float
+    """m for ``beside``, else degrees."""
+    vector: Array
+    """(3,): from the axis to the bore (m), or the direction of the bore."""
+    radius: float
+    """Of the bore (m)."""
+    hub: float
+    """Of the child (m)."""
+
+
+def find_bearing_mismatches(bodies: DrawnBodies) -> list[BearingMismatch]:
+    """Find the joints that turn about another line than the bearing that their parts show.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    model, surfaces = bodies.model, _Surfaces(bodies)
+    found = []
+    for name in model.tree.order[1:]:
+        joint = model.tree.parent_joint[name]
+        if joint.type not in {"revolute", "continuous"} or joint.name not in model.axes:
+            continue
+        child, parent = surfaces.get(joint.child), surfaces.get(bodies.get_parent(joint))
+        if child is None or parent is None:
+            continue
+        place, axis = model.frames[joint.child][:3, 3], model.axes[joint.name]
+        others = list(_iter_near_axes(model, joint))
+        mismatch = compare_bearing(joint.name, place, axis, parent=parent, child=child, others=others)
+        if mismatch is not None:
+            found.append(mismatch)
+    return found
+
+
+class _Surfaces:
+    """The round surfaces of bodies, each mesh searched once."""
+
+    def __init__(self, bodies: DrawnBodies) -> None:
+        self._bodies = bodies
+        self._meshes: dict[tuple[int, tuple[float, ...]], RoundStrips | None] = {}
+        self._placed: dict[str, RoundStrips | None] = {}
+
+    def get(self, head: str) -> RoundStrips | None:
+        """Return the round surfaces of a body's meshes in root coordinates; None where one is too large, or it has none."""
+        if head not in self._placed:
+            parts: list[RoundStrips | None] = [
+                None if strips is None else strips.place(one.pose)
+                for one in self._bodies.shapes.get(head, ())
+                if one.shape.kind == "mesh"
+                for strips in (self._search(one.shape),)
+            ]
+            known = [part for part in parts if part is not None]
+            self._placed[head] = join_strips(known) if known and len(known) == len(parts) else None
+        return self._placed[head]
+
+    def _search(self, shape: Shape) -> RoundStrips | None:
+        model = self._bodies.model
+        facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
+        if facts is None or scale is None or facts.n_triangles > _MOST_FACES:
+            return None
+        key = (id(facts), scale)
+        if key not in self._meshes:
+            self._meshes[key] = find_round_strips(facts.vertices * np.array(scale), facts.faces)
+        return self._meshes[key]
+
+
+def compare_bearing(
+    joint: str,
+    place: Array,
+    axis: Array,
+    *,
+    parent: RoundStrips,
+    child: RoundStrips,
+    others: Sequence[tuple[Array, Array]],
+) -> BearingMismatch | None:
+    """Compare a joint at a place (3,) about a unit axis (3,) with the round surfaces on both sides, in root coordinates.
+
+    :param others: places and directions of the axes near it, to which a bore may belong.
+    """
+    if parent.list_rings_about(place, axis):
+        return None
+    hubs = child.list_rings_about(place, axis)
+    if not hubs:
+        return _find_across(joint, place, axis, parent=parent, child=child, others=others)
+    beside = [
+        (float(np.linalg.norm(line.point - place)), line, fit)
+        for line in parent.list_parallel_lines(place, axis, _REACH)
+        if (fit := _find_fit(line.rings, hubs)) and not _is_axis_of(line, others)
+    ]
+    beside = [one for one in beside if one[0] > _BESIDE]
+    if beside and all(np.linalg.norm(line.point - beside[0][1].point) < _BESIDE for _, line, _ in beside):
+        amount, line, (bore, hub) = beside[0]
+        return BearingMismatch(
+            joint=joint, kind="beside", amount=amount, vector=line.point - place, radius=bore.radius, hub=hub.radius
+        )
+    tilted = [
+        (angle, line, fit)
+        for line in parent.list_lines_through(place)
+        if (fit := _find_fit(line.rings, hubs))
+        and _TILTED[0] < (angle := _measure_angle(line.direction, axis)) < _TILTED[1]
+        and not _is_axis_of(line, others)
+    ]
+    if tilted and not beside and _are_one(tilted):
+        amount, line, (bore, hub) = tilted[0]
+        return BearingMismatch(
+            joint=joint, kind="tilted", amount=amount, vector=line.direction, radius=bore.radius, hub=hub.radius
+        )
+    return None
+
+
+def _are_one(found: Sequence[tuple[float, RoundLine, tuple[Ring, Ring]]]) -> bool:
+    """Whether all lines through one point have one direction."""
+    first = found[0][1].direction
+    return all(_measure_angle(line.direction, first) < math.degrees(_SAME_ANGLE) for _, line, _ in found)
+
+
+def _find_across(
+    joint: str,
+    place: Array,
+    axis: Array,
+    *,
+    parent: RoundStrips,
+    child: RoundStrips,
+    others: Sequence[tuple[Array, Array]],
+) -> BearingMismatch | None:
+    """Find the only line through the origin, across the axis, about which both parts are round."""
+    found = []
+    ends = child.list_lines_through(place)
+    for line in parent.list_lines_through(place) if ends else ():
+        angle = _measure_angle(line.direction, axis)
+        if angle < _TILTED[1] or _is_axis_of(line, others):
+            continue
+        for end in ends:
+            fit = _find_fit(line.rings, end.rings)
+            if fit and _measure_angle(line.direction, end.direction) < math.degrees(_SAME_ANGLE):
+                found.append((angle, line, fit))
+    if not found or not _are_one(found):
+        return None
+    angle, line, (bore, hub) = found[0]
+    return BearingMismatch(
+        joint=joint, kind="across", amount=angle, vector=line.direction, radius=bore.radius, hub=hub.radius
+    )
+
+
+def _find_fit(bores: Sequence[Ring], hubs: Sequence[Ring]) -> tuple[Ring, Ring] | None:
+    """Return the bore and the hub whose radii are nearest to each other, if one fits the other."""
+    pairs = [
+        (max(bore.radius, hub.radius) / min(bore.radius, hub.radius), bore, hub)
+        for bore in bores
+        for hub in hubs
+        if min(bore.coverage, hub.coverage) >= _HUB
+    ]
+    best = min(pairs, key=lambda pair: pair[0], default=None)
+    return None if best is None or best[0] > _FITS else (best[1], best[2])
+
+
+def _iter_near_axes(model: Model, joint: Joint) -> Iterator[tuple[Array, Array]]:
+    """Yield place and direction of the axes of other joints near a joint."""
+    place = model.frames[joint.child][:3, 3]
+    for other in model.joints:
+        if other is joint or other.name not in model.axes or not other.is_movable:
+            continue
+        at = model.frames[other.child][:3, 3]
+        if np.linalg.norm(at - place) < _NEIGHBOUR:
+            yield at, model.axes[other.name]
+
+
+def _is_axis_of(line: RoundLine, others: Sequence[tuple[Array, Array]]) -> bool:
+    """Whether a line is the axis of another joint."""
+    for place, axis in others:
+        away = line.point - place
+        off = float(np.linalg.norm(away - (away @ axis) * axis))
+        if off < _SAME_PLACE and _measure_angle(line.direction, axis) < math.degrees(_SAME_ANGLE):
+            return True
+    return False
+
+
+def _measure_angle(one: Array, other: Array) -> float:
+    """Measure the angle (degrees, up to 90) between two lines along unit vectors (3,)."""
+    return math.degrees(math.atan2(float(np.linalg.norm(np.cross(one, other))), abs(float(one @ other))))

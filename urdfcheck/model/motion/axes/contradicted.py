@@ -1,0 +1,89 @@
+"""Joints whose axis, its sign or its place contradicts the parts on both sides; kept between runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.model.fact import fact
+from urdfcheck.model.motion.axes.bearings import BearingMismatch, find_bearing_mismatches
+from urdfcheck.model.motion.axes.bodies import DrawnBodies
+from urdfcheck.model.motion.axes.sweeps import BlockedSide, find_blocked_sides
+from urdfcheck.model.robot import Model
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Arrays = Mapping[str, NDArray[Any]]
+
+_KINDS = ("beside", "tilted", "across")
+
+
+@fact
+def find_contradicted_axes(model: Model) -> tuple[tuple[BearingMismatch, ...], tuple[BlockedSide, ...]]:
+    """Find the joints that turn about another line than their bearing, and those whose limits fit the other side.
+
+    :raises FactUnavailableError: when coal is not installed, the tree is broken, or an origin or an axis is malformed.
+    """
+    bodies = DrawnBodies(model)
+    if len(bodies.shapes) < 2:
+        return (), ()
+    entry = model.cache.entry("axes", bodies.compute_key())
+    names = [model.tree.parent_joint[name].name for name in model.tree.order[1:]]
+    heads = list(bodies.shapes)
+    try:
+        return _read(entry["found"], names, heads)
+    except KeyError:
+        mismatches, blocked = find_bearing_mismatches(bodies), find_blocked_sides(bodies)
+        entry["found"] = {
+            "bearings": np.array(
+                [
+                    (names.index(m.joint), _KINDS.index(m.kind), m.amount, *m.vector.tolist(), m.radius, m.hub)
+                    for m in mismatches
+                ]
+            ).reshape(-1, 8),
+            "sides": np.array(
+                [
+                    (
+                        names.index(b.joint),
+                        b.by_parent,
+                        heads.index(b.by_others) if b.by_others else -1,
+                        b.declared,
+                        *b.contacts,
+                        b.hits,
+                    )
+                    for b in blocked
+                ]
+            ).reshape(-1, 7),
+        }
+        return tuple(mismatches), tuple(blocked)
+
+
+def _read(
+    arrays: Arrays, names: list[str], heads: list[str]
+) -> tuple[tuple[BearingMismatch, ...], tuple[BlockedSide, ...]]:
+    mismatches = [
+        BearingMismatch(
+            joint=names[int(row[0])],
+            kind=_KINDS[int(row[1])],
+            amount=float(row[2]),
+            vector=row[3:6],
+            radius=float(row[6]),
+            hub=float(row[7]),
+        )
+        for row in arrays["bearings"]
+    ]
+    blocked = [
+        BlockedSide(
+            joint=names[int(row[0])],
+            by_parent=bool(row[1]),
+            by_others=heads[int(row[2])] if row[2] >= 0 else "",
+            declared=float(row[3]),
+            contacts=(float(row[4]), float(row[5])),
+            hits=int(row[6]),
+        )
+        for row in arrays["sides"]
+    ]
+    return tuple(mismatches), tuple(blocked)
