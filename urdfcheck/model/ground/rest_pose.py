@@ -48,8 +48,8 @@ class RestPose:
 def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None:
     """Find how a robot on two or more driven wheels and what else carries it rests, with rigid parts and joints at zero.
 
-    None where that is not decided: a wheel is suspended, wheels of the robot differ among themselves (SYM006, SYM008), or it does
-    not stand on wheels and casters alone.
+    None where that is not decided: a wheel is suspended or its shape is beside its axle, wheels of the robot differ among
+    themselves (SYM006, SYM008), or it does not stand on wheels and casters alone.
 
     :param spread: part of the least radius of a driven wheel, and ``least`` (m), below which heights do not count.
     :raises FactUnavailableError: when the tree is broken, or a shape, a mass or an origin is not known.
@@ -88,6 +88,8 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     heights = _measure_heights(model, points @ end.up, owners)
     ground = min(heights[model.tree.order[index]] for index in carriers)
     upright = _measure_heights(model, points[:, 2], owners)
+    if any(abs(upright[wheel.joint.child] - float(wheel.contact[2])) > tolerance for wheel in driven):
+        return None
     return RestPose(
         driven=driven,
         casters=casters,

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from urdfcheck.facts.likeness.revolution import RoundOutline
     from urdfcheck.model.parts import Shape
 
+# Metres: where the drawing of the base shows the wheels, a link for a wheel draws a mark of this radius instead.
+_MARKER = 0.0101
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WheelSizeDifference:
@@ -38,6 +41,8 @@ def find_wheel_size_differences(model: Model, *, ratio: float) -> Iterator[Wheel
         drawn = _measure_round_shapes(model, wheel, link.visuals)
         collides = None if drawn is None else _measure_round_shapes(model, wheel, link.collisions)
         if drawn is None or collides is None:
+            continue
+        if drawn.radius <= _MARKER and collides.radius > 2 * drawn.radius:
             continue
         if not 1 / ratio <= collides.radius / drawn.radius <= ratio:
             yield WheelSizeDifference(wheel, collides.radius, drawn.radius)
