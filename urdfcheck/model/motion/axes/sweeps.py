@@ -25,10 +25,10 @@ _MOST_FACES = 600_000
 _LEAST_SHARE, _LEAST_EXCESS = 0.125, 0.3
 # Positions on either side.
 _STEPS = 6
-# Those that are tried first.
-_FIRST = [2, 5]
-# Contacts that are counted at most, for each two shapes.
-_MOST_CONTACTS = 500
+# The one that is tried first.
+_FIRST = [4]
+# Contacts that are counted at most, for each two shapes; and at first.
+_MOST_CONTACTS, _FEW_CONTACTS = 500, 150
 # Parts run into each other if triangles cross at so many places on average, and so many times as often as on the other side.
 _LEAST_CONTACTS, _RATIO = 45.0, 3.0
 # A part runs into another one beyond the joint at so many of the positions on one side, and at none on the other; and triangles
@@ -114,9 +114,14 @@ class Sweep:
         if not below or joint.name not in self._bodies.model.axes:
             return None
         values = np.linspace(sides[0], sides[1], _STEPS + 1)[1:]
-        some_contacts, some_hits, _ = self._measure(joint, values[_FIRST], parent=parent, below=below)
-        if some_contacts < _LEAST_CONTACTS / 2 and not some_hits:
-            return None  # most joints end here
+        # Most joints end here, after one position on either side.
+        first, hit, _ = self._measure(joint, values[_FIRST], parent=parent, below=below, most=_FEW_CONTACTS)
+        if not hit:
+            if first < _LEAST_CONTACTS / 2:
+                return None
+            other, _, _ = self._measure(joint, -values[_FIRST], parent=parent, below=below, most=_FEW_CONTACTS)
+            if other > first / 2:
+                return None
         contacts, hits, met = self._measure(joint, values, parent=parent, below=below)
         into_parent, into_others = contacts >= _LEAST_CONTACTS, len(hits) >= _LEAST_HITS
         if not (into_parent or into_others):
@@ -136,14 +141,16 @@ class Sweep:
             hits=len(hits) if by_others else 0,
         )
 
-    def _measure(self, joint: Joint, values: Array, *, parent: str, below: list[str]) -> tuple[float, set[int], str]:
+    def _measure(
+        self, joint: Joint, values: Array, *, parent: str, below: list[str], most: int = _MOST_CONTACTS
+    ) -> tuple[float, set[int], str]:
         """Count the contacts of child and parent, on average over some positions; and list the positions in which a part that
         the joint moves meets one above the parent (or a part behind the child meets the parent), with the first such part."""
         frames = self._place(joint, values, below)
         contacts = 0.0
         if parent in self._number and joint.child in self._number:
             pair = self._number[parent], self._number[joint.child]
-            contacts = float(np.mean([self._colliders.count_contacts(one, *pair, _MOST_CONTACTS) for one in frames]))
+            contacts = float(np.mean([self._colliders.count_contacts(one, *pair, most) for one in frames]))
         above = self._bodies.list_above(joint)
         pairs = [(a, b) for a in above for b in below]
         pairs += [(parent, b) for b in below if b != joint.child and parent in self._number]
