@@ -37,8 +37,8 @@ from urdfcheck.system import process_pool, sandbox
 REPOSITORY = Path(__file__).parent.parent
 FIXTURES = REPOSITORY / "fixtures"
 
-# No test fails because a machine is slow.
-settings.register_profile("urdfcheck", deadline=None)
+# No test fails because a machine is slow. Each run tries other examples; what one misses, one of the next finds.
+settings.register_profile("urdfcheck", deadline=None, max_examples=40)
 settings.load_profile("urdfcheck")
 
 # Many tests start a Python: none of them compiles our modules anew.
@@ -135,7 +135,10 @@ def pytest_collection_finish() -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes long, so that no process is left alone with it at the end: real robots, which tests of all
     processes share, then the modules that are marked slow; of these first the ones about the whole program, beside this file:
-    a single run on all hostile files takes half a minute."""
+    a single run on all hostile files takes half a minute.
+
+    Each process begins with an equal stretch of the list, so each stretch gets its share of all of them.
+    """
 
     def rank(item: pytest.Item) -> int:
         if {"corpus", "robots"} & set(getattr(item, "fixturenames", ())):
@@ -144,7 +147,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             return 3
         return 1 if item.path.parent == REPOSITORY / "tests" else 2
 
-    items.sort(key=rank)
+    processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    kinds = [[item for item in items if rank(item) == kind] for kind in range(4)]
+    items[:] = [
+        item
+        for process in range(processes)
+        for kind in kinds
+        for item in kind[process * len(kind) // processes : (process + 1) * len(kind) // processes]
+    ]
 
 
 FAILED = pytest.StashKey[bool]()

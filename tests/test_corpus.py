@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from conftest import CORPORA, REPOSITORY
-from real_robots import CheckedRobot, check_robots, find_lost_defects, list_robots
+from real_robots import CheckedRobot, check_robots, find_lost_defects, list_robots, select_by_trait
 
 from urdfcheck.core import Run, Severity
 from urdfcheck.core.findings import iter_occurrences
@@ -148,6 +148,15 @@ def compare_with_accepted(folder: str, runs: Mapping[str, Run], *, accept: bool)
     gone = {name: sorted(set(texts) - set(errors.get(name, []))) for name, texts in here.items()}
     assert {name: texts for name, texts in new.items() if texts} == {}
     assert {name: texts for name, texts in gone.items() if texts} == {}
+
+
+@pytest.mark.parametrize(
+    ("times", "is_full", "selected"),
+    [(1, False, "abd"), (2, False, "abcde"), (9, False, "abcdef"), (1, True, "abcdefg")],
+)
+def test_a_selection_has_each_trait_as_often_as_asked(times: int, is_full: bool, selected: str) -> None:
+    traits = {"a": {1}, "b": {1, 2}, "c": {2}, "d": {3, 2}, "e": {3}, "f": {2}, "g": set()}
+    assert select_by_trait(traits, traits.__getitem__, times=times, is_full=is_full) == list(selected)
 
 
 # What is known to be wrong upstream: which rule says it where, at how many elements.

@@ -193,11 +193,15 @@ def test_what_no_group_moves_is_not_checked_by_moveit(tmp_path: Path) -> None:
 
 
 def test_a_collision_in_the_default_state_alone_is_an_info(tmp_path: Path) -> None:
-    """At zero the end of the second bar is in the post; elsewhere mostly not."""
-    post = make_box("post", "0.05 0.05 0.05", "0.75 0 0.2") + make_hinge("base", "post", "0 0 0")
+    """At zero the end of the second bar is in the post; elsewhere mostly not. COL001 warns of a deep overlap."""
+    deep = make_box("post", "0.05 0.05 0.05", "0.75 0 0.2") + make_hinge("base", "post", "0 0 0")
+    assert not find_with_srdf(tmp_path, "COL004", NEIGHBOURS + pair("base", "fore", "User"), make_two_bars(more=deep))
+    (told,) = find_with_srdf(tmp_path, "COL001", NEIGHBOURS + pair("base", "fore", "User"), make_two_bars(more=deep))
+    assert told.severity is Severity.WARNING
+    post = deep.replace("0.75 0 0.2", "0.774 0 0.2")
     (finding,) = find_with_srdf(tmp_path, "COL004", NEIGHBOURS + pair("base", "fore", "User"), make_two_bars(more=post))
     assert (finding.message_id, finding.severity) == ("default", Severity.INFO)
-    assert "post and fore (25 mm)" in finding.message
+    assert "post and fore (1 mm)" in finding.message
 
 
 def test_of_two_descriptions_it_is_enough_that_one_disables_a_pair(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, joint, limit, link, robot
+from builders import find, inertial, joint, limit, link, robot
 
 from urdfcheck.core import Finding, Severity, Verdict
 from urdfcheck.facts.motion.kinematics import build_origin_transform
@@ -532,3 +532,13 @@ def test_a_cylinder_that_the_scale_flattens_is_none(tmp_path: Path) -> None:
     link = shape("visual", "part.obj", "1 2 1") + shape("collision", "part.obj", "1 2 1")
     (finding,) = find_dense_collision(tmp_path, cylinder(200), link)
     assert finding.message_id == "dense"
+
+
+def test_a_robot_without_a_name_is_the_robot(tmp_path: Path) -> None:
+    parts = [
+        link("base", inertial()),
+        link("arm", inertial(), box("visual")),
+        joint("j", "base", "arm", kind="continuous"),
+    ]
+    (finding,) = find(tmp_path, robot(*parts, name=""), "GEO002")
+    assert finding.headline == "the robot: no moving body has a <collision>"

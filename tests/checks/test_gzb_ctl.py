@@ -452,16 +452,30 @@ def test_a_gazebo_reference_is_no_drive(tmp_path: Path) -> None:
 
 def test_joints_left_out_of_control_are_listed(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, robot(ARM, '<transmission name="t"><joint name="j"/></transmission>'), "CTL002")
-    assert (finding.message_id, finding.location.subject) == ("some", "joint[k]")
+    assert (finding.message_id, finding.location.subject) == ("most", "joint[k]")
 
 
-@pytest.mark.parametrize(("driven", "message"), [(1, "most"), (2, "some"), (3, "some")])
-def test_few_joints_that_are_left_out_were_forgotten(tmp_path: Path, driven: int, message: str) -> None:
+@pytest.mark.parametrize(
+    ("names", "driven", "message"),
+    [
+        (("j_1", "j_2", "j_3", "j_4"), 3, "some"),  # one of a series
+        (("j_1", "j_2", "j_3", "j_4"), 2, "most"),
+        (("front_left", "front_right", "rear_left", "rear_right"), 2, "most"),
+        (("front_left_wheel", "front_right_wheel", "rear_left_wheel", "rear_right_wheel"), 2, "some"),
+        (("front_left_wheel", "front_right_wheel", "rear_left_wheel", "rear_right_wheel"), 1, "most"),
+        (("left_wheel", "right_wheel", "left_rocker", "right_rocker"), 2, "most"),  # rockers have no motor
+    ],
+)
+def test_few_joints_that_are_left_out_were_forgotten_if_others_like_them_are_driven(
+    tmp_path: Path, names: tuple[str, ...], driven: int, message: str
+) -> None:
     joints = "".join(
-        f'<link name="l{i}"/><joint name="j{i}" type="continuous"><parent link="base"/><child link="l{i}"/></joint>'
-        for i in range(4)
+        f'<link name="l{i}"/><joint name="{name}" type="continuous"><parent link="base"/><child link="l{i}"/></joint>'
+        for i, name in enumerate(names)
     )
-    drives = "".join(f'<transmission name="t{i}"><joint name="j{i}"/></transmission>' for i in range(driven))
+    drives = "".join(
+        f'<transmission name="t{i}"><joint name="{name}"/></transmission>' for i, name in enumerate(names[:driven])
+    )
     (finding,) = find(tmp_path, robot(f'<link name="base"/>{joints}{drives}'), "CTL002")
     assert finding.message_id == message
 

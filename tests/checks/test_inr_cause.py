@@ -487,6 +487,17 @@ def test_a_twin_tells_which_side_is_wrong_and_the_edit_makes_them_equal(tmp_path
     assert find_clear_messages(tmp_path / "mended", edited(text, finding.fix.edits)) == []
 
 
+@pytest.mark.parametrize("scale", [1.0, 40.0])
+def test_a_decimal_point_is_edited_if_the_twin_is_sound(tmp_path: Path, scale: float) -> None:
+    """Tensors that are 40 times too large on both sides do not say which of the masses is right."""
+    both = replace(HEAVY, tensor=scale * HEAVY.tensor)
+    found = find(tmp_path, two_arms(both, replace(both, mass=both.mass / 10)), {"INR009"})
+    slips = [f for f in found if f.cause is not None and f.cause.id == "decimal_point"]
+    assert len(slips) == 1
+    assert slips[0].fix is not None
+    assert bool(slips[0].fix.edits) == (scale == 1.0)
+
+
 def test_a_twin_mends_an_impossible_tensor(tmp_path: Path) -> None:
     text = two_arms(BY_ID["products_sign"](HEAVY, DRAWN), HEAVY)
     (finding,) = find_clear_messages(tmp_path, text)

@@ -305,15 +305,41 @@ def test_a_round_mass_decides_no_inertia(tmp_path: Path, mass: float, edits: int
     assert (finding.code, len(finding.fix.edits)) == ("INR007", edits)
 
 
-def test_a_rod_that_is_wrong_about_its_own_length_only_is_an_info(tmp_path: Path) -> None:
-    """Its moments are 3e-4, 3e-4 and 6e-6: 2e-4 times the identity is near the two that matter."""
+@pytest.mark.parametrize(("axis", "message"), [("0 0 1", "placeholder"), ("0 1 3", "placeholder"), ("1 0 0", "rod")])
+def test_a_rod_that_is_wrong_about_its_own_length_only_is_an_info(tmp_path: Path, axis: str, message: str) -> None:
+    """Its moments are 3e-4, 3e-4 and 6e-6: 2e-4 times the identity is near the two that matter where it swings."""
     rod = Part(size=(0.01, 0.01, 0.1), mass=0.36, tensor=2e-4 * np.eye(3))
-    (finding,) = find(tmp_path, make_chain('<link name="base"/>', rod.xml("rod")), {"INR007"})
-    assert finding.severity == Severity.INFO
+    chain = make_chain('<link name="base"/>', rod.xml("rod"))
+    assert chain.count("<axis") <= 1
+    turned = re.sub(r"<axis[^>]*>", "", chain).replace("</joint>", f'<axis xyz="{axis}"/></joint>')
+    (finding,) = find(tmp_path, turned, {"INR007"})
+    assert (finding.severity, finding.message_id) == (Severity.INFO, message)
+    assert ("about its length" in finding.headline) == (message == "rod")
     both = [rod.xml("rod"), Part(size=(0.01, 0.01, 0.1), mass=0.036, tensor=2e-4 * np.eye(3)).xml("light")]
     (finding,) = find(tmp_path, make_chain('<link name="base"/>', *both), {"INR007"})
     assert finding.severity == Severity.WARNING
     assert finding.headline == "2 links have a placeholder inertia (light: 6.6× too large)"
+
+
+def test_a_root_that_outweighs_the_robot_tenfold_is_ballast(tmp_path: Path) -> None:
+    """Its moments are 7: 20 times the identity is a choice for what never moves, and not for what carries half the robot."""
+    told = {}
+    for mass in (1000.0, 50.0):
+        stand = Part(size=(0.2, 0.2, 0.2), mass=mass, tensor=200.0 * np.eye(3))
+        arm = '<link name="arm"><inertial><mass value="30"/><inertia ixx="0.3" iyy="0.4" izz="0.5"/></inertial></link>'
+        told[mass] = find(tmp_path / f"{mass}", make_chain(stand.xml("stand"), arm), {"INR007"})
+    assert not told[1000.0]
+    assert [f.message_id for f in told[50.0]] == ["placeholder"]
+
+
+def test_a_placeholder_is_named_where_nothing_is_drawn_if_it_fits_no_drawing(tmp_path: Path) -> None:
+    """1 kg with 1 times the identity, on two boxes of 0.1 m and on a link that draws nothing."""
+    boxes = [Part(mass=1.0, tensor=np.eye(3)).xml(name) for name in ("one", "two")]
+    (finding,) = find(tmp_path / "a", make_chain(*boxes, bare("tip", 1, 1)), {"INR007"})
+    assert {subject.split("/")[0] for subject in finding.subjects} == {"link[one]", "link[two]", "link[tip]"}
+    near = Part(size=(2.4, 2.4, 2.4), mass=1.0, tensor=np.eye(3)).xml("near")
+    (finding,) = find(tmp_path / "b", make_chain(*boxes, near, bare("tip", 1, 1)), {"INR007"})
+    assert "link[tip]" not in {subject.split("/")[0] for subject in finding.subjects}
 
 
 def test_a_placeholder_that_happens_to_be_near_is_one_as_well(tmp_path: Path) -> None:

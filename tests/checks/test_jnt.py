@@ -213,6 +213,7 @@ def test_zero_effort_matters_to_gazebo(tmp_path: Path, targets: tuple[str, ...],
         ('lower="-1" upper="1" effort="1e7" velocity="1"', "revolute", ["JNT007 effort-absurd"]),
         ('lower="-1" upper="1" effort="99999" velocity="9999"', "revolute", []),
         ('effort="1" velocity="1e16"', "continuous", ["JNT007 velocity-absurd"]),
+        ('effort="1e7" velocity="1e16"', "continuous", ["JNT007 both-absurd"]),
     ],
 )
 def test_an_empty_limit_is_one_defect(tmp_path: Path, limit: str, kind: str, found: list[str]) -> None:
@@ -222,6 +223,24 @@ def test_an_empty_limit_is_one_defect(tmp_path: Path, limit: str, kind: str, fou
     assert all((f.severity == Severity.INFO) == (f.message_id in idle) for f in run.findings)
     if found == ["JNT005 equal"]:
         assert run.findings[0].message.endswith(". Effort and velocity are 0 too")
+
+
+def test_placeholders_of_one_limit_are_one_finding(tmp_path: Path) -> None:
+    big = "1.7976931348623157e308"
+    limit = f'<limit lower="-{big}" upper="{big}" effort="{big}" velocity="{big}"/>'
+    (finding,) = find(tmp_path, make_three_links(make_joint(limit)), {"JNT007", "JNT008"})
+    assert (finding.message_id, finding.severity) == ("both-absurd", Severity.WARNING)
+    assert (finding.data["effort"], finding.data["velocity"]) == (float(big), float(big))
+    (wide,) = find(tmp_path, make_three_links(make_joint(limit.replace(f'velocity="{big}"', 'velocity="1"'))), "JNT008")
+    assert math.isfinite(wide.data["turns"])
+    other = '<limit lower="-10" upper="10" effort="1e7" velocity="1"/>'
+    text = make_three_links(make_joint(limit), make_joint(other, name="k", child="c"))
+    found = find(tmp_path, text, {"JNT007", "JNT008"})
+    assert {f"{f.message_id} {f.subjects[0]}" for f in found} == {
+        "both-absurd joint[j]/limit@effort",
+        "effort-absurd joint[k]/limit@effort",
+        "wide joint[k]/limit",
+    }
 
 
 def test_an_empty_limit_is_reported_whatever_is_beside_it_and_selected(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import find
+from builders import find, joint, limit, link, robot
 from conftest import check
 
 from urdfcheck.core import Finding, Severity
@@ -71,6 +71,27 @@ def test_a_note_unless_it_is_for_a_simulator(tmp_path: Path) -> None:
     path.write_text(ARM.format(limit='lower="0.5" upper="2"', kind="revolute", inner="", more=""), encoding="utf-8")
     severities = {t: check(path, codes={"JNT019"}, targets=(t,)).findings[0].severity for t in ("mujoco", "rviz")}
     assert severities == {"mujoco": Severity.WARNING, "rviz": Severity.INFO}
+
+
+@pytest.mark.parametrize(
+    ("names", "severity"),
+    [
+        (("FL_knee", "FR_knee", "RL_knee", "RR_knee"), Severity.INFO),
+        (("FL_knee", "FR_knee", "RL_knee", "RR_hip"), Severity.WARNING),
+        (("left_knee", "right_knee"), Severity.WARNING),
+    ],
+)
+def test_the_knees_of_a_quadruped_bend_one_way_only(tmp_path: Path, names: tuple[str, ...], severity: Severity) -> None:
+    parts = [
+        part
+        for name in names
+        for part in (
+            link(f"{name}_link"),
+            joint(name, "base", f"{name}_link", limit(-2.5, -0.5), kind="revolute", axis="0 1 0"),
+        )
+    ]
+    (finding,) = find(tmp_path, robot(link("base"), *parts, '<transmission name="t"/>'), "JNT019")
+    assert finding.severity is severity
 
 
 def test_mujoco_pushes_the_joint_into_its_range() -> None:

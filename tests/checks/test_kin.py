@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import joint, link, robot
+from builders import box, inertial, joint, link, robot, visual
 from conftest import check_text
 
 from urdfcheck.core import FactUnavailableError, Run, Severity
@@ -279,6 +279,25 @@ PRESERVED = '<gazebo reference="j"><{}>{}</{}></gazebo>'
 )
 def test_a_root_without_mass_takes_the_whole_model_with_it(tmp_path: Path, text: str, vanishes: bool) -> None:
     assert codes(check_text(tmp_path, text, codes={"KIN010"})) == (["KIN010"] if vanishes else [])
+
+
+def test_a_model_that_is_only_drawn_is_reported_once(tmp_path: Path) -> None:
+    """Every mass is 0: the error about the drawn link that moves says that Gazebo drops it."""
+    nothing, shape = inertial(0, 0), visual(box("1 1 1"))
+    frame = link("frame", nothing) + joint("k", "arm", "frame", kind="continuous")
+    arm = joint("j", "base", "arm", kind="continuous")
+    parts = [link("base", nothing, shape), link("arm", nothing, shape), arm, frame]
+    rules = {"GEO002", "INR002", "KIN010"}
+    found = check_text(tmp_path, robot(*parts), codes=rules).findings
+    assert [(f.code, f.message_id, f.severity) for f in found if f.severity > Severity.INFO] == [
+        ("INR002", "zero", Severity.ERROR)
+    ]
+    (error,) = (f for f in found if f.message_id == "zero")
+    assert "drops the link" in error.consequences["gazebo"]
+    parts[1] = link("arm", nothing)
+    assert "KIN010" in codes(check_text(tmp_path, robot(*parts), codes=rules))
+    parts[1] = link("arm", inertial(1, 1), shape)
+    assert set(codes(check_text(tmp_path, robot(*parts), codes=rules))) >= {"GEO002", "INR002", "KIN010"}
 
 
 def test_a_model_of_one_link_has_no_joint_to_move(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import find, inertial, joint, link, robot
-from conftest import check_text
+from conftest import check, check_text
 from scipy.spatial import ConvexHull
 
 from urdfcheck.checks import msh011_format_unsupported
@@ -150,6 +150,25 @@ def test_what_only_assimp_loads_is_a_warning_that_names_the_line(tmp_path: Path)
     assert set(finding.consequences) == {"trimesh", "yourdfpy"}
     # Its numbers are those of the mesh: the tetrahedron lacks a side.
     assert find(tmp_path, robot(link("a", shape("collision", "part.dae"))), "MSH002")
+
+
+def test_a_missing_image_of_a_texture_is_a_note(tmp_path: Path) -> None:
+    effect = (
+        '<library_effects><effect id="e"><profile_COMMON><newparam sid="s"><surface type="2D"><init_from>mount</init_from>'
+        '</surface></newparam><newparam sid="p"><sampler2D><source>s</source></sampler2D></newparam><technique sid="t">'
+        '<lambert><diffuse><texture texture="p" texcoord="u"/></diffuse></lambert></technique></profile_COMMON></effect>'
+        '</library_effects><library_images/><library_materials><material id="m"><instance_effect url="#e"/></material>'
+        "</library_materials><library_geometries>"
+    )
+    bound = (
+        '<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="m" target="#m"/>'
+        "</technique_common></bind_material></instance_geometry>"
+    )
+    text = collada(1.0, 1.0).replace("<library_geometries>", effect).replace("<triangles ", '<triangles material="m" ')
+    finding = find_broken(tmp_path, "part.dae", text.replace('<instance_geometry url="#g"/>', bound))
+    assert (finding.message_id, finding.severity) == ("tolerated", Severity.INFO)
+    assert "missing image" in finding.message
+    assert set(finding.consequences) == {"trimesh", "yourdfpy"}
 
 
 def test_consequences_are_told_of_programs_whose_loader_was_asked(tmp_path: Path) -> None:
@@ -323,12 +342,18 @@ def test_an_open_mesh_matters_where_it_collides(tmp_path: Path) -> None:
     assert drawn.severity == Severity.INFO
 
 
-@pytest.mark.parametrize(("code", "content"), [("MSH003", "MIXED"), ("MSH005", "WALLED")])
-def test_a_flaw_of_a_mesh_that_is_also_drawn_is_an_info(tmp_path: Path, code: str, content: str) -> None:
+@pytest.mark.parametrize(
+    ("code", "content", "severity"), [("MSH003", "MIXED", Severity.INFO), ("MSH005", "WALLED", Severity.WARNING)]
+)
+def test_a_flaw_of_a_mesh_that_is_also_drawn_is_an_info(
+    tmp_path: Path, code: str, content: str, severity: Severity
+) -> None:
     """Its author reused the picture; a mesh made for collision is expected to be sound."""
     (reused,) = find_in_mesh(tmp_path / "a", code, globals()[content], shape("visual"), shape("collision"))
     (made,) = find_in_mesh(tmp_path / "b", code, globals()[content], shape("collision"))
-    assert (reused.severity, made.severity) == (Severity.INFO, Severity.WARNING)
+    assert (reused.severity, made.severity) == (Severity.INFO, severity)
+    raised = check(tmp_path / "b" / "robot.urdf", codes={code}, targets=("gazebo",)).findings
+    assert {f.severity for f in raised} == ({Severity.WARNING} if code == "MSH003" else {severity})
 
 
 @pytest.mark.parametrize(
@@ -588,6 +613,23 @@ def test_metres_that_are_scaled_as_millimetres_vanish(tmp_path: Path) -> None:
         tmp_path, "MSH008", scaled(CLOSED, 0.4), "", shape("visual", scale="0.001 0.001 0.001"), step=0.3
     )
     assert finding.message_id == "small"
+
+
+@pytest.mark.parametrize(("others", "found"), [(3, True), (1, False)])
+def test_millimetres_that_are_scaled_twice_get_the_usual_scale(tmp_path: Path, others: int, found: bool) -> None:
+    """What most other meshes of the robot have decides: 400 may be millimetres, centimetres or inches."""
+    (tmp_path / "part.obj").write_text(scaled(CLOSED, 400.0))
+    scales = ["0.001 0.001 0.001"] * others + ["1e-6 -1e-6 1e-6"]
+    text = '<link name="base"/>' + "".join(
+        f'<link name="p{i}">{shape("visual", "part.obj", scale=scale)}</link><joint name="j{i}" type="continuous">'
+        f'<parent link="base"/><child link="p{i}"/><origin xyz="{0.2 + i} 0 0"/></joint>'
+        for i, scale in enumerate(scales)
+    )
+    findings = check_text(tmp_path, f'<robot name="r">{text}</robot>', codes={"MSH008"}).findings
+    assert [f.message_id for f in findings] == ["twice"] * found
+    for finding in findings:
+        assert finding.fix is not None
+        assert [edit.replacement for edit in finding.fix.edits] == ["0.001 -0.001 0.001"]
 
 
 def test_a_tiny_mesh_without_scale_is_meant(tmp_path: Path) -> None:

@@ -471,18 +471,18 @@ def test_where_a_dependency_is_named(tmp_path: Path, name: str, text: str, told:
 @pytest.mark.parametrize(
     ("lines", "uses", "told"),
     [
-        (("<exec_depend>gone</exec_depend>",), "gone", False),
-        (("<test_depend>gone</test_depend>",), "gone", False),
+        (("<exec_depend>rviz</exec_depend>",), "rviz", False),
+        (("<test_depend>rviz</test_depend>",), "rviz", False),
         (("<exec_depend>ros_gz</exec_depend>",), "ros_gz_sim", False),
         (("<exec_depend>gazebo_ros_pkgs</exec_depend>",), "gazebo_ros", False),
-        (("<exec_depend>q</exec_depend>",), "gone", False),  # q depends on it
+        (("<exec_depend>q</exec_depend>",), "rviz", False),  # q depends on it
         (("<exec_depend>ros_gz_sim</exec_depend>",), "ros_gz", True),
     ],
 )
 def test_what_counts_as_declared(tmp_path: Path, lines: tuple[str, ...], uses: str, told: bool) -> None:
     launch = f'<launch><include file="$(find {uses})/a.launch"/></launch>'
     q = manifest("<depend>further</depend>", name="q")
-    further = manifest("<depend>gone</depend>", name="further")
+    further = manifest("<depend>rviz</depend>", name="further")
     files = {"q/package.xml": q, "further/package.xml": further, "p/package.xml": manifest(*lines)}
     write(tmp_path, {**files, "p/urdf/r.urdf": URDF, "p/launch/a.launch": launch})
     assert bool(findings(tmp_path, "PKG007")) == told
@@ -493,21 +493,21 @@ def test_what_counts_as_declared(tmp_path: Path, lines: tuple[str, ...], uses: s
     [
         (
             '<package format="3">\n\t<name>p</name>\n\t<exec_depend>a</exec_depend>\n\n\t<export/>\n</package>\n',
-            "\t<exec_depend>a</exec_depend>\n\t<exec_depend>gone</exec_depend>\n\n",
+            "\t<exec_depend>a</exec_depend>\n\t<exec_depend>rviz</exec_depend>\n\n",
         ),
         (
             '<package format="2">\n  <name>p</name>\n  <depend>a</depend>\n  <test_depend>b</test_depend>\n</package>\n',
-            "  <depend>a</depend>\n  <exec_depend>gone</exec_depend>\n",
+            "  <depend>a</depend>\n  <exec_depend>rviz</exec_depend>\n",
         ),
         (
             "<package>\r\n  <name>p</name>\r\n  <run_depend>a</run_depend>\r\n</package>\r\n",
-            "  <run_depend>a</run_depend>\r\n  <run_depend>gone</run_depend>\r\n",
+            "  <run_depend>a</run_depend>\r\n  <run_depend>rviz</run_depend>\r\n",
         ),
-        ('<package format="3"><name>p</name></package>', "<name>p</name>\n<exec_depend>gone</exec_depend></package>"),
+        ('<package format="3"><name>p</name></package>', "<name>p</name>\n<exec_depend>rviz</exec_depend></package>"),
     ],
 )
 def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: str, after: str) -> None:
-    launch = '<launch><include file="$(find gone)/a.launch"/></launch>'
+    launch = '<launch><include file="$(find rviz)/a.launch"/></launch>'
     write(tmp_path, {"urdf/r.urdf": URDF, "launch/a.launch": launch})
     (tmp_path / "package.xml").write_bytes(before.encode())
     (finding,) = findings(tmp_path, "PKG007")
@@ -515,7 +515,7 @@ def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: s
     (edit,) = finding.fix.edits
     text = before[: edit.span.start] + edit.replacement + before[edit.span.end :]
     assert after in text
-    assert finding.headline == "p: undeclared dependency gone"
+    assert finding.headline == "p: undeclared dependency rviz"
     (tmp_path / "package.xml").write_bytes(text.encode())
     assert not findings(tmp_path, "PKG007")
 
@@ -525,11 +525,11 @@ def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: s
     [
         ("robots/r.urdf", ["p/urdf/r.urdf"], "misnamed"),
         ('robots/r.urdf"/><node args="-d $(find arm5)/urdf.rviz', ["p/urdf/r.urdf"], "misnamed"),
-        ('robots/r.urdf"/><include file="$(find arm5)/launch/arm.launch', ["p/urdf/r.urdf"], "undeclared"),
-        ("robots/other.urdf", ["p/urdf/r.urdf"], "undeclared"),
-        ("robots/r.urdf", ["p/urdf/r.urdf", "q/urdf/r.urdf"], "undeclared"),  # whose file is meant is open
-        ("launch/world.launch", ["p/urdf/r.urdf", "p/launch/world.launch"], "undeclared"),  # all have such files
-        ("", ["p/urdf/r.urdf"], "undeclared"),
+        ('robots/r.urdf"/><include file="$(find arm5)/launch/arm.launch', ["p/urdf/r.urdf"], "unknown"),
+        ("robots/other.urdf", ["p/urdf/r.urdf"], "unknown"),
+        ("robots/r.urdf", ["p/urdf/r.urdf", "q/urdf/r.urdf"], "unknown"),  # whose file is meant is open
+        ("launch/world.launch", ["p/urdf/r.urdf", "p/launch/world.launch"], "unknown"),  # all have such files
+        ("", ["p/urdf/r.urdf"], "unknown"),
     ],
 )
 def test_package_that_is_named_for_a_file_of_the_repository_is_no_dependency(
@@ -542,14 +542,14 @@ def test_package_that_is_named_for_a_file_of_the_repository_is_no_dependency(
     (finding,) = [f for f in findings(tmp_path, "PKG007") if f.data["package"] == "p"]
     assert finding.message_id == message
     assert finding.fix is not None
-    assert bool(finding.fix.edits) == (message == "undeclared")
+    assert not finding.fix.edits
     assert ("write `p` and the path `urdf/r.urdf`" in finding.fix.title) == (message == "misnamed")
 
 
 @pytest.mark.parametrize("kind", ["depend", "exec_depend", "test_depend"])
 @pytest.mark.parametrize("between", [False, True])
 def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, between: bool) -> None:
-    launch = '<launch><include file="$(find q)/a.launch"/><include file="$(find gone)/a.launch"/></launch>'
+    launch = '<launch><include file="$(find q)/a.launch"/><include file="$(find amcl)/a.launch"/></launch>'
     write(tmp_path / "p", {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/a.launch": launch})
     write(tmp_path / "q", {"package.xml": manifest(f"<{kind}>{'m' if between else 'p'}</{kind}>", name="q")})
     write(tmp_path / "m", {"package.xml": manifest("<depend>p</depend>", name="m")})
@@ -558,22 +558,83 @@ def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, betw
     assert ("a cycle" in circle.message, circle.data["names"]) == (True, ["q"])
     assert circle.fix is None or not circle.fix.edits
     assert other.fix is not None
-    assert [edit.replacement.strip() for edit in other.fix.edits] == ["<exec_depend>gone</exec_depend>"]
+    assert [edit.replacement.strip() for edit in other.fix.edits] == ["<exec_depend>amcl</exec_depend>"]
 
 
 def test_what_only_tests_name_is_a_dependency_of_tests(tmp_path: Path) -> None:
-    for name, packages in (("test/a.launch", ("one", "two")), ("launch/a.launch", ("two",))):
+    for name, packages in (("test/a.launch", ("amcl", "tf2")), ("launch/a.launch", ("tf2",))):
         lines = "".join(f'<include file="$(find {other})/a.launch"/>' for other in packages)
         write(tmp_path, {name: f"<launch>{lines}</launch>"})
     text = '<package format="3">\n  <name>p</name>\n  <depend>a</depend>\n  <test_depend>b</test_depend>\n</package>\n'
     write(tmp_path, {"package.xml": text, "urdf/r.urdf": URDF})
     (finding,) = findings(tmp_path, "PKG007")
-    assert finding.headline == "p: undeclared dependencies one, two"
+    assert finding.headline == "p: undeclared dependencies amcl, tf2"
     assert finding.fix is not None
     for edit in reversed(finding.fix.edits):
         text = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
-    assert "  <depend>a</depend>\n  <exec_depend>two</exec_depend>\n" in text
-    assert "  <test_depend>b</test_depend>\n  <test_depend>one</test_depend>\n" in text
+    assert "  <depend>a</depend>\n  <exec_depend>tf2</exec_depend>\n" in text
+    assert "  <test_depend>b</test_depend>\n  <test_depend>amcl</test_depend>\n" in text
+
+
+@pytest.mark.parametrize(
+    ("name", "other", "message"),
+    [
+        ("rviz", "", "undeclared"),  # ROS has released it
+        ("arm5", "<depend>arm5</depend>", "undeclared"),  # a package here depends on it
+        ("arm5", "", "unknown"),
+    ],
+)
+def test_a_line_is_proposed_for_a_package_that_exists(tmp_path: Path, name: str, other: str, message: str) -> None:
+    launch = f'<launch><include file="$(find {name})/a.launch"/></launch>'
+    write(tmp_path / "p", {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/a.launch": launch})
+    write(tmp_path, {".git/HEAD": "", "q/package.xml": manifest(other, name="q")})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert (finding.message_id, finding.severity) == (message, Severity.WARNING)
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) == (message == "undeclared")
+
+
+@pytest.mark.parametrize(
+    ("ament", "place", "told"),
+    [
+        (False, "launch/a.launch", True),
+        (False, "a.launch", True),
+        (False, "urdf/a.launch", True),
+        (False, "mesh/arm5/a.launch", False),
+        (True, "launch/a.launch", True),
+        (True, "old/a.launch", False),  # CMakeLists.txt does not install the folder
+    ],
+)
+@pytest.mark.parametrize("name", ["arm5", "rviz"])
+def test_a_file_to_which_nothing_leads_needs_no_package(
+    tmp_path: Path, ament: bool, place: str, told: bool, name: str
+) -> None:
+    launch = f'<launch><include file="$(find {name})/a.launch"/></launch>'
+    text = manifest("<export><build_type>ament_cmake</build_type></export>" if ament else "")
+    install = "install(DIRECTORY launch urdf DESTINATION share/p)" if ament else ""
+    write(tmp_path, {"package.xml": text, "urdf/r.urdf": URDF, place: launch, "CMakeLists.txt": install})
+    assert bool(findings(tmp_path, "PKG007")) == told
+
+
+@pytest.mark.parametrize(
+    ("name", "launch", "severity"),
+    [
+        ("a.launch.xml", '<launch><arg name="c" default="$(find-pkg-share q)/c.yaml"/></launch>', Severity.INFO),
+        ("a.launch.xml", '<launch><include file="$(find-pkg-share q)/b.launch.xml"/></launch>', Severity.WARNING),
+        (
+            "a.launch.py",
+            'a = DeclareLaunchArgument(\n "c",\n default_value=PathJoinSubstitution(\n  [FindPackageShare("q"), "c"]))',
+            Severity.INFO,
+        ),
+    ],
+)
+def test_a_default_that_the_caller_replaces_makes_no_circle(
+    tmp_path: Path, name: str, launch: str, severity: Severity
+) -> None:
+    write(tmp_path / "p", {"package.xml": manifest(), "urdf/r.urdf": URDF, f"launch/{name}": launch})
+    write(tmp_path / "q", {"package.xml": manifest("<depend>p</depend>", name="q")})
+    write(tmp_path, {".git/HEAD": ""})
+    assert [(f.message_id, f.severity) for f in findings(tmp_path, "PKG007")] == [("circle", severity)]
 
 
 # -- what is installed -----------------------------------------------------------------------------------------------------
@@ -937,3 +998,14 @@ def test_mujoco_opens_a_drawn_mesh_only_where_the_file_keeps_it(tmp_path: Path, 
     write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": robot})
     (finding,) = findings(tmp_path, "PKG002")
     assert finding.consequences["mujoco"].startswith(expected)
+
+
+@pytest.mark.parametrize(
+    ("place", "told"),
+    [("launch/a.launch", False), ("launch/a.launch.xml", True), ("urdf/a.launch", True), ("a.launch", True)],
+)
+def test_a_launch_file_of_ros_1_that_is_not_installed_needs_no_folder(tmp_path: Path, place: str, told: bool) -> None:
+    launch = '<launch><node name="r" pkg="rviz" type="rviz" args="-d $(find p)/config/r.rviz"/></launch>'
+    files = {"package.xml": manifest(AMENT), "urdf/r.urdf": URDF, "config/r.rviz": "", place: launch}
+    write(tmp_path, {**files, "CMakeLists.txt": "install(DIRECTORY urdf DESTINATION share/p)\nament_package()\n"})
+    assert [f.data["folders"] for f in findings(tmp_path, "PKG008")] == ([["config"]] if told else [])

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from builders import find, joint
 
-from urdfcheck.checks.sym001_odd_one_out_orientation import find_nearest_rpy
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
+from urdfcheck.model.repairs.rpy_text import find_nearest_rpy
 
 WHEEL = (
     '<inertial><origin xyz="0 0.002 0.001"/><mass value="0.03"/>'
@@ -192,6 +192,25 @@ def test_of_a_pair_the_one_with_an_angle_that_nobody_chooses_is_named(tmp_path: 
     assert finding.data["angle"] == pytest.approx(-43.109, abs=1e-3)
     assert "its sibling left (mirror y) has round angles, but `0 -0.75239 0` is implausible" in finding.message
     assert edits(finding) == [("0 -0.75239 0", "0 0 0")]
+
+
+@pytest.mark.parametrize(
+    ("angle", "extra", "severity"),
+    [
+        (0.0194, '<limit lower="-1" upper="1" effort="1" velocity="1"/>', Severity.WARNING),
+        (0.0194, '<limit effort="1" velocity="1"/>', Severity.INFO),
+        (0.0194, '<limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="rear_left"/>', Severity.INFO),
+        (0.0394, '<limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="rear_left"/>', Severity.WARNING),
+    ],
+)
+def test_a_degree_in_a_joint_that_nothing_commands_is_a_note_without_an_edit(
+    tmp_path: Path, angle: float, extra: str, severity: Severity
+) -> None:
+    text = car("revolute", front_left=f"0 {angle} 0")
+    place = text.index("</joint>", text.index('<joint name="front_left"'))
+    (finding,) = find(tmp_path, text[:place] + extra + text[place:], "SYM001")
+    assert (finding.message_id, finding.severity) == ("limits", severity)
+    assert bool(edits(finding)) is (severity is Severity.WARNING)
 
 
 @pytest.mark.parametrize(("angle", "message"), [("0.02", "pair_slight"), ("0.04", "pair")])

@@ -268,6 +268,23 @@ def test_what_a_symmetry_of_the_part_explains_is_no_difference(tmp_path: Path) -
     assert find_odd_inertia(tmp_path / "c", wheels(**like))
 
 
+def test_the_numbers_that_are_written_are_those_of_a_copy(tmp_path: Path) -> None:
+    """The odd one is the mirror image of the others but for its COM: what symmetry makes of their numbers is in no link."""
+    tensor = np.array([(2.01234e-4, 0, 0), (0, 2.45678e-4, 1.23456e-5), (0, 1.23456e-5, 3.04567e-4)])
+    flipped = np.array([(2.01234e-4, 0, 0), (0, 2.45678e-4, -1.23456e-5), (0, -1.23456e-5, 3.04567e-4)])
+    box = '<visual><origin xyz="0 0.0003 0"/><geometry><box size="0.1 0.08 0.06"/></geometry></visual>'
+    like = {name: box + make_lump_inertial(MASS, (0.00112, 0.00053, 0.00217), tensor) for name in FOUR}
+    like["rr"] = box + make_lump_inertial(MASS, (0.00112, -0.00931, 0.00217), flipped)
+    (finding,) = find_odd_inertia(tmp_path, make_parts_on_base(*FOUR, **like))
+    assert finding.fix is not None
+    new = " ".join(edit.replacement for edit in finding.fix.edits).split()
+    assert [float(number) for number in new] == [0.00112, 0.00053, 0.00217, 1.23456e-05]
+    # Drawn elsewhere, no link has the numbers that it should have.
+    moved = like["rr"].replace('<origin xyz="0 0.0003 0"/>', '<origin xyz="0 0.0013 0"/>')
+    (finding,) = find_odd_inertia(tmp_path / "b", make_parts_on_base(*FOUR, **(like | {"rr": moved})))
+    assert not (finding.fix and finding.fix.edits)
+
+
 def test_a_line_that_a_macro_shares_is_not_edited(tmp_path: Path) -> None:
     body = drawn() + make_lump_inertial().replace('mass value="0.4321"', 'mass value="${m}"')
     macro = re.sub(

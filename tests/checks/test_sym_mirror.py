@@ -6,6 +6,7 @@ import copy
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.motion.kinematics import build_origin_transform, rpy_to_matrix
 from urdfcheck.model import Model
+from urdfcheck.model.inertials.mirrored_inertials import compare_sides, find_cause
 from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
 from urdfcheck.source.load import load_source
@@ -609,6 +611,63 @@ def test_without_drawings_only_what_mirror_and_copy_have_in_common_counts(tmp_pa
     assert told(finding) == ("moments", None, "link[right_arm]/inertial/mass@value")
 
 
+def test_sides_that_are_not_drawn_may_be_two_parts(tmp_path: Path) -> None:
+    """Masses and radii of gyration differ: a note, and nothing at all where only one side carries a suction pad."""
+    robot = scale_inertial(strip_drawings(ROBOT), "link[@name='right_hand']/inertial", mass=1.3, tensor=1.9)
+    finding = one(tmp_path / "a", robot)
+    assert (finding.message_id, finding.severity) == ("moments", Severity.INFO)
+    assert finding.fix is not None
+    assert "mirrored numbers" not in finding.fix.title
+    same_mass = scale_inertial(strip_drawings(ROBOT), "link[@name='right_hand']/inertial", tensor=1.9)
+    assert one(tmp_path / "b", same_mass).severity is Severity.WARNING
+    ET.SubElement(robot, "link", name="pad")
+    pad = ET.SubElement(robot, "joint", name="pad_joint", type="fixed")
+    ET.SubElement(pad, "parent", link="right_hand")
+    ET.SubElement(pad, "child", link="pad")
+    assert not find_mirror_defects(tmp_path / "c", robot)
+
+
+def make_turned_hands(*, turned: bool) -> Robot:
+    """Hands whose piece inside is 6 mm above the middle of the left one. The right one is its mirror image, or ``turned`` by half
+    a turn about x; its inertial is turned in both cases."""
+    pieces: Pieces = [((0.03, 0.02, 0.006), (0.02, 0.01, 0.006)), ((0.1, 0.06, 0.04), (0.0, 0.02, 0.0))]
+    half_turn = [(size, (x, -y, -z)) for size, (x, y, z) in pieces]
+    right = half_turn if turned else [(size, flipped(centre)) for size, centre in pieces]
+    robot = copy.deepcopy(ROBOT)
+    for side, drawn in (("left", pieces), ("right", right)):
+        hand = robot.find(f"link[@name='{side}_hand']")
+        assert hand is not None
+        hand[:] = make_box_link("hand", drawn)[:]
+    six = numbers(robot, "link[@name='left_hand']/inertial/inertia", "ixy", "ixz")
+    robot = with_(robot, "link[@name='right_hand']/inertial/inertia", **six)
+    for side, place in (("left", "0.003 0.02 0.002"), ("right", "0.003 -0.02 -0.002")):
+        robot = with_(robot, f"link[@name='{side}_hand']/inertial/origin", xyz=place)
+    return robot
+
+
+def test_a_part_that_is_nearly_its_own_mirror_image_may_be_turned_round(tmp_path: Path) -> None:
+    """The drawings decide: they fit a mirror to within tessellation, and a half turn exactly."""
+    assert not find_mirror_defects(tmp_path / "turned", make_turned_hands(turned=True))
+    pair = pairs_of(tmp_path / "turned", make_turned_hands(turned=True))["left_hand"]
+    assert pair.mirror_mismatch is not None
+    assert pair.copy_mismatch is not None
+    assert 0.01 < pair.mirror_mismatch < 0.03
+    assert pair.copy_mismatch < 1e-9
+    mirrored = make_turned_hands(turned=False)
+    assert pairs_of(tmp_path / "mirrored", mirrored)["left_hand"].drawn_as == "mirrored"
+    assert one(tmp_path / "mirrored", mirrored).code == "SYM004"
+
+
+def test_signs_are_those_of_a_mirror_only_in_mirrored_frames(tmp_path: Path) -> None:
+    wrong = numbers(ROBOT, f"{RIGHT}/inertia", "iyz")
+    robot = with_(ROBOT, f"{RIGHT}/inertia", **wrong)
+    pair = pairs_of(tmp_path, robot)["left_arm"]
+    both = compare_sides(model_of(tmp_path, robot), pair)
+    assert both is not None
+    assert find_cause(pair, both[1], 0.01) == "signs"
+    assert find_cause(replace(pair, linear=pair.linear @ ASKEW), both[1], 0.01) is None
+
+
 def strip_drawings(robot: Robot) -> Robot:
     """The robot whose arms draw nothing."""
     for side in ("left", "right"):
@@ -691,6 +750,24 @@ def test_the_edit_of_a_sign_leaves_the_digits_of_the_other_numbers(tmp_path: Pat
     assert edit.replacement.lstrip("-") == rounded["iyz"].lstrip("-")
 
 
+@pytest.mark.parametrize(("y", "side"), [(0.0266, "right"), (-0.0266, "left"), (0.003, None)])
+def test_the_com_that_is_on_the_other_side_of_the_drawn_part_is_wrong(
+    tmp_path: Path, y: float, side: str | None
+) -> None:
+    """Both COMs are ``y`` (m) from the middle, which nothing in one link explains: the drawn ones are 17 mm out on each side."""
+    robot = ROBOT
+    for path in (LEFT, RIGHT):
+        x, _, z = numbers(ROBOT, f"{path}/origin")["xyz"].split()
+        robot = with_(robot, f"{path}/origin", xyz=f"{x} {y} {z}")
+    finding = one(tmp_path, robot)
+    assert (finding.message_id == "inertial") is (side is not None)
+    if side is not None:
+        assert finding.location.subject == f"link[{side}_arm]/inertial/origin@xyz"
+        assert finding.fix is not None
+        (edit,) = finding.fix.edits
+        assert float(edit.replacement.split()[1]) == pytest.approx(-y)
+
+
 def test_neither_side_is_mirrored_where_both_coms_are_elsewhere(tmp_path: Path) -> None:
     far = with_(ROBOT, f"{RIGHT}/origin", xyz="0.3 0.4 0.1")
     far = with_(far, f"{RIGHT.replace('right', 'left')}/origin", xyz="0.3 0.4 0.1")
@@ -744,6 +821,18 @@ def test_an_offset_along_the_axis_that_the_next_joint_takes_back_moves_nothing(
     text = ET.tostring(move_frame(ROBOT, part, offset, with_drawing=True), encoding="unicode")
     found = find(tmp_path, text, {"SYM001", "SYM002", "SYM004"})
     assert not {finding.message_id for finding in found} & {"origin", "slip", "axis"}
+
+
+@pytest.mark.parametrize(("turn", "found"), [(0.0087, False), (0.03, True)])
+def test_a_slight_tilt_that_the_next_joint_takes_back_is_typed(tmp_path: Path, turn: float, found: bool) -> None:
+    """The axis of the arm, y, is tilted about x; the hand is where it should be, and turned as it should be."""
+    placement = build_origin_transform((0.0, 0.0, 0.0), (turn, 0.0, 0.0))
+    robot = with_(moved_link(ROBOT, "right_arm", placement), "joint[@name='right_arm_joint']/axis", xyz="0 1 0")
+    taken_back = find(tmp_path / "a", ET.tostring(robot, encoding="unicode"), "SYM004")
+    assert ("axis" in {finding.message_id for finding in taken_back}) is found
+    tilted = with_(ROBOT, "joint[@name='right_arm_joint']/origin", rpy=f"{turn} 0 0")
+    alone = find(tmp_path / "b", ET.tostring(tilted, encoding="unicode"), {"SYM001", "SYM004"})
+    assert {finding.message_id for finding in alone} & {"axis", "pair_tilt", "tilt", "origin"}
 
 
 def test_a_joint_beside_its_place_takes_along_nothing_that_is_in_place(tmp_path: Path) -> None:

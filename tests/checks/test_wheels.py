@@ -193,6 +193,21 @@ def test_a_wheel_high_above_the_ground_does_not_drive(tmp_path: Path) -> None:
     assert not find_in_car(tmp_path, "SYM005", changed(FOUR, 0, axis=(0, -1, 0), place=(0.2, 0.12, 0.2)))
 
 
+def test_no_axis_is_edited_where_a_wheel_is_off_the_ground(tmp_path: Path) -> None:
+    """Two wheels roll one way and two the other: the third of three is no minority if the fourth is elsewhere by mistake."""
+    opposed = changed(changed(FOUR, 2, axis=(0, -1, 0)), 3, axis=(0, -1, 0))
+    for name, place in (("a", (-0.2, -0.12, 0.0)), ("b", (-200, -120, 0.5))):
+        (finding,) = find_in_car(tmp_path / name, "SYM005", changed(opposed, 2, place=place))
+        assert not edits(finding)
+    (finding,) = find_in_car(tmp_path / "c", "SYM005", changed(FOUR, 2, axis=(0, -1, 0)))
+    assert edits(finding)
+
+
+def test_a_wheel_beyond_its_radius_is_not_moved_by_its_height_alone(tmp_path: Path) -> None:
+    found = find_in_car(tmp_path, "SYM006", changed(FOUR, 1, place=(-200, 120, 30)))
+    assert [edits(finding) for finding in found] == [[]]
+
+
 # -- SYM006 ----------------------------------------------------------------------------------------------------------------
 
 
@@ -223,6 +238,28 @@ def test_diagonal_wheels_that_are_off_are_not_told_apart(tmp_path: Path) -> None
     )
     assert finding.message_id == "uneven"
     assert finding.data["gap"] == pytest.approx(8)
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "message", "severity"),
+    [
+        ((8, 0, 0, 8), (8, 0, 0, 8), "axles", Severity.INFO),
+        ((8, 0, 4, 0), (8, 0, 4, 0), "axles", Severity.INFO),
+        ((8, 0, 0, 0), (0, 0, 0, 8), "uneven", Severity.WARNING),
+        ((8, 0, 0, 0), (0, 0, 0, 0), "odd", Severity.WARNING),
+    ],
+)
+def test_raised_axles_of_a_vehicle_with_many_are_by_design(
+    tmp_path: Path, left: tuple[int, ...], right: tuple[int, ...], message: str, severity: Severity
+) -> None:
+    """Four axles from front to rear, and the heights of their wheels in mm."""
+    wheels = [
+        Wheel(f"{side}_{axle}_wheel", (0.3 - 0.2 * axle, y, 1e-3 * height))
+        for side, y, heights in (("left", 0.12, left), ("right", -0.12, right))
+        for axle, height in enumerate(heights)
+    ]
+    (finding,) = find_in_car(tmp_path, "SYM006", replace(FOUR, wheels=tuple(wheels)))
+    assert (finding.message_id, finding.severity) == (message, severity)
 
 
 def test_a_wheel_with_another_radius_is_told_as_that(tmp_path: Path) -> None:

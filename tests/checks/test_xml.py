@@ -763,6 +763,24 @@ class TestXML013:
         )
 
 
+def test_a_comment_of_a_semantic_description_ends_where_moveit_ends_it(tmp_path: Path) -> None:
+    """tinyxml2 reads on to the next ``-->``: what is between is lost for MoveIt too, and all the rest is read."""
+    package = tmp_path / "arm"
+    (package / "config").mkdir(parents=True)
+    (package / "package.xml").write_text("<package format='2'><name>arm</name></package>")
+    (package / "arm.urdf").write_text('<robot name="arm"><link name="l"/></robot>')
+    lost, read = (f'<disable_collisions link1="l" link2="{name}"/>' for name in ("lost", "read"))
+    text = f'<robot name="arm">\n<!-- old --!>\n{lost}\n<!-- new -->\n{read}</robot>'
+    (package / "config" / "arm.srdf").write_text(text)
+    (finding,) = check(package, codes={"XML001"}).findings
+    assert (finding.message_id, finding.severity) == ("srdf-forgiven", Severity.WARNING)
+    assert (finding.consequences["moveit"], finding.consequences["xacro"]) == ("loads it", "refuses the file")
+    (unknown,) = check(package, codes={"COL003"}).findings
+    assert "read" in unknown.message
+    assert unknown.location.span is not None
+    assert unknown.location.span.line == 5
+
+
 def test_a_semantic_description_that_is_broken_is_told_with_its_package(tmp_path: Path) -> None:
     package = tmp_path / "arm"
     (package / "config").mkdir(parents=True)

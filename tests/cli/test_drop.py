@@ -19,6 +19,7 @@ from urdfcheck.core import Run
 from urdfcheck.core.drop_test import STEPS, DropTest
 from urdfcheck.output import html, text
 from urdfcheck.output.json import render as render_json
+from urdfcheck.output.shared.drop_test.wording import describe_drop_setup
 
 pytestmark = pytest.mark.slow
 
@@ -200,6 +201,86 @@ def test_a_root_without_mass_is_bolted_down(tmp_path: Path) -> None:
     assert outcome(tmp_path, robot(arm)).fixed == "its root base has no mass"
 
 
+PLAIN = f'<link name="{{}}">{inertial(1, 1e-2)}</link>'
+
+
+def make_limb(*names: str) -> str:
+    """The links after the first, each on a joint of the link before."""
+    pairs = list(pairwise(names))
+    return "".join(PLAIN.format(child) for _, child in pairs) + "".join(
+        make_driven_joint(f"{child}_joint", parent, child, "0 0 0.1", "0 1 0") for parent, child in pairs
+    )
+
+
+ROOT = f'<link name="base">{inertial(1, 1e-2)}{BOX}</link>'
+
+
+@pytest.mark.parametrize(
+    ("parts", "why"),
+    [
+        (make_limb("base", "a", "b"), "all that moves is one limb on base, without wheels or legs"),
+        (make_limb("base", "a"), ""),
+        (make_limb("base", "thigh", "shank"), ""),
+        (make_limb("base", "a", "left_wheel"), ""),
+        (make_limb("base", "a", "base_footprint"), ""),
+        (make_limb("base", "a", "gripper_prop"), "all that moves is one limb on base, without wheels or legs"),
+        (make_limb("base", "thumb") + make_limb("base", "l", "finger_1"), "all that moves on base are arms or fingers"),
+        (make_limb("base", "larm") + make_limb("base", "rarm"), "all that moves on base are arms or fingers"),
+        (make_limb("base", "alarm") + make_limb("base", "armature"), ""),
+        (make_limb("base", "thumb") + make_limb("base", "lid"), ""),
+        (make_limb("base", "a", "b").replace("revolute", "floating"), ""),
+    ],
+)
+def test_arms_and_hands_are_bolted_down(parts: str, why: str, tmp_path: Path) -> None:
+    from urdfcheck.model.motion.fixed_base import explain_fixed_base
+
+    assert explain_fixed_base(make_model(tmp_path, robot(ROOT, parts))) == why
+
+
+def test_fingers_on_a_palm_need_no_names(tmp_path: Path) -> None:
+    hand = robot(ROOT, make_limb("base", "link_0"), make_limb("base", "link_4")).replace('"base"', '"palm_link"')
+    assert outcome(tmp_path, hand).fixed == "all that moves on palm_link are arms or fingers"
+
+
+@pytest.mark.parametrize(("kind", "why"), [("fixed", "the SRDF fixes base to the world"), ("planar", "")])
+def test_the_semantic_description_decides(kind: str, why: str, tmp_path: Path) -> None:
+    from urdfcheck.model.motion.fixed_base import explain_fixed_base
+
+    (tmp_path / "robot.srdf").write_text(
+        f'<robot name="r"><virtual_joint name="v" type="{kind}" parent_frame="world" child_link="base"/></robot>'
+    )
+    (tmp_path / "package.xml").write_text('<package format="3"><name>p</name></package>')
+    model = make_model(tmp_path, robot(ROOT, make_limb("base", "a", "b")))
+    assert explain_fixed_base(model) == why
+
+
+@pytest.mark.usefixtures("one_process")
+def test_the_command_decides(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("mujoco")
+    path = tmp_path / "r.urdf"
+    path.write_text(robot(ROOT, make_limb("base", "a", "b")), encoding="utf-8")
+    told = []
+    for base in ("auto", "fixed", "free"):
+        assert main(["drop", str(path), "--no-cache", "--base", base]) == 0
+        told.append(capsys.readouterr().out)
+    assert "root fixed (all that moves is one limb on base" in " ".join(told[0].split())
+    assert "root fixed (as asked)" in told[1]
+    assert "root free" in told[2]
+
+
+def test_a_bolted_robot_needs_no_shape_that_can_be_read(tmp_path: Path) -> None:
+    broken = ROOT.replace("0.2 0.2 0.1", "0 1 1")
+    found = outcome(tmp_path, robot(broken, make_limb("base", "a", "b")))
+    assert (found.unread, found.shapes) == (("base",), 0)
+    assert found.size == pytest.approx(0.2, rel=1e-3)
+    told = " ".join(describe_drop_setup(found))
+    assert "no ground: no shape could touch it without the shapes that could not be read: base" in told
+    assert outcome(tmp_path, robot(ROOT.replace(BOX, ""), make_limb("base", "a", "b"))).unread == ()
+    shapes = robot(ROOT, make_limb("base", "a", "b").replace("</link>", BOX.replace("0.2 0.2", "0 0") + "</link>", 1))
+    found = outcome(tmp_path, shapes)
+    assert (found.unread, found.shapes, found.ground) == (("a",), 1, pytest.approx(-0.05))
+
+
 def test_what_is_drawn_touches_where_nothing_collides(tmp_path: Path) -> None:
     shape = '<visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual>'
     found = outcome(tmp_path, robot(f'<link name="box">{inertial(1, 1e-3)}{shape}</link>'))
@@ -245,8 +326,13 @@ def test_why_a_robot_cannot_be_dropped(model: str, why: str, tmp_path: Path) -> 
 
 
 def standing_of(folder: Path, model: str):  # type: ignore[no-untyped-def]
-    from urdfcheck.model import Model
     from urdfcheck.model.motion.mechanism import build_standing_robot
+
+    return build_standing_robot(make_model(folder, model))
+
+
+def make_model(folder: Path, model: str):  # type: ignore[no-untyped-def]
+    from urdfcheck.model import Model
     from urdfcheck.source.load import load_source
     from urdfcheck.source.package.finder import PackageFinder
 
@@ -254,7 +340,7 @@ def standing_of(folder: Path, model: str):  # type: ignore[no-untyped-def]
     path.write_text(model, encoding="utf-8")
     source = load_source(path, {}, PackageFinder(folder, {}, []))
     assert source.root is not None
-    return build_standing_robot(Model(source=source, robot=source.root))
+    return Model(source=source, robot=source.root)
 
 
 # -- physics -----------------------------------------------------------------------------------------------------------

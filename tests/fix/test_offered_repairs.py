@@ -1,6 +1,7 @@
 """After an offered repair the link passes its rules, MuJoCo takes its inertial, and nothing else is worse.
 
-On made links, and on the robots in the folders that ``URDFCHECK_CORPUS`` names.
+On made links, and on robots in the folders that ``URDFCHECK_CORPUS`` names: of those with a kind of offer, the first few;
+all with ``URDFCHECK_CORPUS_FULL=1``, as with ``benchmarks/accuracy/repairs.py``.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from castings import CASTING, MISTAKES, DeclaredInertial, drawn_boxes, format_in
 from conftest import REPOSITORY, check
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from real_robots import check_robots, get_robot_cache, list_requests
+from real_robots import check_robots, get_robot_cache, list_requests, select_by_trait
 from scipy.spatial.transform import Rotation
 
 from urdfcheck.core import Finding
@@ -25,7 +26,7 @@ from urdfcheck.rules import load_rules
 
 sys.path.append(str(REPOSITORY / "benchmarks" / "accuracy"))
 
-from repairs import count_needless, describe_fault, try_offers
+from repairs import collect_offers, count_needless, describe_fault, try_offers
 
 pytestmark = pytest.mark.slow
 
@@ -154,6 +155,8 @@ def test_an_undone_mistake_leaves_a_part_that_may_be(
     compile_in_mujoco(mended)
 
 
+# On how many robots of a folder an offer of a rule, message and cause is tried.
+ROBOTS_OF_A_KIND = 2
 # What comes with a repair, and is not its fault.
 KNOWN = {
     # Ten links have placeholders for inertias; two of them are then reported by another rule as well.
@@ -172,12 +175,16 @@ def test_every_offer_on_a_real_robot_is_right(corpus: Path, tmp_path_factory: py
     """All edits are made in a copy: each finding is gone, no error or warning comes, every model expands and MuJoCo takes the
     links whose inertials changed."""
     pytest.importorskip("mujoco")
-    robots, tried, faults = check_robots(corpus, tmp_path_factory), 0, {}
-    for name, request in list_requests(corpus).items():
+    runs = {name: robot.run for name, robot in check_robots(corpus, tmp_path_factory).items()}
+    kinds = {name: {offer.kind for offer in collect_offers(run)} for name, run in runs.items()}
+    # The smaller robots are checked sooner; what only large ones are offered is tried on these.
+    ordered = sorted(kinds, key=lambda name: sum(model.links or 0 for model in runs[name].models))
+    requests, tried, faults = list_requests(corpus), 0, {}
+    for name in select_by_trait(ordered, kinds.__getitem__, times=ROBOTS_OF_A_KIND):
         known = {code for robot, code in KNOWN if robot == name}
         # What the check of the robot measured of its meshes is known.
-        request = replace(request, cache=get_robot_cache(tmp_path_factory))
-        outcomes = try_offers(request, robots[name].run, apart=known)
+        request = replace(requests[name], cache=get_robot_cache(tmp_path_factory))
+        outcomes = try_offers(request, runs[name], apart=known)
         tried += len(outcomes)
         new = [o for o in outcomes if o.kind.partition(" ")[0] not in known]
         faults.update({(name, o.kind, o.subjects): fault for o in new if (fault := describe_fault(o))})

@@ -13,6 +13,7 @@ from urdfcheck.core import Run, Severity
 from urdfcheck.output import github, gitlab, junit, markdown, rdjson, sarif, text
 from urdfcheck.output import json as json_format
 from urdfcheck.output.html import document as html
+from urdfcheck.output.shared.verdict.claim import describe_losses
 from urdfcheck.output.shared.verdict.effects import describe_hits, list_effects, list_new_effects
 from urdfcheck.output.text import DetailLevel
 
@@ -137,3 +138,12 @@ def test_a_card_tells_news() -> None:
     page = html.render(run_of())
     assert "refuses to compile" in page
     assert "<dt>Gazebo</dt>" not in page
+
+
+def test_a_sensor_that_loses_its_data_is_no_part_of_the_model() -> None:
+    frame = finding(consequences={"rviz": "drops the data of the sensor because it has no frame"})
+    assert describe_losses(a_run(frame)) == "RViz drops the data of a sensor"
+    shape = finding(consequences={"rviz": "drops the shape", "gazebo": "drops the shape"})
+    assert describe_losses(a_run(frame, shape)) == "Gazebo and RViz drop a part of this model"
+    hidden = finding(consequences={"rviz": "drops the data of the sensor", "gazebo": "drops the shape"})
+    assert describe_losses(a_run(hidden)) == "Gazebo drops a part of this model, RViz drops the data of a sensor"

@@ -74,6 +74,18 @@ def test_a_library_of_macros_is_no_error_however_it_is_given(package: Path, name
     assert list_unchecked(check(Path("wheels.urdf.xacro"))) == ["wheels.urdf.xacro"]
 
 
+@pytest.mark.parametrize(("child", "is_model"), [("front_bumpr_mount", True), ("camera_mount", False)])
+def test_a_robot_that_misspells_one_of_its_links_is_no_part(package: Path, child: str, is_model: bool) -> None:
+    """A file that another one includes is a robot by itself, too, if all that it names is its own but for one letter."""
+    links = "".join(f'<link name="{name}"/>' for name in ("base", "wheel", "front_bumper_mount"))
+    body = links + joint("base", "wheel") + joint("base", child)
+    others = '<link name="body"/>' + unless_asked(include("dingo.urdf.xacro"))
+    write(package, {"dingo.urdf.xacro": xacro(body), "all.urdf.xacro": xacro(others)})
+    run = check(Path("dingo.urdf.xacro"))
+    assert (list_errors(run) == [("KIN002", "dingo.urdf.xacro")]) is is_model
+    assert (list_unchecked(run) == []) is is_model
+
+
 def test_a_library_is_told_only_where_no_model_uses_it(package: Path) -> None:
     write(
         package, {"wheels.xacro": xacro(MACRO, ""), "car.urdf.xacro": xacro(include("wheels.xacro") + "<xacro:wheel/>")}

@@ -88,6 +88,18 @@ def test_a_folder_marked_to_be_ignored_is_skipped_with_all_below_it(workspace: P
     assert models("old") == ["old/a.urdf", "old/deep/b.urdf"]  # it is named
 
 
+def test_packages_that_are_left_out_are_listed(workspace: Path) -> None:
+    manifest = "<package format='2'><name>{}</name></package>"
+    write(workspace, {"old/COLCON_IGNORE": "", "old/p/package.xml": manifest.format("p"), "old/p/urdf/a.urdf": URDF})
+    write(workspace, {"old/q/package.xml": manifest.format("q"), "msgs/AMENT_IGNORE": "", "r/COLCON_IGNORE": ""})
+    write(workspace, {"r/b.urdf": URDF})
+    left_out = planned(".").left_out
+    assert [(path, reason.split(";")[0]) for path, reason in left_out] == [
+        ("old/p", "left out because of its COLCON_IGNORE"),
+        ("r", "left out because of its COLCON_IGNORE"),
+    ]
+
+
 def test_a_skipped_folder_that_is_named_is_checked_all_the_same(workspace: Path) -> None:
     write(workspace, {"build/a.urdf": URDF})
     assert models("build") == ["build/a.urdf"]

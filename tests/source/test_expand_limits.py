@@ -15,8 +15,9 @@ from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.xacro import expansion_state as trace
-from urdfcheck.source.xacro import guards, tracer
+from urdfcheck.source.xacro import tracer
 from urdfcheck.source.xacro.expand import expand_xacro
+from urdfcheck.source.xacro.expressions import guards
 from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 
 Expand = Callable[..., Any]

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from urdfcheck.source.xacro.expressions import ExpressionRefusedError, compile_expression, find_names
+from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError, compile_expression, find_names
 
 Expand = Callable[..., Any]
 

@@ -11,8 +11,8 @@ import xacro
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from urdfcheck.source.xacro.expressions import ExpressionRefusedError, compile_expression
-from urdfcheck.source.xacro.guards import Guards
+from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError, compile_expression
+from urdfcheck.source.xacro.expressions.guards import Guards
 
 pytestmark = pytest.mark.slow
 

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 # A telescope slides in two stages; one joint makes its links adjacent.
 _LEAST_STAGES = 2
+# The pads of a closed gripper are pressed together: by 0.6 mm in Fetch's model, 1.7 mm in that of PR2.
+_PADS = 2.0
 # A shallow overlap is less than this part of the smaller shape.
 _SHALLOW_SHARE = 0.02
 # Of the configurations.
@@ -57,7 +59,7 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
         item
         for item in rest
         if item not in nested
-        and (_is_shallow(item[1], slight) or (item[1].depth < slight and _meets_at_stop(model, item[0])))
+        and (_is_shallow(item[1], slight) or (item[1].depth < _PADS * slight and _meets_at_stop(model, item[0])))
     ]
     harmless = [*nested, *shallow]
     for group in _group_by_shape([item for item in rest if item not in harmless]):

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions.self_collisions import ensure_all_shapes_read, self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import (
     SetupAssistantPair,
     classify_link_pairs,
@@ -15,6 +15,9 @@ from urdfcheck.model.motion.moveit_pairs import (
     measure_default_depth,
 )
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
+
+# COL001 warns of overlaps that are deeper (m), but for poses in which a robot never is.
+_DEEP = 2e-3
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -32,6 +35,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if not meets or moved.isdisjoint(j.pair.links) or any(s.is_pair_disabled(*j.pair.links) for s in srdfs):
             continue
         depth = measure_default_depth(model, j.pair) if j.meets_at_default else None
+        if not j.is_always_for_moveit and _overlaps_at_rest(j.pair):
+            continue  # COL001 warns of the pair, and says what MoveIt does with it
         if depth != 0.0:  # collision checkers disagree about faces in one plane
             (always if j.is_always_for_moveit else by_default).append((j, depth))
     for message, pairs in (("always", always), ("default", by_default)):
@@ -47,6 +52,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 samples=f"{len(pairs[0][0].pair.hits):,}",
             )
     ensure_all_shapes_read(self_collisions(model))
+
+
+def _overlaps_at_rest(pair: CollisionPair) -> bool:
+    contact = pair.contact
+    return pair.relation == "far" and contact is not None and not contact.touching and contact.depth > _DEEP
 
 
 def _format_pair(judged: SetupAssistantPair, depth: float | None) -> str:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.source.text.xml import Element
 
 _DRIVABLE = frozenset({"revolute", "continuous", "prismatic"})
@@ -32,10 +33,11 @@ def _check_undriven_joints(model: Model, rule: Rule) -> Iterator[Finding]:
     drivable = [joint for joint in model.joints if _has_motor(joint)]
     without = [joint for joint in drivable if joint.name not in driven]
     none = len(without) == len(drivable)
+    is_few = 2 * len(without) <= len(drivable)
     # A description without simulator extensions is controlled elsewhere, if at all.
     if without and (not none or any(model.robot.find_children("gazebo"))):
         yield rule.finding(
-            "none" if none else "some" if 2 * len(without) <= len(drivable) else "most",
+            "none" if none else "some" if is_few and _is_forgotten(without, drivable) else "most",
             at=model if none else without[0],
             related=without if none else without[1:],
             severity=Severity.INFO,
@@ -43,6 +45,19 @@ def _check_undriven_joints(model: Model, rule: Rule) -> Iterator[Finding]:
             count=len(without),
             total="joint" if len(drivable) == 1 else f"{len(drivable)} joints",
         )
+
+
+def _is_forgotten(without: Sequence[Joint], drivable: Sequence[Joint]) -> bool:
+    """Whether joints without a drive have a counterpart at another place (``front_left_wheel``) that has one, or a single one is
+    of a series (``joint_4``)."""
+    left_out = {_strip_place(joint, of_series=len(without) == 1) for joint in without}
+    others = (joint for joint in drivable if joint not in without)
+    return any(_strip_place(joint, of_series=len(without) == 1) in left_out for joint in others)
+
+
+def _strip_place(joint: Joint, *, of_series: bool) -> tuple[str, ...]:
+    words = remove_places(joint.name)
+    return tuple(word for word in words if not word.isdigit()) if of_series else words
 
 
 def _has_motor(joint: Joint) -> bool:

@@ -25,6 +25,7 @@ from urdfcheck.source.text.yaml.values import YamlValue
 
 # Each suggestion compares all names.
 MOST_HINTS = 100
+OTHER_DRIVES = frozenset({"mecanum_drive_controller/MecanumDriveController", "tricycle_controller/TricycleController"})
 
 
 def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
@@ -43,10 +44,12 @@ def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iter
             yield from _check_command_interfaces(model, rule, config)
     for config in configs:
         for controller in config.configuration.controllers:
+            # Without a reference to the file, wheels of this name on another robot may be meant.
+            others = elsewhere if config.named_at is None else None
             if controller.type.startswith("diff_drive_controller/"):
-                # Without a reference to the file, wheels of this name on another robot may be meant.
-                others = elsewhere if config.named_at is None else None
                 yield from _check_wheel_geometry(model, rule, controller, elsewhere=others, rel_tol=rel_tol)
+            elif controller.type in OTHER_DRIVES:
+                yield from _check_other_drive(model, rule, controller, elsewhere=others, rel_tol=rel_tol)
 
 
 def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -195,6 +198,36 @@ def _check_wheel_geometry(
                 off=abs(value - nearest) / nearest,
                 left=names[0],
                 right=right[0].text,
+            )
+
+
+def _check_other_drive(
+    model: Model, rule: Rule, controller: Controller, *, elsewhere: PackageNames | None, rel_tol: float
+) -> Iterator[Finding]:
+    """Report a size of a mecanum drive or a tricycle that is not the model's."""
+    from urdfcheck.model.ground.drive_wheels import measure_drive_sizes
+
+    drive = measure_drive_sizes(model, controller)
+    if drive is None or (elsewhere is not None and any(elsewhere.can_others_have("joint", n) for n in drive.joints)):
+        return
+    for key, typed, sizes in drive.sizes:
+        value = typed.number
+        if value is None or value <= 0 or not sizes or min(sizes) <= 0:
+            continue
+        nearest = min(sizes, key=lambda size: abs(size - value))
+        if abs(value - nearest) > rel_tol * nearest:
+            yield rule.finding(
+                "drive",
+                at=typed,
+                related=[model.joint_by_name[name] for name in drive.joints],
+                severity=Severity.WARNING,
+                edits=typed.build_edits(keep_notation(typed.text, f"{nearest:.4g}")),
+                controller=controller.name,
+                key=key,
+                value=value,
+                real=nearest,
+                off=abs(value - nearest) / nearest,
+                joints=join_names(drive.joints),
             )
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _AS_DEEP = 0.99
 
 
-def check(model: Model, rule: Rule, *, gain: float, sink: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, gain: float, sink: float, lean: float) -> Iterator[Finding]:
     if not model.may_simulate:
         raise FactUnavailableError("needs a simulator: urdfcheck drop")
     # Heavy, and most runs do without.
@@ -30,6 +30,11 @@ def check(model: Model, rule: Rule, *, gain: float, sink: float) -> Iterator[Fin
         torques = "its joints held" if release.held else "no torques"
         yield rule.finding(message, at=at, torques=torques, own=own, seconds=LATE_SECONDS, step=1e3 * STEP, **data)
         return  # only the worst: a robot that bursts may also gain energy or sink in
+    from urdfcheck.model.ground.drop_verdicts import find_standing_defect
+
+    standing = find_standing_defect(model, run_drop_test(model), lean=lean)
+    if standing is not None:
+        yield rule.finding(standing.kind, at=model.link_by_name[standing.link], link=standing.link, **standing.data)
 
 
 def _iter_drop_defects(

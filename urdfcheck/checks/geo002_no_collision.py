@@ -22,7 +22,12 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small:
     if not moving:
         return
     if not any(link.collisions for link in model.links):
-        yield rule.finding("none", at=model.name_location, severity=Severity.INFO, robot=model.name, bodies=len(moving))
+        if model.masses and not any(declared.mass for declared in model.masses):
+            return  # made to be drawn: INR002 reports the masses of 0
+        what = f"robot {model.name}" if model.name else "the robot"
+        yield rule.finding(
+            "none", at=model.name_location, severity=Severity.INFO, robot=model.name, what=what, bodies=len(moving)
+        )
         return
     bare = [body for body in moving if not has_collision_geometry(model, body)]
     missing = [body for body in bare if not _is_exempt(model, body, sheltered)]

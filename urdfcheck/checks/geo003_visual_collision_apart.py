@@ -12,6 +12,8 @@ import numpy as np
 from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
 from urdfcheck.core.text import format_box_size
 from urdfcheck.model import Link, Model
+from urdfcheck.model.ground.wheel_shapes import find_wheel_size_differences
+from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 from urdfcheck.model.shapes.solids import get_mesh_scale
@@ -87,7 +89,36 @@ class _StrayPieces:
         }
 
 
-def check(model: Model, rule: Rule, *, overlap: float, ratio: float, covered: float) -> Iterator[Finding]:
+def check(
+    model: Model, rule: Rule, *, overlap: float, ratio: float, covered: float, wheel_ratio: float
+) -> Iterator[Finding]:
+    reported: set[str] = set()
+    for finding in _compare_bodies(model, rule, overlap=overlap, ratio=ratio, covered=covered):
+        reported.update(finding.subjects)
+        yield finding
+    for odd in find_wheel_size_differences(model, ratio=wheel_ratio):
+        link = model.link_by_name[odd.wheel.joint.child]
+        if not any(subject.startswith(f"link[{link.name}]") for subject in reported):
+            yield rule.finding(
+                "wheel",
+                at=locate_geometry(link.collisions[0]),
+                related=[locate_geometry(link.visuals[0])],
+                link=link.name,
+                radius=odd.radius * 1e3,
+                drawn=odd.drawn * 1e3,
+                factor=max(odd.radius / odd.drawn, odd.drawn / odd.radius),
+                larger="larger" if odd.radius > odd.drawn else "smaller",
+                effect=_describe_wheel_effect(odd.radius - odd.drawn),
+            )
+
+
+def _describe_wheel_effect(excess: float) -> str:
+    if excess > 0:
+        return f"the drawn wheel hovers {excess * 1e3:.3g} mm above the ground"
+    return f"the drawn wheel sinks {-excess * 1e3:.3g} mm into the ground"
+
+
+def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, covered: float) -> Iterator[Finding]:
     def classify_pair(pair: _BoxPair) -> str | None:
         if not 1 / ratio <= pair.ratio <= ratio:
             return "size"

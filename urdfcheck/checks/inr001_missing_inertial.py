@@ -31,6 +31,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             severity=Severity.INFO,
             consequences={"mujoco": INFERS if solid else REFUSES},
             robot=model.name,
+            what=f"robot {model.name}" if model.name else "the robot",
             links=len(model.links),
         )
         return

@@ -57,6 +57,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # The tree is built only for these: whether a link without mass matters depends on the links fixed to it.
     kinds = [(declared, _classify_massless_link(model, declared.link)) for declared in massless]
     carrying = _find_mass_carriers(model) if massless else set()
+    if any(kind == "zero" for _, kind in kinds):
+        if len(massless) == len(model.masses):  # no link has a mass: that of a frame without shapes would not be missed
+            kinds = [(declared, kind) for declared, kind in kinds if kind != "loose"]
+        # One list: a program that refuses the file does so for either.
+        kinds = [(declared, "zero" if kind == "loose" else kind) for declared, kind in kinds]
     for declared, kind in kinds:
         if kind != "helper":
             without = LIGHT if model.tree.list_body_links(declared.link.name)[0] in carrying else NAN

@@ -12,7 +12,9 @@ from urdfcheck.core.merging import merge_identical
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, list_half_units
+from urdfcheck.facts.inertials.materials import DENSEST_PART
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
@@ -56,6 +58,8 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
             continue
+        if excess < VAST and _is_stand_in(part):
+            continue
         repair, computed, explained = _propose(model, part, declared, ratio=ratio, excess=excess)
         yield rule.finding(
             "exceeds",
@@ -72,6 +76,13 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             most=float(f"{spread / excess**0.5:.3g}"),
             around=part.geometry_phrase,
         )
+
+
+def _is_stand_in(part: EnclosedInertial) -> bool:
+    """Whether no part of any ordinary material is so heavy in the hull: then the drawing is that of a smaller thing, such as the
+    rod in the middle of a leg."""
+    with np.errstate(all="ignore"):  # other rules report impossible numbers
+        return part.mass > DENSEST_PART * max(compute_convex_hull(points).volume for points in part.readings) > 0.0
 
 
 def _propose(

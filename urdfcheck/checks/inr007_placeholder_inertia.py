@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 _FEWEST = 4
 # A tensor that links of this many different masses share belongs to none of them, whatever they look like.
 _FEWEST_MASSES = 3
+# A root that weighs so many times what the rest of the robot does is ballast: a stand that is not to move.
+_BALLAST = 10.0
+# Cosine: a joint's axis is along a rod where the angle between the two is below 25°.
+_ALONG = 0.9
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
 _TOO_LARGE = {"gazebo": "too much inertia makes a joint sluggish", "mujoco": "loads it"}
 _TOO_SMALL = {
@@ -43,6 +47,8 @@ class _Misfit(NamedTuple):
     """The largest factor between two of their principal moments; of the two larger ones, if they differ at all."""
     is_axial: bool
     """Whether only the smallest moment differs: that of a rod about its own length."""
+    is_felt: bool
+    """Whether a joint turns the link about an axis whose moment differs."""
     expected: float
     """That moment of the solid in kg m²."""
 
@@ -75,7 +81,8 @@ def check(model: Model, rule: Rule, *, factor: float, fraction: float, spread: f
         if wrong or _count_masses(unknown) >= _FEWEST_MASSES:
             # If parts of all sizes have one tensor, it nearly fits one of them by chance.
             known = [suspect for suspect in group if suspect.misfit is not None] if wrong else []
-            alike = _count_masses(group) < _FEWEST_MASSES
+            fits_some = any(suspect.factor <= factor for suspect in known)
+            alike = _count_masses(group) < _FEWEST_MASSES and (fits_some or not wrong)
             yield _build_tensor_finding(model, rule, known=known, unknown=[] if alike else unknown)
     yield from _check_equal_masses(model, rule, fraction=fraction, spread=spread)
 
@@ -91,6 +98,8 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
             for name in body.links
             if (what := _describe_placeholder(model, model.link_by_name[name])) is not None
         }
+        if model.tree.root in body.links and _is_ballast(model, body.links):
+            continue
         shares = compute_body_shares(model, body.links) if descriptions else {}
         for name, description in descriptions.items():
             if name in shares and shares[name][1] >= NEGLIGIBLE_SHARE:
@@ -98,6 +107,12 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
                 yield _PlaceholderInertial(
                     declared, mass, description, shares[name][1], misfit=_measure_misfit(model, declared, mass, factor)
                 )
+
+
+def _is_ballast(model: Model, root: Sequence[str]) -> bool:
+    """Whether the ``root`` body outweighs the rest of the robot so far that it is a stand, whose inertia nothing depends on."""
+    rest = sum(declared.mass for declared in model.masses if declared.link.name not in root)
+    return sum(declared.mass for declared in model.masses) - rest > _BALLAST * rest > 0.0
 
 
 def _describe_placeholder(model: Model, link: Link) -> str | None:
@@ -116,8 +131,25 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed
     for unit in units:
         drawn = measure_link_geometry(model, declared.link, apply_unit=unit)
         if drawn is not None:
-            misfits.append(_compare_moments(declared.tensor, compute_solid_inertia(drawn.solid, mass), allowed))
+            solid = compute_solid_inertia(drawn.solid, mass)
+            misfit = _compare_moments(declared.tensor, solid, allowed)
+            if misfit is not None and misfit.is_axial:
+                misfit = misfit._replace(is_felt=_turns_about_length(model, declared.link, solid))
+            misfits.append(misfit)
     return min((misfit for misfit in misfits if misfit is not None), default=None)
+
+
+def _turns_about_length(model: Model, link: Link, solid: Array) -> bool:
+    """Whether the joint that moves a link turns it about the axis of the least moment of its ``solid`` (3, 3): a rod that swings
+    does not show that moment."""
+    body = model.tree.list_body_links(link.name)
+    joint = model.tree.parent_joint.get(body[0])
+    if joint is None or joint.type not in {"revolute", "continuous"} or joint.axis is None:
+        return False
+    _, axes = np.linalg.eigh(solid)
+    along = model.frames[link.name][:3, :3] @ axes[:, 0]
+    axis = model.frames[body[0]][:3, :3] @ np.array(joint.axis)
+    return bool(abs(float(along @ axis)) > _ALONG * float(np.linalg.norm(axis)) > 0.0)
 
 
 def _compare_moments(declared: Array, solid: Array, allowed: float) -> _Misfit | None:
@@ -130,7 +162,7 @@ def _compare_moments(declared: Array, solid: Array, allowed: float) -> _Misfit |
     worst = 0 if is_axial and factors[0] > allowed else 1 + int(factors[1:].argmax())
     if not np.isfinite(factors).all():
         return None
-    return _Misfit(float(factors[worst]), is_axial=is_axial, expected=float(expected[worst]))
+    return _Misfit(float(factors[worst]), is_axial=is_axial, is_felt=True, expected=float(expected[worst]))
 
 
 def _build_tensor_finding(
@@ -153,8 +185,9 @@ def _build_tensor_finding(
         finding = rule.finding("shared", at=places[0], related=places[1:], masses=between, **data)
     else:
         is_less = worst.misfit.expected < max(worst.declared.components)
+        is_felt = any(suspect.misfit is not None and suspect.misfit.is_felt for suspect in known)
         finding = rule.finding(
-            "placeholder",
+            "placeholder" if is_felt else "rod",
             at=places[0],
             related=places[1:],
             edits=_propose_edits(model, every),

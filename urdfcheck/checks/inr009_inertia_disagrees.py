@@ -22,6 +22,8 @@ from urdfcheck.model.inertials.diagnosis_words import (
 )
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import (
+    is_approximation,
+    is_hull_enough,
     is_light,
     is_placeholder,
     is_possible,
@@ -89,23 +91,12 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             continue
         if diagnosis.cause is not None:
             by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
-            if by_twin + unmirrored + (name in contradicted_links) < 2:
+            is_of_pair = by_twin + unmirrored + (name in contradicted_links) >= 2
+            if not is_of_pair:
                 yield _build_cause_finding(model, rule, judged, tensor=tensor, others=disputed.get(diagnosis.cause, ""))
-        elif (
-            diagnosis.judged_by == "mesh"
-            and diagnosis.fits_geometry
-            and max(diagnosis.tensor_mismatch, diagnosis.com_mismatch) > far
-        ):
-            if diagnosis.com_mismatch <= far and (
-                is_rounded_uniform(model, tensor, judged) or is_placeholder(tensor, judged)
-            ):
-                continue
-            if explain_collision_stand_in(model, tensor.link) == "unread" or has_loose_hull(model, tensor.link):
-                continue  # the shape of the part is not known
+        elif _is_far_from_drawing(model, tensor, judged, far=far):
             if diagnosis.min_moment_ratio > concentrated or is_light(model, tensor.link):
-                if is_too_dense(model, tensor.link, judged):
-                    continue
-                doubtful.append(tensor)
+                doubtful += [] if is_too_dense(model, tensor.link, judged) else [tensor]
             else:
                 yield _build_mismatch_finding(model, rule, judged, tensor=tensor)
     if doubtful:
@@ -120,6 +111,20 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             first=first,
             ruled_out=format_ruled_out(inertial_diagnoses(model)[first]),
         )
+
+
+def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial, *, far: float) -> bool:
+    """Whether numbers without a cause disagree with what is drawn, and this is the shape of the part."""
+    diagnosis = judged.diagnosis
+    if diagnosis.judged_by != "mesh" or not diagnosis.fits_geometry:
+        return False
+    if not max(diagnosis.tensor_mismatch, diagnosis.com_mismatch) > far:
+        return False
+    if diagnosis.com_mismatch <= far and (is_rounded_uniform(model, tensor, judged) or is_placeholder(tensor, judged)):
+        return False
+    if explain_collision_stand_in(model, tensor.link) == "unread" or has_loose_hull(model, tensor.link):
+        return False  # the shape of the part is not known
+    return is_hull_enough(model, tensor.link, judged, far=far)
 
 
 def _build_axes_finding(model: Model, rule: Rule, name: str, rotated: Mapping[str, float]) -> Finding:
@@ -192,6 +197,9 @@ def _build_cause_finding(
         message = cause
     elif others:
         message = "disputed"
+    elif is_approximation(model, link, judged):
+        message = "approximation"
+    fallback = "the inertia of the drawn part" if message == "approximation" else ""
     data = {**collect_message_data(model, link, judged, is_certain=message == "exact"), "others": others}
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
     return rule.finding(
@@ -201,7 +209,7 @@ def _build_cause_finding(
         edits=() if mended is None else mended.edits,
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
-        edit="" if mended is None else mended.words,
+        edit=fallback if mended is None else mended.words,
         **data,
     )
 

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess_mass_unit, is_part_density
 from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import Link, Model
+from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_rigid_bodies
 from urdfcheck.model.shapes.corners import collect_body_corners
@@ -66,7 +68,9 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin
     filled = measure_links_volume(model, (part.link,))
     if filled is not None and part.mass <= DENSEST * filled:
         return
-    volume = max(_PaddedHull.from_points(points, margin).volume for points in part.readings)
+    volume = _measure_own_volume(model, part) or max(
+        _PaddedHull.from_points(points, margin).volume for points in part.readings
+    )
     if not 0.0 < DENSEST * volume < part.mass:
         return
     yield rule.finding(
@@ -82,6 +86,16 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin
             or _guess_mass_unit(part.mass, (filled or volume) if len(part.readings) == 1 else 0.0)
         ),
     )
+
+
+def _measure_own_volume(model: Model, part: EnclosedInertial) -> float | None:
+    """Measure what the link draws (m³) if COM and tensor are those of that body at uniform density: then all of the mass is
+    there. Twice the density of any material is not one of a drawing that is too thin."""
+    judged, drawn = inertial_diagnoses(model).get(part.link.name), measure_link_geometry(model, part.link)
+    if judged is None or drawn is None or not drawn.closed or has_unit_ambiguity(model, (part.link.name,)):
+        return None
+    is_own = judged.diagnosis.sound and max(judged.diagnosis.tensor_mismatch, judged.diagnosis.com_mismatch) < EXACT
+    return drawn.solid.volume if is_own and part.mass > 2.0 * DENSEST * drawn.solid.volume > 0.0 else None
 
 
 def _find_slipped_mass(model: Model, link: Link, mass: float) -> dict[str, Any]:

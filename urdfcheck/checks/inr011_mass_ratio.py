@@ -11,6 +11,9 @@ from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
 
+# A shaft of some grams on a vehicle of a tonne is a part (kg); a milligram is a placeholder, or another unit.
+LEAST_PART = 5e-3
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _JointMasses:
@@ -31,7 +34,7 @@ def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[F
     pairs = _collect_joint_masses(model)
     root = frozenset(model.tree.list_body_links(model.tree.root))
     # The slack keeps 1/1000 itself, which has no exact double, from being below 1/1000.
-    lighter = [pair for pair in pairs if pair.ratio < light * (1 - 1e-9)]
+    lighter = [pair for pair in pairs if pair.ratio < light * (1 - 1e-9) and not _is_small_part(model, pair)]
     # The root may be bolted to the world; its mass then does not matter.
     heavier = [pair for pair in pairs if pair.ratio > heavy * (1 + 1e-9) and pair.joint.parent not in root]
     if lighter:
@@ -50,6 +53,12 @@ def _collect_joint_masses(model: Model) -> list[_JointMasses]:
         for joint in joints
         if mass_of[joint.parent] > 0 and mass_of[joint.child] > 0
     ]
+
+
+def _is_small_part(model: Model, pair: _JointMasses) -> bool:
+    """Whether the child may well weigh so little, and neither density says otherwise."""
+    bodies = [model.tree.list_body_links(name) for name in (pair.joint.child, pair.joint.parent)]
+    return pair.child_mass >= LEAST_PART and not any(_has_implausible_density(model, body) for body in bodies)
 
 
 def _build_finding(model: Model, rule: Rule, message: str, *, worst_first: list[_JointMasses]) -> Finding:

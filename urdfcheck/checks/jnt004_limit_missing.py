@@ -25,7 +25,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _is_wheel(joint: Joint) -> bool:
     """Whether a revolute joint is a wheel's, by its name or its child's, and not that of what carries the wheel."""
-    from urdfcheck.model.ground.wheels import WHEEL_CARRIER_NAME, WHEEL_NAME  # most models have all ranges
+    from urdfcheck.model.wheel_names import WHEEL_CARRIER_NAME, WHEEL_NAME  # most models have all ranges
 
     words = f"{joint.name} {joint.child}"
     return joint.type == "revolute" and bool(WHEEL_NAME.search(words)) and not WHEEL_CARRIER_NAME.search(words)

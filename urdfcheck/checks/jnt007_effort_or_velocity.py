@@ -29,14 +29,26 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
             )
     driven = [joint for joint in model.joints if joint.is_driven]
     yield from _check_zeros(model, rule, driven)
+    absurd: dict[str, list[Joint]] = {}
     for name, most in (("effort", most_effort), ("velocity", most_velocity)):
-        values = [(joint, value) for joint in driven if (value := joint.get_limit_value(name)) is not None]
         # Joints with the same defect come from one template or one exporter's default.
-        if negative := [joint for joint, value in values if value < 0]:
+        if negative := [joint for joint in driven if (joint.get_limit_value(name) or 0.0) < 0]:
             yield _build_finding(rule, f"{name}-negative", name, negative)
-        if absurd := [joint for joint, value in values if value >= most]:
-            largest = max(value for _, value in values)
-            yield _build_finding(rule, f"{name}-absurd", name, absurd, largest=largest, most=most)
+        absurd[name] = [joint for joint in driven if (joint.get_limit_value(name) or 0.0) >= most]
+    both = [joint for joint in absurd["effort"] if joint in absurd["velocity"]]
+    if both:  # the two placeholders of one <limit> are one defect
+        largest = _find_largest(both)
+        yield _build_finding(
+            rule, "both-absurd", "effort", both, effort=largest["effort"], velocity=largest["velocity"]
+        )
+    for name, most in (("effort", most_effort), ("velocity", most_velocity)):
+        if one := [joint for joint in absurd[name] if joint not in both]:
+            yield _build_finding(rule, f"{name}-absurd", name, one, largest=_find_largest(one)[name], most=most)
+
+
+def _find_largest(joints: Sequence[Joint]) -> dict[str, float]:
+    """Return the largest of each limit."""
+    return {name: max(j.get_limit_value(name) or 0.0 for j in joints) for name in ("effort", "velocity")}
 
 
 def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[Finding]:

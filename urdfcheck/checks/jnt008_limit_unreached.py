@@ -29,12 +29,18 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
             continue  # exporters write zeros for every joint
         if joint.type == "fixed" or (joint.type == "continuous" and max(-lower, upper) < _ENDLESS):
             joints_by_message[joint.type].append(joint)
-        elif joint.type == "revolute" and upper - lower > turns * math.tau:
+        elif joint.type == "revolute" and upper - lower > turns * math.tau and not _is_all_endless(joint):
             joints_by_message["wide"].append(joint)
     for message, joints in joints_by_message.items():
         if joints:
             is_limb = message == "continuous" and _are_stops(model, joints)
             yield _build_limits_finding(rule, message, joints, is_limb=is_limb)
+
+
+def _is_all_endless(joint: Joint) -> bool:
+    """Whether every limit of a joint is a placeholder for "no limit", which JNT007 reports at the same element."""
+    sizes = [abs(joint.get_limit_value(name) or 0.0) for name in ("lower", "upper", "effort", "velocity")]
+    return min(sizes) >= _ENDLESS
 
 
 def _are_stops(model: Model, joints: Sequence[Joint]) -> bool:
@@ -60,5 +66,5 @@ def _build_limits_finding(rule: Rule, message: str, joints: list[Joint], *, is_l
         lower=lower,
         upper=upper,
         repair=_LIMB_REPAIR if is_limb else _WHEEL_REPAIR,
-        turns=((upper or 0) - (lower or 0)) / math.tau,
+        turns=(upper or 0) / math.tau - (lower or 0) / math.tau,  # in this order no number is infinite
     )

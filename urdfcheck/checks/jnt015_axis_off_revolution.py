@@ -14,10 +14,11 @@ from urdfcheck.core.text import format_point
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
 from urdfcheck.model import Inertial, Joint, Link, Model, Shape
-from urdfcheck.model.ground.wheels import LEVEL, WHEEL_CARRIER_NAME, WHEEL_NAME, Wheel, rolling_wheels
+from urdfcheck.model.ground.wheels import LEVEL, Wheel, rolling_wheels
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
+from urdfcheck.model.wheel_names import WHEEL_CARRIER_NAME, WHEEL_NAME
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array

@@ -8,8 +8,10 @@ from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.source.text.values import parse_number
 
+_LEAST_LEGS = 4
 _SIMULATED = ("gazebo", "ros2_control", "transmission", "mujoco")
 
 
@@ -28,7 +30,8 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float) -> Iterat
     is_simulated = any(model.robot.find_child(tag) is not None for tag in _SIMULATED) and not _starts_elsewhere(model)
     is_far = any(_measure_share(joint) > notable for joint in outside)
     if outside:
-        yield _build_finding(rule, "outside", outside, None if is_simulated and is_far else Severity.INFO)
+        is_warning = is_simulated and is_far and not _are_legs(outside)
+        yield _build_finding(rule, "outside", outside, None if is_warning else Severity.INFO)
     if limiting:
         yield _build_finding(rule, "on-limit", limiting, Severity.INFO)
 
@@ -41,6 +44,12 @@ def _starts_elsewhere(model: Model) -> bool:
         for plugin in block.find_children("plugin")
         for element in plugin.walk()
     )
+
+
+def _are_legs(joints: Sequence[Joint]) -> bool:
+    """Whether all joints are one joint of four or more like limbs: the knees of a quadruped, which bend one way only."""
+    names = {remove_places(joint.name) for joint in joints}
+    return len(joints) >= _LEAST_LEGS and len(names) == 1
 
 
 def _measure_share(joint: Joint) -> float:

@@ -25,6 +25,8 @@ REPORTED_ELSEWHERE = frozenset({"lfs-pointer", "too-large"})
 # Formats for which programs have their own loaders, which may read files that ours and Assimp refuse. MuJoCo's loader for STL is
 # not among them: like ours it only reads binary files of exactly the declared size.
 OWN_LOADERS = {"mujoco": frozenset({"obj"}), "drake": frozenset({"obj", "gltf"}), "rviz": frozenset({"stl"})}
+# pycollada's words about a texture whose image the file does not declare.
+_MISSING_IMAGE = "missing image"
 NOT_TRIED = "uses its own loader for this format, which was not tried"
 # Older versions of Assimp read beyond the array in this case, without a message.
 NEWER_ASSIMP = dict.fromkeys(("rviz", "moveit"), "drops the shape with newer versions of Assimp")
@@ -41,7 +43,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield _build_finding(rule, uses, message, error.message, reason_id=error.reason_id, severity=severity)
         elif facts is not None and facts.flaw is not None:
             message = {"refuses": "refused", "loads": "tolerated"}.get(facts.assimp, "broken")
-            severity = None if message == "refused" else Severity.WARNING
+            only_image = message == "tolerated" and _MISSING_IMAGE in facts.flaw
+            severity = None if message == "refused" else Severity.INFO if only_image else Severity.WARNING
             yield _build_finding(rule, uses, message, facts.flaw, reason_id="flaw", severity=severity)
 
 

@@ -27,7 +27,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             "collision",
             at=uses[0].filename,
             related=[use.filename for use in uses[1:]],
-            severity=Severity.INFO if model.meshes.is_drawn(uses[0]) else None,
+            severity=Severity.INFO,
             mesh=uses[0].filename.value,
             wrong=wrong,
             edges=format_large_count(wrong, "edge"),

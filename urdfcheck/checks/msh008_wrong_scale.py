@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -109,8 +110,9 @@ def _check_units(rule: Rule, sizes: _SizeLimits, meshes: Iterable[_MeasuredMesh]
 def _check_sizes(model: Model, rule: Rule, *, sizes: _SizeLimits, meshes: Iterable[_MeasuredMesh]) -> Iterator[Finding]:
     """Report each file of an implausible size that a unit or a scale explains."""
     by_file: dict[tuple[str, str], list[_MeasuredMesh]] = {}
+    usual = _find_usual_scale(model)
     for mesh in meshes:
-        message = _classify_size(model, mesh, sizes)
+        message = _classify_size(model, mesh, sizes, usual=usual)
         if message is not None:
             by_file.setdefault((message, mesh.use.filename.value), []).append(mesh)
     for (message, name), like in by_file.items():
@@ -121,28 +123,41 @@ def _check_sizes(model: Model, rule: Rule, *, sizes: _SizeLimits, meshes: Iterab
             message,
             at=use.filename,
             related=[other.filename for other in uses[1:]],
-            edits=_propose_edits(model, uses, None if message == "small" else [*units.values()]),
+            edits=_propose_edits(model, uses, [*units.values()], target={"small": 1.0, "twice": usual}.get(message)),
             mesh=name,
             size=size,
             in_file=_measure_size_in_file(model, use),
             scale=join_numbers(use.shape.size or (), separator=" "),
+            usual=" ".join([f"{usual:g}"] * 3),
             reach=sizes.reach,
             readings=" or ".join(f"{size * unit:.2g} m in {unit_name}" for unit_name, unit in units.items()),
         )
         yield _set_all_subjects(finding, uses)
 
 
-def _classify_size(model: Model, mesh: _MeasuredMesh, sizes: _SizeLimits) -> str | None:
-    """Return ``large`` for a mesh that was not converted to metres, ``small`` for one converted twice, or None."""
+def _find_usual_scale(model: Model) -> float:
+    """Return the scale that most uses of meshes have along all axes, whatever its signs; 1 where none has."""
+    scales = [tuple(abs(part) for part in use.shape.size) for use in model.meshes.uses if use.shape.size is not None]
+    counts = Counter(scale[0] for scale in scales if len(set(scale)) == 1)
+    usual, count = max(counts.items(), key=lambda item: (item[1], item[0]), default=(1.0, 0))
+    return usual if 2 * count > len(scales) else 1.0
+
+
+def _classify_size(model: Model, mesh: _MeasuredMesh, sizes: _SizeLimits, *, usual: float) -> str | None:
+    """Return ``large`` for a mesh that was not converted to metres, ``small`` for one in metres that was, ``twice`` for one whose
+    scale is not the ``usual`` one, with which it has a plausible size, or None."""
     if sizes.is_too_large(mesh.size) and sizes.list_plausible_units(mesh.size):
         return "large"
     if mesh.size >= sizes.smallest or max(map(abs, mesh.use.shape.size or (1.0,))) >= MAX_CONVERSION_SCALE:
         return None
-    return "small" if sizes.is_plausible(_measure_size_in_file(model, mesh.use)) else None
+    in_file = _measure_size_in_file(model, mesh.use)
+    return "small" if sizes.is_plausible(in_file) else "twice" if sizes.is_plausible(in_file * usual) else None
 
 
-def _propose_edits(model: Model, uses: list[MeshUse], units: list[float] | None) -> list[Edit]:
-    """Return edits that convert meshes from the only plausible unit, or reset their scale to 1 (None).
+def _propose_edits(
+    model: Model, uses: list[MeshUse], units: Sequence[float], *, target: float | None = None
+) -> list[Edit]:
+    """Return edits that give meshes the scale ``target``, or convert them from the only plausible unit (None).
 
     Nothing if one of the meshes cannot be edited. Signs stay: a scale may mirror a mesh.
     """
@@ -150,9 +165,9 @@ def _propose_edits(model: Model, uses: list[MeshUse], units: list[float] | None)
     for use in uses:
         filename, scale, files = use.filename, use.shape.size, model.source.files
         place, typed = filename.span, filename.owner.attributes.get("scale")
-        if scale is None or place is None or place.file not in files or (units is not None and len(units) != 1):
+        if scale is None or place is None or place.file not in files or (target is None and len(units) != 1):
             return []
-        new = " ".join(f"{math.copysign(1, s) if units is None else s * units[0]:g}" for s in scale)
+        new = " ".join(f"{s * units[0] if target is None else math.copysign(target, s):g}" for s in scale)
         if typed is None:
             end = place.end + 1  # behind the quotation mark
             edits[Edit(files[place.file].make_span(end, end), "", f' scale="{new}"')] = None

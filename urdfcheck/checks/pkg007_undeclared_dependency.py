@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path, PurePosixPath
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
-from urdfcheck.source.package.finder import Package, load_package
+from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
+from urdfcheck.source.package.installed_folders import read_install_rules
 from urdfcheck.source.package.references import (
     PackageMention,
     iter_package_files,
     mentions_package,
     read_package_contents,
 )
+from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.text.xml import Element, SourceFile
+from urdfcheck.system.files import read_regular
 
 # Metapackages, and what the names of their packages begin with unless with the name of the metapackage.
 _PARTS_OF = {
@@ -37,7 +41,13 @@ _TEST_FOLDERS = {"test", "tests"}
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 # Files of a robot: a package of this repository that has one of the same name is where a mention of no known package leads.
 _ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
+# Messages about packages that cannot both declare each other.
+_MUTUAL = frozenset({"circle", "mutual"})
+# The default of an argument in a launch file; in Python the package may be named so many lines below the word.
+_DEFAULT = re.compile(r"\bdefault(?:_value)?\s*=")
+_DEFAULT_LINES = 4
 _VIEW_SUFFIX = ".rviz"
+_SHAPE_FOLDERS = frozenset({"mesh", "meshes", "textures", "materials"})
 # So many files of each package of the repository are compared.
 _MOST_FILES = 20_000
 
@@ -62,6 +72,10 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for name, home in homes.items():
         if home is not None:
             yield _build_misnamed_finding(package, rule, root, name=name, uses=missing.pop(name), home=home)
+    _drop_stray_uses(package, missing)
+    unknown = [name for name in missing if not _is_known(package, name)]
+    for name in unknown:
+        yield _build_finding(package, rule, root, file, message="unknown", missing={name: missing.pop(name)})
     circular = [name for name in missing if package.name in _collect_dependencies(package, [name])]
     for name in circular:
         yield _build_finding(package, rule, root, file, message="circle", missing={name: missing.pop(name)})
@@ -85,11 +99,13 @@ def _build_finding(
     runtime = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
     tags = {name: "test_depend" if _are_for_tests(uses, package) else runtime for name, uses in missing.items()}
     names = list(missing)
+    uses = [use for uses in missing.values() for use in uses]
     finding = rule.finding(
         message,
         at=root.find_child("name") or root,
         related=[use.location for uses in missing.values() for use in uses[:3]],
-        edits=() if message in {"circle", "mutual"} else _propose_edits(root, file, tags=tags),
+        severity=Severity.INFO if message in _MUTUAL and _are_defaults(uses) else None,
+        edits=() if message in {*_MUTUAL, "unknown"} else _propose_edits(root, file, tags=tags),
         name=names[0],
         names=names,
         listed=join_names(names),
@@ -100,6 +116,57 @@ def _build_finding(
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
     )
     return replace(finding, subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()))
+
+
+def _is_known(package: Package, name: str) -> bool:
+    """Whether a package exists: it is found, ROS has released it, or another package here depends on it."""
+    if name in read_released_packages():
+        return True
+    if package.finder is None:
+        return False
+    if package.finder.find(name) is not None:
+        return True
+    folders = package.finder.list_workspace_packages().values()
+    return any(has_dependency_entry(folder, name) for folder in folders if folder != package.path)
+
+
+def _drop_stray_uses(package: Package, missing: dict[str, list[PackageMention]]) -> None:
+    """Leave out the packages that are not found and that only files name to which nothing leads."""
+    for name, uses in list(missing.items()):
+        if package.finder is None or package.finder.find(name) is None:
+            missing[name] = [use for use in uses if not _is_stray(use, package)]
+            if not missing[name]:
+                del missing[name]
+
+
+def _is_stray(use: PackageMention, package: Package) -> bool:
+    """Whether nothing leads to the file that names a package: the build leaves it out, or it was left beside meshes."""
+    span = use.location.span
+    own = package.path.absolute()
+    file = None if span is None else Path(os.path.abspath(span.file))
+    if file is None or not file.is_relative_to(own):
+        return False
+    folders = file.relative_to(own).parts[:-1]
+    if not folders:
+        return False
+    install = read_install_rules(package)
+    if install is not None:
+        return not install.installed.may_fill(folders[0])
+    return not _SHAPE_FOLDERS.isdisjoint(folder.lower() for folder in folders)
+
+
+def _are_defaults(uses: Iterable[PackageMention]) -> bool:
+    """Whether all mentions are in defaults of launch arguments, which the caller may replace."""
+    return all(use.location.span is not None and _is_default(use.location.span) for use in uses)
+
+
+def _is_default(span: Span) -> bool:
+    try:
+        lines = read_regular(Path(span.file)).decode("utf-8", "replace").splitlines()
+    except OSError:
+        return False
+    before = "\n".join(lines[max(span.line - _DEFAULT_LINES, 0) : span.line])
+    return _DEFAULT.search(before) is not None
 
 
 def _build_misnamed_finding(

@@ -19,7 +19,6 @@ from urdfcheck.facts.likeness.symmetry import (
     is_axis_renaming,
     measure_rotation_angle,
 )
-from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.likeness.sibling_joints import (
@@ -30,15 +29,13 @@ from urdfcheck.model.likeness.sibling_joints import (
 )
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
+from urdfcheck.model.repairs.rpy_text import ANGLE_TOLERANCE, ROUND_STEP, find_nearest_rpy, format_angle
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
-# Predicted frames are only as exact as the rpy of the siblings; 1.57 is the coarsest that is common.
-ANGLE_TOLERANCE = 2e-3
-ROUND_STEP = math.pi / 12
 # An angle within 0.06° of a multiple of 0.5°, or with at most three decimals, may have been typed by hand (JNT016).
 MAX_ROUND_DEVIATION, MAX_TYPED_DECIMALS = 0.06, 3
 # Fingers of grippers are drawn in poses that differ by about a degree.
@@ -260,7 +257,7 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
         )
     at = locate_origin_attribute(correction.joint, "rpy")
     rpy = find_nearest_rpy(correction.expected, correction.joint.origin.rpy)
-    data["expected"] = " ".join(_format_angle(angle, xacro=False) for angle in rpy)
+    data["expected"] = " ".join(format_angle(angle, xacro=False) for angle in rpy)
     attribute, definitions = correction.joint.origin.get_attribute("rpy"), list_definitions(correction.joint, "rpy")
     around = [locate_origin_attribute(other, "rpy") for other in correction.counterparts]
     extra: dict[str, Any]
@@ -275,8 +272,11 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
         message, extra = "mount", {"mount": correction.joint.name}
     else:
         message, extra = _choose_message(model, joint, odd)
+    slight = message == "limits" and _is_slight(joint, odd.angle)
     return rule.finding(
         message,
+        severity=Severity.INFO if slight else None,
+        confidence=Confidence.HEURISTIC if slight else None,
         at=at,
         cause="free_mate" if odd.kind == "zero_offset" and message not in {"computed", "mount"} else None,
         edits=_propose_edits(model, correction.joint, rpy),
@@ -284,6 +284,13 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
         **data,
         **extra,
     )
+
+
+def _is_slight(joint: Joint, angle: float) -> bool:
+    """Whether a zero is about a degree (rad) beside its place on a joint that nothing commands: it follows another one, or has no
+    range, like a bearing of a linkage."""
+    has_range = joint.limit is not None and bool({"lower", "upper"} & joint.limit.attributes.keys())
+    return abs(angle) < _SLIGHT and (joint.mimic is not None or not has_range)
 
 
 def _find_rotation_correction(
@@ -356,47 +363,6 @@ def _describe_com_offset(model: Model, joint: Joint) -> str:
     return f", its COM ({format_length(distance, micrometres=True)} off the axis)" if distance > 1e-9 else ""
 
 
-def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[float]:
-    """Return the angles of a rotation (3, 3), with two of the author's three where those do.
-
-    Near a pitch of 90° many angles are one rotation.
-    """
-    rpy = [_snap_angle(angle) for angle in matrix_to_rpy(rotation)]
-    if typed is None or sum(abs(a - b) > ANGLE_TOLERANCE for a, b in zip(rpy, typed, strict=True)) < 2:
-        return rpy
-    best, least = rpy, ANGLE_TOLERANCE
-    roll, pitch, yaw = (rpy_to_matrix(np.eye(3)[slot] * typed[slot]) for slot in range(3))
-    # The rotation is yaw @ pitch @ roll: what is left of it without the two that stay.
-    for slot, left in (
-        (0, (yaw @ pitch).T @ rotation),
-        (1, yaw.T @ rotation @ roll.T),
-        (2, rotation @ (pitch @ roll).T),
-    ):
-        kept = [float(angle) for angle in typed]
-        kept[slot] = _snap_angle(matrix_to_rpy(left)[slot])
-        off = measure_rotation_angle(rpy_to_matrix(kept), rotation)
-        if off < least:
-            best, least = kept, off
-    return best
-
-
-def _snap_angle(angle: float) -> float:
-    """Round a predicted angle to a near multiple of 15°, else to 1e-6 rad."""
-    nearest = round(angle / ROUND_STEP) * ROUND_STEP
-    return nearest if abs(angle - nearest) < ANGLE_TOLERANCE else round(angle, 6)
-
-
-def _format_angle(angle: float, *, xacro: bool) -> str:
-    """Return a number with all its digits, or an expression of pi in a xacro."""
-    parts = round(angle / ROUND_STEP)
-    if not xacro or not parts or abs(angle - parts * ROUND_STEP) > 1e-12:
-        return f"{angle:.15g}" if angle else "0"
-    common = math.gcd(parts, 12)
-    top, bottom = abs(parts) // common, 12 // common
-    text = ("-" if parts < 0 else "") + (f"{top}*pi" if top > 1 else "pi") + (f"/{bottom}" if bottom > 1 else "")
-    return f"${{{text}}}"
-
-
 def _propose_edits(model: Model, joint: Joint, rpy: Sequence[float]) -> list[Edit]:
-    text = " ".join(_format_angle(angle, xacro=model.source.is_xacro) for angle in rpy)
+    text = " ".join(format_angle(angle, xacro=model.source.is_xacro) for angle in rpy)
     return edit_numbers(joint.origin.get_attribute("rpy"), text)

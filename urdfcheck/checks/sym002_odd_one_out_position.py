@@ -13,10 +13,10 @@ from urdfcheck.core.text import join_names
 from urdfcheck.facts.likeness.layout import MisplacedPosition, find_misplaced_position, restore_position
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
-from urdfcheck.model.ground.wheels import WHEEL_NAME
 from urdfcheck.model.likeness.sibling_joints import find_common_base, sibling_joints, trace_fixed_chain
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.wheel_names import WHEEL_NAME
 from urdfcheck.source.text.tokens import tokenize_attribute
 from urdfcheck.source.text.values import parse_number
 

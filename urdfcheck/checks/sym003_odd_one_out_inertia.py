@@ -13,6 +13,8 @@ from urdfcheck.facts.likeness.mirror import measure_deviation
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
+from urdfcheck.model.inertials.inertial_proposals import describe_mistake
+from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
 from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.parts import Inertial, Link
@@ -27,6 +29,17 @@ SLIPPED_POINT = 9.9
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
+    reported: set[str] = set()
+    for finding in _compare_copies(model, rule, differ=differ, note=note):
+        reported |= {subject.partition("/")[0] for subject in finding.subjects}
+        yield finding
+    for slip in find_row_slips(model):
+        if slip.link.location.subject not in reported:
+            yield _build_row_finding(model, rule, slip)
+
+
+def _compare_copies(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
+    """Compare links that draw the same part."""
     for odd in find_odd_copies(model, note):
         diagnosed = inertial_diagnoses(model).get(odd.link.name)
         if diagnosed is not None and diagnosed.diagnosis.judged_by == "twin" and not diagnosed.diagnosis.at_fault:
@@ -51,11 +64,13 @@ def _build_outlier_finding(
     others = [_get_inertial(model, link) for link in odd.by]
     repair = build_inertial_repair(inertial, odd.expected)
     shared = any(other.element.span == inertial.element.span for other in others)
+    # Numbers that no link has are as exact as the drawing: compared, not written.
+    edits = () if shared or odd.is_image else repair.edits
     return rule.finding(
-        "odd" if repair.edits and not shared else "computed",
+        "odd" if edits or odd.is_image else "computed",
         at=locate_difference(inertial, odd.deviation, note),
         related=[locate_difference(other, odd.deviation, note) for other in others],
-        edits=() if shared else repair.edits,
+        edits=edits,
         severity=None if odd.deviation.worst >= differ else Severity.INFO,
         numbers=repair.text if shared else repair.words,
         why=why,
@@ -80,6 +95,19 @@ def _build_pair_finding(
         there=build_inertial_repair(there, other.expected).text,
         here=build_inertial_repair(here, one.expected).text,
         **_collect_data(one, note),
+    )
+
+
+def _build_row_finding(model: Model, rule: Rule, slip: RowSlip) -> Finding:
+    """Report a link whose numbers are those of its row with one mistake."""
+    return rule.finding(
+        "row",
+        at=_get_inertial(model, slip.link).element,
+        related=[_get_inertial(model, link).element for link in slip.row],
+        link=slip.link.name,
+        count=len(slip.row),
+        siblings=join_names(link.name for link in slip.row),
+        mistake=describe_mistake(slip.mistake.id, slip.mistake.detail),
     )
 
 

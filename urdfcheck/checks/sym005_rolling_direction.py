@@ -12,7 +12,8 @@ from urdfcheck.model.repairs.edits import edit_all_numbers
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    wheels = find_driven_wheels(model)
+    known = find_driven_wheels(model)
+    wheels = [wheel for wheel in known if wheel.stands]
     if len(wheels) < 2:
         return
     axis = wheels[0].axis
@@ -23,13 +24,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not against:
         return
     odd, rest = _pick_outliers(along, against)
-    # Of equally many either may be meant, and a controller may negate one side: nothing is edited then.
+    # Of equally many either may be meant, and a controller may negate one side: nothing is edited then. Nor where a wheel is
+    # off the ground: it may be the one that makes the numbers equal.
     are_equal = len(odd) == len(rest)
     yield rule.finding(
         "opposed" if are_equal else "minority",
         at=odd[0].joint.axis_location,
         related=[wheel.joint.axis_location for wheel in (*odd[1:], *rest)],
-        edits=() if are_equal else _propose_edits(odd),
+        edits=() if are_equal or len(wheels) < len(known) else _propose_edits(odd),
         odd=_join_joint_names(odd),
         rest=_join_joint_names(rest),
         odd_axis=format_point(odd[0].axis, decimals=3),

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Location, Rule
+from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
 from urdfcheck.model.parts import Joint
@@ -31,7 +31,8 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
     }
     if odd is None:
         yield rule.finding(
-            "uneven",
+            "axles" if footing.are_axles else "uneven",
+            severity=Severity.INFO if footing.are_axles else None,
             at=_locate_xyz(wheels[0].joint),
             related=[_locate_xyz(wheel.joint) for wheel in wheels[1:]],
             count=len(wheels),
@@ -51,6 +52,8 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
         yield rule.finding("radius", at=_locate_xyz(joint), **data)
         return
     before, after, edits = _propose_origin_xyz(model, joint, odd.rise)
+    if abs(odd.rise) > odd.wheel.radius:
+        edits = []  # so far away it is not its height alone that is wrong
     yield rule.finding("odd", at=_locate_xyz(joint), edits=edits, before=before, after=after, **data)
 
 

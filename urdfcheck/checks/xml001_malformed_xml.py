@@ -79,6 +79,9 @@ def _check_companion_file(
             yield rule.finding(message, at=at, error="it is empty", repair=_REPAIR_OF_EMPTY)
         elif problem.kind == _OUR_CHOICE and cause is None:
             yield rule.finding("unread", at=at, severity=Severity.WARNING, error=problem.message)
+        elif message == "srdf" and problem.data.get("forgiven"):
+            repair = problem.data["repair"]
+            yield rule.finding("srdf-forgiven", at=at, severity=Severity.WARNING, error=problem.message, repair=repair)
         else:
             repair = problem.data.get("repair", _REPAIR_OF_COMPANION)
             yield rule.finding(message, at=at, cause=cause, error=problem.message, repair=repair)

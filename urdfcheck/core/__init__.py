@@ -26,7 +26,7 @@ if TYPE_CHECKING:
         Verdict,
     )
     from urdfcheck.core.rule import Rule, RuleFamily, RuleOption
-    from urdfcheck.core.run import ModelInfo, NotChecked, Run
+    from urdfcheck.core.run import EngineAnswer, ModelInfo, NotChecked, Run
 
 __all__ = [
     "NEWLINE",
@@ -35,6 +35,7 @@ __all__ = [
     "Computed",
     "Confidence",
     "Edit",
+    "EngineAnswer",
     "FactUnavailableError",
     "Finding",
     "Fix",
@@ -78,7 +79,7 @@ _HOMES = {
         "findings",
     ),
     **dict.fromkeys(("Rule", "RuleFamily", "RuleOption"), "rule"),
-    **dict.fromkeys(("ModelInfo", "NotChecked", "Run"), "run"),
+    **dict.fromkeys(("EngineAnswer", "ModelInfo", "NotChecked", "Run"), "run"),
 }
 
 if not TYPE_CHECKING:  # a type checker would accept any name

@@ -132,10 +132,14 @@ class DropTest:
     """Why the root cannot move, empty if it can."""
     drawn: bool
     """Whether the robot rests on its visual geometry, because it has no collision geometry."""
+    unread: tuple[str, ...]
+    """Links of which a shape could not be read and does not touch; only where the root cannot move."""
+    shapes: int
+    """Number of shapes that can touch the plane."""
     ground: float
     """Height (m) of the plane in the root's frame at the beginning: the robot's lowest point."""
     size: float
-    """Diagonal (m) of the robot's bounding box."""
+    """Diagonal (m) of the robot's bounding box; of that of its frames where it has no shape."""
     mass: float
     """kg."""
     slow: float

@@ -90,6 +90,8 @@ _VERDICTS = {
     "swaps": Verdict.SWAPS,
     "drops": Verdict.DROPS,
     "refuses": Verdict.REFUSES,
+    # A program that was asked.
+    "refused": Verdict.REFUSES,
 }
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from urdfcheck.core.findings import Finding, Severity, SkippedCheck
+from urdfcheck.core.findings import Finding, Severity, SkippedCheck, Verdict
 from urdfcheck.core.rule import Rule
 
 if TYPE_CHECKING:
@@ -82,6 +82,21 @@ class ModelInfo:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EngineAnswer:
+    """What an engine that is a target did with a model on this machine."""
+
+    model: str
+    """Id of the model."""
+    engine: str
+    version: str
+    """Empty if it is not installed, so that it was not asked."""
+    verdict: Verdict | None
+    """None if it was not asked."""
+    reasons: tuple[str, ...]
+    """What it did, in its own words where it refused; how to install it if it was not asked."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
     """Immutable outcome of a run: the only input of every output."""
 
@@ -103,6 +118,8 @@ class Run:
     """The models as graphical outputs draw them, if the request asks for them."""
     drops: tuple[DropTest, ...] = ()
     """The drop tests, if the request asks for them."""
+    answers: tuple[EngineAnswer, ...] = ()
+    """What the engines that are targets did here, if a command asks them."""
     seconds: float = 0.0
     failures: tuple[str, ...] = ()
     """Paths that do not exist, and failures of urdfcheck itself: they make the exit code 2."""

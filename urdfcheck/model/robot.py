@@ -39,6 +39,8 @@ class Model:
     """The programs that the model is declared to be for."""
     may_simulate: bool = False
     """Whether a simulator may be started."""
+    base: str = "auto"
+    """How a simulator holds the base: auto | fixed | free."""
     memo: dict[Hashable, Any] = field(default_factory=dict, repr=False)
     """What `fact` remembers."""
 

@@ -8,6 +8,7 @@ from typing import Any
 from urdfcheck.core import ModelInfo, Run, Severity
 from urdfcheck.output.shared.escaping import escape_for_json
 from urdfcheck.output.shared.json_objects import (
+    build_answer_object,
     build_drop_test_object,
     build_finding_object,
     build_model_object,
@@ -31,6 +32,7 @@ def render(run: Run) -> str:
         "skipped": [build_skip_object(skip) for skip in run.skipped],
         "unused_macro_files": list(run.unused_macro_files),
         **({"drops": [to_json_value(build_drop_test_object(drop)) for drop in run.drops]} if run.drops else {}),
+        **({"answers": [build_answer_object(answer) for answer in run.answers]} if run.answers else {}),
         "failures": list(run.failures),
         "partial": run.partial,
         "summary": {

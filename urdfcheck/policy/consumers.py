@@ -23,7 +23,10 @@ OTHERS = (
         "xacro",
     ),
     "yourdfpy",
+    "newton",
 )
+# Those that are asked what they do with a model if they are targets and installed: the ones that answer in a second.
+ASKED_ENGINES = ("mujoco", "drake", "bullet")
 # They read the file through urdfdom: what it rejects or drops, they do not get.
 THROUGH_URDFDOM = frozenset({"pinocchio", "gazebo", "kdl", "moveit", "rviz"})
 

@@ -104,7 +104,7 @@ def list_unused_macro_files(plan: Plan, audited_units: AuditedUnits) -> tuple[st
 def _collect_skips(plan: Plan, reports: Iterable[UnitReport]) -> tuple[SkippedCheck, ...]:
     """Return what could not be checked."""
     skipped = [skip for report in reports for skip in report.skipped]
-    return (*skipped, *(SkippedCheck("ALL", path, reason) for path, reason in plan.unused))
+    return (*skipped, *(SkippedCheck("ALL", path, reason) for path, reason in (*plan.unused, *plan.left_out)))
 
 
 def _collect_failures(plan: Plan, reports: Iterable[UnitReport]) -> list[str]:

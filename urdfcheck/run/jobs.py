@@ -55,6 +55,8 @@ class AuditOptions:
     """Whether reports classify all pairs of links for an SRDF."""
     drop: bool = False
     """Whether models are dropped on a plane."""
+    base: str = "auto"
+    """How their base is held then: auto | fixed | free."""
     environment: tuple[str, ...] = ()
     """Environment variables that a xacro may read beside those of ROS."""
     reading: tuple[str, ...] = ()

@@ -74,6 +74,7 @@ class AuditedRun:
     """A run with what it was made of."""
 
     request: Request
+    plan: Plan
     units: Sequence[Unit]
     reports: Mapping[int, UnitReport]
     """By index of the unit."""
@@ -137,7 +138,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
         reason = f"interrupted after {len(reports)} of {count} models and files: the rest was not checked"
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
     outcome = strip_volatile_values(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
-    return AuditedRun(request=request, units=units, reports=reports, outcome=outcome)
+    return AuditedRun(request=request, plan=plan, units=units, reports=reports, outcome=outcome)
 
 
 def _reuse_reports(previous: AuditedRun, units: Sequence[Unit], texts: Mapping[str, bytes]) -> dict[int, UnitReport]:

@@ -232,6 +232,7 @@ class _UnitAudit:
             samples=self.options.samples,
             targets=self.policy.targets,
             may_simulate=self.options.drop,
+            base=self.options.base,
         )
 
     @property

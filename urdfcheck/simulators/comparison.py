@@ -61,7 +61,7 @@ def compare_engines(request: Request) -> EngineComparison:
     found, units = engine.plan_units(request)
     unit = next(unit for unit in units if unit.kind == "model")
     with engine.audit_session(request, [unit], found) as settings:
-        ((_, robot),) = map_in_processes(_read_input, [(unit, settings)], 1)
+        ((_, robot),) = map_in_processes(read_engine_input, [(unit, settings)], 1)
         if not isinstance(robot, EngineInput) or report.info is None:
             raise ModelNotCheckedError(
                 f"{unit.id}: only readable files with a <robot> are given to engines (urdfcheck check says what is wrong)"
@@ -103,8 +103,8 @@ def _make_row(
     )
 
 
-def _read_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
-    """Read the model of a unit in a worker process."""
+def read_engine_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
+    """Read the model of a unit, in a worker process; None for a model that is not given to engines."""
     libraries.prefer_own_folders()
     cache = settings.cache  # holds what the check has just measured
     sandbox.confine(settings.visible_folders, [cache] if cache else [], settings.options.limits.memory)

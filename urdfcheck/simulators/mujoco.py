@@ -25,7 +25,13 @@ def load(robot: EngineInput, path: str) -> LoadedRobot:
     """With MuJoCo's own defaults for URDF: visuals are left out, fixed links merged, the root is part of the world."""
     import mujoco
 
-    model = mujoco.MjModel.from_xml_path(path)
+    try:
+        model = mujoco.MjModel.from_xml_path(path)
+    except ValueError as error:
+        reason, _, element = str(error).partition("\n")
+        # The second line names the element that is wrong.
+        named = f" ({element.strip()})" if element.startswith("Element") else ""
+        raise ValueError(f"{reason.removeprefix('Error: ')}{named}") from None
     bodies = [model.body(i) for i in range(model.nbody)]
     known = {model.joint(i).name: model.joint(i) for i in range(model.njnt)}
     return LoadedRobot(

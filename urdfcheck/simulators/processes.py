@@ -21,7 +21,7 @@ from urdfcheck.system.files import read_start
 from urdfcheck.system.process_pool import Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 # The engines in the order of the report; urdfdom is seen through pinocchio.
-ENGINES = ("pinocchio", "urdfdom", "mujoco", "drake", "bullet", "gazebo", "yourdfpy")
+ENGINES = ("pinocchio", "urdfdom", "mujoco", "drake", "bullet", "gazebo", "yourdfpy", "newton")
 # Lines, and characters per line, that are kept of an engine's output.
 MOST_LINES, LONGEST = 40, 400
 # Of a file that an engine writes, its output among them, in MiB.

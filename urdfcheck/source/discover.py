@@ -26,6 +26,7 @@ from urdfcheck.source.package.file_kinds import (
 )
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.gltf_users import find_buffer_users
+from urdfcheck.source.package.package_folders import list_left_out_packages
 from urdfcheck.source.plan import DiscoveryConfig, ModelTarget, Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, explain_unreachable
@@ -91,6 +92,7 @@ class _Planner:
         self.missing: list[tuple[str, str]] = []
         self.config_errors: dict[str, None] = {}
         self.unused: list[tuple[str, str]] = []
+        self.left_out: list[tuple[str, str]] = []
         self.folders: dict[Path, FolderIndex] = {}
         self.found: dict[Path, FoundModel] = {}
         self.users: set[Path] = set()
@@ -172,6 +174,11 @@ class _Planner:
             self.config_errors[str(error)] = None
             self.missing.append((str(path), f"is not checked, its configuration is wrong: {error}"))
 
+    def is_excluded(self, folder: Path) -> bool:
+        """Whether the configuration excludes a folder with all that may be in it."""
+        config = self.get_config(folder.parent)
+        return config is not None and (config.excludes(folder) or config.excludes(folder / "_"))
+
     def add_folder(self, path: Path) -> None:
         folder = self.get_folder(path)
         self.given_folders.append(resolve_path(path))
@@ -186,10 +193,12 @@ class _Planner:
             if resolve_path(model) not in self.models:
                 self.add_model(ModelTarget(path=model, arguments=self.arguments))
         self.unused += [(format_path(link), OUT_OF_REACH) for link in sorted(folder.outside)]
+        for marked in sorted(folder.marked):
+            for place, mark in list_left_out_packages(marked, folder.finder.can_open):
+                if not self.is_excluded(place):
+                    self.left_out.append((format_path(place), f"left out because of its {mark}; name it to check it"))
         for place, reason in sorted(folder.unreadable):
-            # An excluded folder is excluded with all that may be in it.
-            config = self.get_config(place.parent)
-            if config is None or not (config.excludes(place) or config.excludes(place / "_")):
+            if not self.is_excluded(place):
                 self.missing.append((format_path(place), reason))
         macro_files = (path for path, file in folder.files.items() if file.defines_macros)
         self.macro_files.update(dict.fromkeys(path for path in macro_files if self.is_usable(path, named=False)))
@@ -476,6 +485,7 @@ class _Planner:
             packages=tuple(sorted(packages)),
             missing=(*self.missing, *self.budget.unread),
             unused=tuple(self.unused),
+            left_out=tuple(self.left_out),
             reach=self.reach,
             configs={str(path): config for path in checked if (config := self.get_config(path)) is not None},
             whole_packages=frozenset(filter(self.is_in_given_folder, packages)),

@@ -54,7 +54,9 @@ class FolderIndex:
         self.finder = finder
         self.outside: list[Path] = []
         self.unreadable: list[tuple[Path, str]] = []
-        files = sorted(_iter_files(path, finder, self.outside, self.unreadable))
+        self.marked: list[Path] = []
+        """Folders below that build tools are told to leave out, and with them this check."""
+        files = sorted(_iter_files(path, finder, self.outside, self.unreadable, self.marked))
         self.packages = [f.parent for f in files if f.name == "package.xml"]
         finder.note_packages(self.packages)
         self.launches = [f for f in files if is_launch(f)]
@@ -346,12 +348,13 @@ def resolve_path(path: Path) -> Path:
 
 
 def _iter_files(
-    root: Path, finder: PackageFinder, outside: list[Path], unreadable: list[tuple[Path, str]]
+    root: Path, finder: PackageFinder, outside: list[Path], unreadable: list[tuple[Path, str]], marked: list[Path]
 ) -> Iterator[Path]:
     """Yield the files below a folder, through links too.
 
-    Append links to places that may not be opened to ``outside``, and to ``unreadable`` with the reason the folders and possible
-    models that cannot be read, and what cannot even be told to be a file or a folder.
+    Append links to places that may not be opened to ``outside``, to ``unreadable`` with the reason the folders and possible
+    models that cannot be read, and what cannot even be told to be a file or a folder, and to ``marked`` the folders that build
+    tools are told to leave out.
     """
     ignored = _list_git_ignored(root)
     visited: set[str] = set()
@@ -359,9 +362,12 @@ def _iter_files(
     while below:  # not os.walk, which calls itself for each level
         folder, real = below.pop()
         names, files = _list_folder(folder)
-        if real in visited or (folder != str(root) and not IGNORE_MARKS.isdisjoint(files)):
-            continue  # a marked folder that is named is checked
+        if real in visited:
+            continue
         visited.add(real)
+        if folder != str(root) and not IGNORE_MARKS.isdisjoint(files):
+            marked.append(Path(folder))  # one that is named is checked
+            continue
         if os.path.islink(folder) and not finder.can_open(Path(folder)):
             outside.append(Path(folder))
             continue

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from urdfcheck.core.text import truncate_text
+from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, truncate_text
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.text.xml import Element
@@ -106,20 +106,32 @@ def _explain_incompleteness(root: Element, elsewhere: str) -> str:
     """Return why a robot is not complete by itself; empty if it has a name and its joints join its links to one tree."""
     if "name" not in root.attributes:
         return "its <robot> has no name"
-    children = {_get_end(joint, "child") for joint in root.find_children("joint")}
+    children = _collect_children(root)
+    children |= {link for name in children if (link := _find_meant_link(root, name))}
     return elsewhere or ("" if len(_collect_links(root) - children) == 1 else "its links are not one tree")
 
 
 def _explain_joint_to_elsewhere(root: Element) -> str:
-    """Return which joint names a link that the robot has not; empty if none does."""
+    """Return which joint names a link that the robot has not, and of whose name it is not a misspelling; empty if none does."""
     links = _collect_links(root)
     for joint in root.find_children("joint"):
         for end in ("parent", "child"):
             name = _get_end(joint, end)
-            if name not in links:
+            if name not in links and not (end == "child" and _find_meant_link(root, name)):
                 shown = truncate_text(joint.get("name"), _LONGEST_NAME), truncate_text(name, _LONGEST_NAME)
                 return f"joint {shown[0]!r} names the link {shown[1]!r}, which is elsewhere"
     return ""
+
+
+def _find_meant_link(root: Element, child: str) -> str | None:
+    """Return the only link, beside the root, that no joint carries and that an unknown child misspells; else None."""
+    links = _collect_links(root)
+    loose = links - _collect_children(root)
+    return find_only_near_name(child, loose, SLIP_LIKENESS) if child not in links and len(loose) > 1 else None
+
+
+def _collect_children(root: Element) -> set[str]:
+    return {_get_end(joint, "child") for joint in root.find_children("joint")}
 
 
 def _collect_links(root: Element) -> set[str]:

@@ -13,8 +13,8 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.argument_values import KNOWN_VARIABLES, VARIABLE
 from urdfcheck.source.xacro.expand import expand_xacro
+from urdfcheck.source.xacro.expressions.varying_values import SET_ORDERS
 from urdfcheck.source.xacro.outside_access import HASH_SEED
-from urdfcheck.source.xacro.varying_values import SET_ORDERS
 
 _FIRST_GENERATION = frozenset({"noetic"})
 

@@ -90,6 +90,8 @@ class Plan:
     """Paths that do not exist or cannot be checked, each with the reason."""
     unused: tuple[tuple[str, str], ...] = ()
     """Macro files and meshes that the user named and no model uses, each with the reason."""
+    left_out: tuple[tuple[str, str], ...] = ()
+    """Packages with models in the given folders that build tools are told to leave out, each with the reason."""
     reach: FileReach | None = None
     """Which files may be opened, including the packages of models that launch files lead to."""
     configs: Mapping[str, Any] = field(default_factory=dict)

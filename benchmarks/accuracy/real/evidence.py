@@ -23,6 +23,10 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 # A part whose numbers are so near to those of its drawing at uniform density (`scoring.effect`, without the mass) shows a defect
 # that takes it so much further away, and beyond where 99 % of the sound parts are that have up to 60 % of their mass in lumps.
 _SOUND, _FURTHER, _LUMPED = 1.0, 0.5, 1.8
+# Second moments that are each so many times as large are as far off as that: so much may a rod be off about all axes.
+_LUMPED_MOMENT = float(np.exp(_LUMPED / np.sqrt(3.0)))
+# Cosine: an axis is along a rod within 25°.
+_ALONG = 0.9
 # So near its uniform solid a part also shows which defect it is: half the step between neighbouring units (a factor of 3.2).
 _NEAR = 0.57
 # kg/m³, of the convex hull, for what is drawn may be a cover: air and tungsten, with room.
@@ -54,7 +58,7 @@ def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool, share
     if _is_impossible(new) and not _is_impossible(old):
         found.add("impossible")
     reach = measure_reach(part.owner)
-    if max(_size(new)) > _REACH * reach >= max(_size(old)):
+    if _has_telling_joints(part) and max(_size(new)) > _REACH * reach >= max(_size(old)):
         found.add("reach")
     if max(old.mass, new.mass) < _LIGHT * _measure_body_mass(part):
         return found
@@ -63,6 +67,12 @@ def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool, share
     if _differs_from_twins(part, old, new, with_meshes=with_meshes, shared=shared):
         found.add("twin")
     return found
+
+
+def _has_telling_joints(part: Part) -> bool:
+    """Whether so many joints have a length that they say how large the robot is."""
+    lengths = [float(np.linalg.norm(joint.origin.xyz or (0, 0, 0))) for joint in part.owner.model.joints]
+    return sum(length > 1e-6 for length in lengths) >= _LEAST_JOINTS
 
 
 def _measure_body_mass(part: Part) -> float:
@@ -134,9 +144,12 @@ def find_reversal_evidence(part: Part, shared: Collection[str] = ()) -> set[str]
 
 def find_zero_evidence(part: Part, name: str, shared: Collection[str] = ()) -> set[str]:
     """Find what shows that an effort or a velocity must not be 0: all joints of its name have one, or all others, three
-    at least. A robot of one joint, or one whose other joints have 0 too, does not show it."""
+    at least. A robot of one joint, or one whose other joints have 0 too, does not show it; nor does a joint that follows another
+    one (`<mimic>`), which has no drive of its own that a limit would stop."""
     joint = part.joint
     assert joint is not None
+    if not joint.is_driven:
+        return set()
     others = [
         (other, other.get_limit_value(name) or 0.0)
         for other in part.owner.model.joints
@@ -225,7 +238,8 @@ def _find_drawn_evidence(part: Part, old: Numbers, new: Numbers) -> set[str]:
 
     with np.errstate(all="ignore"):
         sound, broken = differ(old), differ(new)
-    if sound < _SOUND and broken > max(sound + _FURTHER, _LUMPED):
+    is_far = sound < _SOUND and broken > max(sound + _FURTHER, _LUMPED)
+    if is_far and not _swings_as_before(part, old, new, tensor * new.mass):
         found |= {"mesh", "near"} if sound < _NEAR else {"mesh"}
     low, high = _DENSITIES
     volume = solid.volume if drawn.hull is None else drawn.hull.volume
@@ -236,6 +250,26 @@ def _find_drawn_evidence(part: Part, old: Numbers, new: Numbers) -> set[str]:
     if is_material(old.mass) and not is_material(new.mass):
         found.add("density")
     return found
+
+
+def _swings_as_before(part: Part, old: Numbers, new: Numbers, solid: Array) -> bool:
+    """Whether only the moment of a rod about its own length is beyond that of a lumped part, and its joint does not turn it about
+    that. Mass and COM are as they were.
+
+    :param solid: (3, 3), the tensor of the uniform solid in the link's axes.
+    """
+    if not (np.isclose(new.mass, old.mass) and np.allclose(new.com, old.com)):
+        return False
+    moments, axes = np.linalg.eigh(solid)
+    turn = rotation_of(new.rpy).T @ axes
+    ratios = np.diag(turn.T @ tensor_of(new.six) @ turn)[1:] / moments[1:]
+    if not (ratios.max() < _LUMPED_MOMENT and ratios.min() > 1.0 / _LUMPED_MOMENT):
+        return False
+    joint = part.joint
+    if joint is None or joint.axis is None or joint.type not in ("revolute", "continuous"):
+        return True
+    axis = np.array(joint.axis)
+    return bool(abs(float(axes[:, 0] @ axis)) <= _ALONG * float(np.linalg.norm(axis)))
 
 
 def _differs_from_twins(part: Part, old: Numbers, new: Numbers, *, with_meshes: bool, shared: Collection[str]) -> bool:

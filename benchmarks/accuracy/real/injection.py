@@ -343,7 +343,9 @@ def _check(
         subject=subject,
         has_meshes=stage.has_meshes,
         evidence=tuple(sorted(evidence)),
-        shows_cause=kind.family != "inertial" or kind.shows_itself or bool(evidence & {"twin", "near"}),
+        shows_cause=(kind.family != "inertial" and not kind.needs_twin)
+        or kind.shows_itself
+        or bool(evidence & {"twin", "near"}),
         verdict=verdict,
         seconds=seconds,
         sound_seconds=stage.seconds,

@@ -227,7 +227,11 @@ def _typo(attribute: Attribute | None, rng: Rng, start: int, end: int | None = N
 
 def _kinds(family: str, *kinds: tuple[Make, str, Sequence[str]]) -> tuple[Kind, ...]:
     lossy = (axis_zero, limits_equal, effort_zero, velocity_zero)
-    return tuple(Kind(make, family, says, frozenset(codes), is_lossy=make in lossy) for make, says, codes in kinds)
+    twin = (joint_xyz_sign, joint_xyz_decimal)
+    return tuple(
+        Kind(make, family, says, frozenset(codes), is_lossy=make in lossy, needs_twin=make in twin)
+        for make, says, codes in kinds
+    )
 
 
 _ODD = ("SYM001", "SYM002", "SYM004")
@@ -258,7 +262,7 @@ KINDS = (
     *_kinds(
         "shape",
         (mesh_scale, r"scale|times as large", ("MSH008",)),
-        (collision_shifted, "", ("GEO003", "GEO005", "COL001")),
+        (collision_shifted, "", ("GEO003", "GEO005", "COL001", "JNT015")),
         (collision_size, r"times", ("GEO003", "SYM007")),
     ),
     *_kinds(

@@ -39,6 +39,8 @@ class Kind:
     """Whether the true numbers are lost, so that no repair can bring them back."""
     shows_itself: bool = False
     """Whether its numbers show by themselves which mistake it is, whatever the part: six equal ones, a moment below zero."""
+    needs_twin: bool = False
+    """Whether only a twin shows which mistake in a joint it is: a part in the air is there by any of several."""
     habit: bool = False
     """Whether it is made in all links of the file."""
 

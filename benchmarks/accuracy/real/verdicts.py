@@ -63,17 +63,14 @@ def list_keys(run: Run) -> dict[Key, Severity]:
 def find_new(before: Mapping[Key, Severity], after: Run) -> list[tuple[Finding, set[str]]]:
     """Find what is reported at warning or above and was not before, or not as severely, with the subjects.
 
-    A cause that was named before in another message is not new: the robot had that mistake.
+    A cause that was named before is not new, in another message or less severely: the robot had that mistake.
     """
-    causes: dict[tuple[str, str, str], Severity] = {}
-    for (code, _, cause, subject), severity in before.items():
-        if cause:
-            causes[code, cause, subject] = max(severity, causes.get((code, cause, subject), severity))
+    causes = {(code, cause, subject) for code, _, cause, subject in before if cause}
     new: dict[int, tuple[Finding, set[str]]] = {}
     for finding, key, severity in _iter_keys(after):
         code, _, cause, subject = key
-        known = max(before.get(key, Severity.INFO), causes.get((code, cause, subject), Severity.INFO))
-        if severity >= Severity.WARNING and known < severity:
+        is_known = (code, cause, subject) in causes or before.get(key, Severity.INFO) >= severity
+        if severity >= Severity.WARNING and not is_known:
             new.setdefault(id(finding), (finding, set()))[1].add(key[3])
     return list(new.values())
 

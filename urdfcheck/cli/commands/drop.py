@@ -40,6 +40,12 @@ def build_parser() -> argparse.ArgumentParser:
     )
     add_options(p, "drop")
     p.add_argument(
+        "--base",
+        choices=("auto", "fixed", "free"),
+        default="auto",
+        help="whether the base is bolted down (auto: arms, hands and roots without mass are; default: auto)",
+    )
+    p.add_argument(
         "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
     )
     return p
@@ -71,7 +77,7 @@ def main(words: Sequence[str]) -> int:
         options.select = [",".join(sorted(wanted))]
     request, settings = build_request(options, scene="html" in formats)
     libraries.prefer_own_folders()
-    request = replace(request, options=replace(request.options, drop=True))
+    request = replace(request, options=replace(request.options, drop=True, base=options.base))
     outcome = run(request, Execution(warm_worker=first, on_progress=make_progress_printer()))
     if outcome.models and not outcome.drops:
         reason = f"{options.paths[0]}: {_explain_no_drop(outcome)}"

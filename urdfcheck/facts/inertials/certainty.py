@@ -10,7 +10,7 @@ import numpy as np
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.inertial_fit import OPEN_MIXTURE, Reference, measure_inertial_mismatch
 from urdfcheck.facts.inertials.mistakes.mistake import EFFECT, Mistake
-from urdfcheck.facts.inertials.ranking import MARGIN, Ranking, is_whole_com
+from urdfcheck.facts.inertials.ranking import COM_FITS, MARGIN, Ranking, is_whole_com
 
 if TYPE_CHECKING:
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
@@ -36,6 +36,8 @@ _PRECISE = frozenset({"decimal_point", "one_sign", "slots_swapped", "slots_shift
 _COARSE = frozenset(
     {"inertia_unit", "mass_unit", "com_unit", "units", "mesh_scale", "com_missing", "diagonal_first", "row_major"}
 )
+# A tensor about the link's origin, which may exceed what fits into the hull.
+_OF_ORIGIN = frozenset({"about_origin", "positive_notation"})
 # Units of mass and inertia: undoing them scales the tensor of one unit of mass.
 _UNITS = frozenset({"inertia_unit", "mass_unit", "units"})
 # Units that differ are told apart by the size alone: it shows one only if all moments of the part have one ratio, to 5 %.
@@ -55,7 +57,9 @@ def can_be_named(
         return False
     if ranking.best.id in _PRECISE and len({_name_changed_number(mistake) for mistake in ranking.contenders}) > 1:
         return False
-    is_of_file = habit is not None and ranking.best.id == habit.id
+    is_of_file = habit is not None and habit.is_like(ranking.best.id, ranking.best.detail)
+    if not is_of_file and reference.twin is None and _is_doubtful_com_unit(ranking):
+        return False
     if ranking.best.id in _UNITS and not _shows_unit(declared, reference, ranking):
         return False
     least = TWIN_LIKE if reference.twin is not None else EFFECT
@@ -65,6 +69,15 @@ def can_be_named(
         _is_convincing(ranking, reference, is_habit=is_of_file)
         and _measure_effect(declared, ranking.numbers[0], ranking.best.factor) > least
     )
+
+
+def _is_doubtful_com_unit(ranking: Ranking) -> bool:
+    """Whether the COM of one link would be in inches or centimetres, and is not near the drawn part's in that unit.
+
+    No program writes one link of a file so, and such a factor brings many a COM outside the part somewhat nearer.
+    """
+    best = ranking.best
+    return best.id == "com_unit" and best.detail != "mm" and not float(ranking.fit.com_mismatch[0]) < COM_FITS
 
 
 def _shows_unit(declared: DeclaredInertial, reference: Reference, ranking: Ranking) -> bool:
@@ -111,7 +124,7 @@ def _is_convincing(ranking: Ranking, reference: Reference, *, is_habit: bool = F
         return equal and bool(moments[-1] - moments[0] > _NOT_A_SPHERE * moments[-1])
     if twin is not None:  # the reference is not a uniform solid, but the numbers as they should be
         return worst < EXACT
-    if best.id == "decimal_point" and best.detail.startswith(("mass ", "tensor ")):
+    if best.id == "decimal_point" and best.detail.startswith(("mass ", "tensor ")) and not is_habit:
         return worst < EFFECT  # a ratio of mass and tensor near ten may be a changed mass or a motor
     sizes = np.trace(ranking.numbers.tensor[[none, 0]], axis1=1, axis2=2) / ranking.numbers.mass[[none, 0]]
     is_vast = best.id in _UNITS and sizes[0] >= VAST**2 * sizes[1]
@@ -122,7 +135,8 @@ def _is_convincing(ranking: Ranking, reference: Reference, *, is_habit: bool = F
         if float(fit.tensor_mismatch[none]) < UNIFORM and com_mismatch > 2 * EFFECT:
             return False
     if reference.mixture is OPEN_MIXTURE and best.id not in _COARSE and not is_habit:
-        return False
+        # No mass inside the hull has the tensor as it is, and one has it about the COM, near the hull's own.
+        return best.id in _OF_ORIGIN and bool(fit.inside[0] and not fit.inside[none]) and worst < 0.5 * NEAR
     one_number = best.id == "decimal_point" and not is_whole_com(best)
     return worst < (FAR if is_habit or is_vast else NEAR / 2 if one_number else NEAR)
 

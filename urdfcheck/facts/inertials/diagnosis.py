@@ -35,7 +35,7 @@ from urdfcheck.facts.inertials.inertial_fit import (
     measure_inertial_mismatch,
 )
 from urdfcheck.facts.inertials.materials import DENSEST
-from urdfcheck.facts.inertials.mistakes.file_habits import HABITS, Evidence, Habit
+from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, can_be_habit
 from urdfcheck.facts.inertials.mistakes.mistake import Mistake, Suspect
 from urdfcheck.facts.inertials.ranking import Ranking, get_mistake_family, rank_explanations
 
@@ -134,8 +134,8 @@ def diagnose_inertial(
             return by_mesh
         if by_mesh.cause not in {None, "unmirrored"} and _has_cause(twin, geometry, by_mesh):
             return by_mesh
-        if habit is not None and by_mesh.cause == habit.id:  # the twin has it too, and they differ in something else
-            return by_mesh
+        if habit is not None and habit.is_like(by_mesh.cause or "", by_mesh.detail):
+            return by_mesh  # the twin has it too, and they differ in something else
         by_twin = replace(by_twin, evidence=by_mesh.evidence)
     better = by_twin.cause is not None and _is_better_fit(twin, declared, geometry)
     # Several parts may be wrong in the same way, and only this one may have the numbers of its geometry.
@@ -274,7 +274,7 @@ def _collect_evidence(ranking: Ranking) -> Evidence:
     priors: dict[tuple[str, str], float] = {}
     alternative = -math.inf
     for mistake, score in zip(ranking.mistakes, ranking.scores.tolist(), strict=True):
-        if mistake.id not in HABITS:
+        if not can_be_habit(mistake.id, mistake.detail):
             alternative = max(alternative, score)
         elif math.isfinite(score):
             key = mistake.id, mistake.detail

@@ -18,7 +18,7 @@ from urdfcheck.facts.inertials.inertial_fit import (
     measure_fit,
     measure_inertial_mismatch,
 )
-from urdfcheck.facts.inertials.mistakes.file_habits import HABITS, Habit
+from urdfcheck.facts.inertials.mistakes.file_habits import Habit, can_be_habit
 from urdfcheck.facts.inertials.mistakes.mistake import Mistake, Suspect
 from urdfcheck.facts.inertials.mistakes.mixing_mistakes import is_default_density, list_explanations
 
@@ -144,7 +144,7 @@ def _weigh_by_habit(mistake: Mistake, habit: Habit) -> Mistake:
     """Return a mistake as frequent as it is in a file with a habit: one program exported it, so that others' are rare."""
     if (mistake.id, mistake.detail) == (habit.id, habit.detail):
         return replace(mistake, log_prior=habit.log_share)
-    rarer = _SECOND_HABIT if mistake.id in HABITS else 0.0
+    rarer = _SECOND_HABIT if can_be_habit(mistake.id, mistake.detail) else 0.0
     return replace(mistake, log_prior=mistake.log_prior + habit.log_rest + rarer)
 
 

@@ -54,15 +54,17 @@ class TipOver:
     """Angle from upright (rad); infinite if it does not come to rest."""
     last_contact: int | None
     """Index of the point that touches last; None if it rests as it was placed."""
+    up: Vec3
+    """Unit vector (3,) across the plane at the end, in the body's coordinates."""
 
 
 def compute_ground_support(
-    points: ArrayLike, *, parts: ArrayLike, com: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
+    points: ArrayLike, *, parts: ArrayLike, com: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0), slack: float = SLACK
 ) -> GroundSupport:
     """Compute how a body of corners ``points`` (n, 3), placed upright, touches a plane across ``up`` (unit vector).
 
     The body consists of rigid parts; ``parts`` (n,) is the number of each point's part, from 0. A part touches with its lowest
-    points if they are the lowest of all, or a tilt by `SLACK` about the COM's plumb line makes them so.
+    points if they are the lowest of all, or a tilt by ``slack`` (rad) about the COM's plumb line makes them so.
     """
     corners, centre, vertical = (np.asarray(a, dtype=float) for a in (points, com, up))
     owners = np.asarray(parts)
@@ -75,7 +77,7 @@ def compute_ground_support(
     reach = np.linalg.norm(flat - origin, axis=1)
     flatness = _SOLE_FLATNESS * float(np.ptp(corners, axis=0).max())
     low = heights <= lowest[owners] + flatness
-    touching = np.flatnonzero(low & (heights <= np.maximum(math.tan(SLACK) * reach, flatness)))
+    touching = np.flatnonzero(low & (heights <= np.maximum(math.tan(slack) * reach, flatness)))
     order = _compute_planar_hull(flat[touching])
     outline = flat[touching][order]
     margin, nearest, outwards = _compute_support_margin(outline, origin)
@@ -90,22 +92,24 @@ def compute_ground_support(
     )
 
 
-def simulate_tipping(points: ArrayLike, parts: ArrayLike, com: ArrayLike, limit: float = math.pi / 2) -> TipOver:
+def simulate_tipping(
+    points: ArrayLike, parts: ArrayLike, com: ArrayLike, limit: float = math.pi / 2, *, slack: float = SLACK
+) -> TipOver:
     """Simulate how a body as in `compute_ground_support` is placed upright (z up) and rolls from edge to edge until it rests.
 
-    It rests where its tip angle is not more negative than `SLACK`, the accuracy of typed numbers. Beyond ``limit`` (rad) the
-    simulation stops, with an infinite ``tilt``.
+    It rests where its tip angle is not more negative than ``slack`` (rad), by default the accuracy of typed numbers. Beyond
+    ``limit`` (rad) the simulation stops, with an infinite ``tilt``.
     """
     corners, centre = np.asarray(points, dtype=float), np.asarray(com, dtype=float)
     up = np.array((0.0, 0.0, 1.0))
     touched = None
     for _ in range(_MAX_TURNS):
-        now = compute_ground_support(corners, parts=parts, com=centre, up=up)
+        now = compute_ground_support(corners, parts=parts, com=centre, up=up, slack=slack)
         tilt = math.atan2(float(np.linalg.norm(up[:2])), float(up[2]))
         if tilt > limit:
             break
-        if now.tip_angle >= -SLACK:
-            return TipOver(tilt, touched)
+        if now.tip_angle >= -slack:
+            return TipOver(tilt, touched, up)
         from_edge = corners - now.nearest
         ahead, height = from_edge @ now.outwards, np.maximum(from_edge @ up, 0.0)
         angles = np.where(np.hypot(ahead, height) > 1e-9 * np.abs(from_edge).max(), np.arctan2(height, ahead), math.inf)
@@ -114,7 +118,7 @@ def simulate_tipping(points: ArrayLike, parts: ArrayLike, com: ArrayLike, limit:
         if not angle < math.pi:
             break
         up = math.cos(angle) * up - math.sin(angle) * now.outwards
-    return TipOver(math.inf, touched)
+    return TipOver(math.inf, touched, up)
 
 
 def compute_rocking_gaps(contacts: ArrayLike) -> Array | None:

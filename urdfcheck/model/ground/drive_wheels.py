@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from urdfcheck.facts.likeness.revolution import measure_outline
@@ -15,6 +16,9 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.source.ros.controllers import Controller
 from urdfcheck.source.text.yaml.values import YamlValue
+
+_MECANUM = tuple(f"{end}_{side}_wheel_command_joint_name" for end in ("front", "rear") for side in ("left", "right"))
+_TRICYCLE = ("traction_joint_name",)
 
 
 def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[YamlValue]]:
@@ -24,6 +28,54 @@ def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[Yam
     return [j for value in left for j in value.items or (value,)], [
         j for value in right for j in value.items or (value,)
     ]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DriveSizes:
+    """The sizes that a controller of a mecanum drive or a tricycle types, with those of the model."""
+
+    joints: tuple[str, ...]
+    sizes: tuple[tuple[str, YamlValue, list[float]], ...]
+    """Keys, each with the typed value and what it may be in the model (m)."""
+
+
+def measure_drive_sizes(model: Model, controller: Controller) -> DriveSizes | None:
+    """Measure the sizes of a mecanum drive or a tricycle; None where a joint is not the model's.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    names = _MECANUM if "Mecanum" in controller.type else _TRICYCLE
+    values = [controller.parameters.get(name) for name in names]
+    joints = tuple(value.text for value in values if value is not None)
+    if len(joints) < len(names) or not all(joint in model.joint_by_name for joint in joints):
+        return None
+    measured: dict[str, list[float]] = {}
+    if names is _MECANUM:
+        front_left, front_right, rear_left, _ = joints
+        measured["kinematics.wheels_radius"] = measure_wheel_radii(model, front_left)
+        across = measure_wheel_separations(model, front_left, front_right)
+        along = abs(float(_measure_offset(model, front_left, rear_left)))
+        # Half of the distance of the axles and half of the track.
+        measured["kinematics.sum_of_robot_center_projection_on_X_Y_axis"] = [(size + along) / 2 for size in across]
+    else:
+        measured["wheel_radius"] = measure_wheel_radii(model, joints[0])
+    typed = ((key, _find_dotted(controller.parameters, key), sizes) for key, sizes in measured.items())
+    return DriveSizes(joints, tuple((key, value, sizes) for key, value, sizes in typed if value is not None))
+
+
+def _find_dotted(parameters: YamlValue, key: str) -> YamlValue | None:
+    """Find ``a.b`` typed as one key, or as ``b`` in the mapping ``a``."""
+    first, _, rest = key.partition(".")
+    group = parameters.get(first) if rest else None
+    return parameters.get(key) or (group.get(rest) if group is not None and group.is_mapping else None)
+
+
+def _measure_offset(model: Model, one: str, other: str) -> float:
+    """Measure how far (m) two wheels are apart across their axis."""
+    import numpy as np
+
+    apart = _locate_joint(model, one) - _locate_joint(model, other)
+    return float(np.linalg.norm(apart - (apart @ model.axes[one]) * model.axes[one]))
 
 
 def measure_wheel_radii(model: Model, joint: str) -> list[float]:

@@ -10,11 +10,12 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.motion.contact import GroundSupport
-from urdfcheck.model.ground.wheels import CASTER_NAME, Wheel, rolling_wheels
+from urdfcheck.model.ground.wheels import Wheel, rolling_wheels
 from urdfcheck.model.parts import GROUND_NAMES, Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.corners import collect_shape_corners
+from urdfcheck.model.wheel_names import CASTER_NAME
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from urdfcheck.facts.motion.contact import compute_rocking_gaps
-from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
+from urdfcheck.model.ground.wheels import LEVEL, Wheel, is_suspended, rolling_wheels
 from urdfcheck.model.robot import Model
 
 # A wheel whose lowest point is farther from the others' than this share of a radius is not meant to stand on the ground.
 _AWAY = 0.2
+# Two axles stand on the ground whatever their heights, with equal wheels on each; more do not.
+_AXLES = 3
 # A difference below this share of the gap does not cause it.
 _EXPLAINED = 0.1
 
@@ -42,6 +44,8 @@ class UnevenWheels:
     """Metres: whichever three wheels the robot stands on, another hangs this far in the air."""
     odd_wheel: OddWheel | None
     """The wheel that is the reason; None when several are off."""
+    are_axles: bool
+    """Whether there are three and more axles, each with wheels at one height: raised axles are by design."""
 
 
 def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> UnevenWheels | None:
@@ -61,7 +65,7 @@ def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> Uneve
     if gaps is None or gaps.max() <= max(rel_tol * min(wheel.radius for wheel in wheels), abs_tol):
         return None
     gap = float(gaps.max())
-    return UnevenWheels(wheels, gap, _find_odd_wheel(wheels, gap))
+    return UnevenWheels(wheels, gap, _find_odd_wheel(wheels, gap), _stand_on_axles(wheels, gap))
 
 
 def _select_grounded_wheels(wheels: Sequence[Wheel]) -> tuple[Wheel, ...]:
@@ -71,6 +75,26 @@ def _select_grounded_wheels(wheels: Sequence[Wheel]) -> tuple[Wheel, ...]:
     away = [wheel for wheel in wheels if abs(wheel.contact[2] - ground) > _AWAY * usual]
     alike = len(away) == 1 and abs(away[0].radius - usual) < _AWAY * usual
     return tuple(wheel for wheel in wheels if alike or wheel not in away)
+
+
+def _stand_on_axles(wheels: Sequence[Wheel], gap: float) -> bool:
+    """Whether there are three and more axles, each of two wheels and more, at one height across the robot."""
+    axles: list[list[Wheel]] = []
+    for wheel in wheels:
+        axle = next((one for one in axles if _is_on_axle(wheel, one[0])), None)
+        if axle is None:
+            axles.append([wheel])
+        else:
+            axle.append(wheel)
+    heights = [[float(wheel.contact[2]) for wheel in axle] for axle in axles]
+    return len(axles) >= _AXLES and all(len(one) > 1 and max(one) - min(one) <= _EXPLAINED * gap for one in heights)
+
+
+def _is_on_axle(wheel: Wheel, other: Wheel) -> bool:
+    """Whether two wheels are beside each other: apart along their axis only, seen from above."""
+    apart = (wheel.centre - other.centre)[:2]
+    across = np.array((-other.axis[1], other.axis[0]))
+    return abs(float(apart @ across)) < _AWAY * other.radius and abs(float(wheel.axis @ other.axis)) > 1 - LEVEL
 
 
 def _find_odd_wheel(wheels: Sequence[Wheel], gap: float) -> OddWheel | None:

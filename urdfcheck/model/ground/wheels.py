@@ -15,6 +15,7 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_shape_corners, compute_shape_corners
+from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME, WHEEL_NAME
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -22,14 +23,6 @@ if TYPE_CHECKING:
 
 # A wheel's axis is level to within its camber, and parallel to another to within its toe: 6°.
 LEVEL = 0.1
-WHEEL_NAME = re.compile(r"wheel|tyre|tire", re.IGNORECASE)
-# A part that carries a wheel is named after it and turns about another axis.
-WHEEL_CARRIER_NAME = re.compile(
-    r"steer|swivel|rotation|holder|fork|mount|bracket|knuckle|arm|leg|rocker|bogie|susp|axle", re.IGNORECASE
-)
-CASTER_NAME = re.compile(r"cast[eo]r", re.IGNORECASE)
-# Wheels that turn freely, or are not wheels of a vehicle, or do not touch the ground.
-NOT_DRIVEN_NAME = re.compile(r"caster|castor|roller|steer|swivel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
 _NOT_WHEEL_NAME = re.compile(r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
 
 
@@ -64,10 +57,12 @@ class DrivenWheel:
     joint: Joint
     axis: Array
     """Unit vector (3,) in root coordinates."""
+    stands: bool = True
+    """Whether it reaches the ground; of the wheels that are found, some may be far from it by mistake."""
 
 
 def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
-    """Find the wheels on which the robot stands and that no joint steers, when all joints are at zero and z is up.
+    """Find the wheels that no joint steers, and whether the robot stands on them when all joints are at zero and z is up.
 
     A link whose shapes are not known counts as a wheel when its name says so.
 
@@ -80,8 +75,8 @@ def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
         if not NOT_DRIVEN_NAME.search(_join_joint_names(w.joint)) and not _is_steered(model, w.joint, w.axis)
     ]
     ground = min((w.bottom for w in driven), default=0.0)
-    standing = [DrivenWheel(w.joint, w.axis) for w in driven if w.bottom - ground < 0.2 * w.radius]
-    return (*standing, *_find_unseen_wheels(model))
+    found = [DrivenWheel(w.joint, w.axis, w.bottom - ground < 0.2 * w.radius) for w in driven]
+    return (*found, *_find_unseen_wheels(model))
 
 
 @fact

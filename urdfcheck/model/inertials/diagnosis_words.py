@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core.text import format_length, join_names, join_numbers
-from urdfcheck.facts.inertials.certainty import EXACT
+from urdfcheck.facts.inertials.certainty import EXACT, FAR
 from urdfcheck.facts.inertials.inertia_tensor import (
     compute_mass_covariance,
     compute_principal_moments,
@@ -16,7 +16,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
-from urdfcheck.model.inertials.inertial_effects import TINY, measure_difference
+from urdfcheck.model.inertials.inertial_effects import APPROXIMATIONS, SIMILAR, measure_difference
 from urdfcheck.model.inertials.inertial_proposals import (
     describe_mistake,
     name_mistake,
@@ -36,17 +36,21 @@ if TYPE_CHECKING:
 
 # The body may be a thin shell, its hull or box may have been easier to compute, and a decorative piece may have been left out:
 # such causes are worth knowing and rarely harmful. So is rounding, which leaves a possible tensor here.
-MILD_CAUSES = frozenset({"shell", "convex_hull", "bounding_box", "one_piece", "rounded"})
+MILD_CAUSES = APPROXIMATIONS | {"rounded"}
 # Causes after which the numbers come from the drawn part, so that they agree with it by construction.
 _FROM_DRAWING = MILD_CAUSES | {"own_missing", "com_missing"}
 # What agrees where the pieces of a part were taken for points.
 _POINTLIKE = "the tensor is the drawn part's: what is written is the parallel-axis terms of its bodies, to within 5 %"
 # What typed digits and tessellation leave of equal numbers.
 DIGITS = 0.01
-# A tenth of a radius of gyration, or of a second moment, is worth saying; so are moments that differ by a third in size.
-NOTABLE, SIMILAR = 0.1, 1.33
+# A tenth of a radius of gyration, or of a second moment, is worth saying.
+NOTABLE = 0.1
+# Moments that are wrong by less than this are told one by one where they are wrong by different factors.
+_SAME_SIZE = 10.0
 # All second moments below this part of the drawn part's are those of a smaller part.
 _MUCH_LESS = 0.25
+# Moments so many times too small are those of no shape like the drawn one.
+_NO_SHAPE = 100.0
 # A tensor so many times farther off than its principal moments is about other axes.
 _ROTATED = 1.5
 # Causes that make a tensor too large or too small as a whole.
@@ -84,7 +88,7 @@ SHORT_CAUSES = {
     "steiner_twice": "parallel-axis term twice",
     "steiner_missing": "no parallel-axis term",
     "own_missing": "own tensors of the pieces left out",
-    "one_piece": "of one piece only",
+    "one_piece": "one piece only",
     "products_sign": "products have flipped signs",
     "axes_permuted": "its x y z are {detail}",
     "slots_swapped": "{detail} swapped",
@@ -99,9 +103,9 @@ SHORT_CAUSES = {
     "decimal_point": "decimal point off: {detail}×",
     "rounded": "rounded to {detail}",
     "wrong_formula": "of {detail}",
-    "shell": "of a hollow shell",
-    "bounding_box": "of the bounding box",
-    "convex_hull": "of the convex hull",
+    "shell": "hollow shell",
+    "bounding_box": "bounding box",
+    "convex_hull": "convex hull",
     "other_mass": "fits {detail}",
 }
 
@@ -147,10 +151,11 @@ def describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) ->
         np.linalg.eigvalsh(t) for t in (declared.inertia, compute_solid_inertia(drawn.solid, declared.mass))
     )
     is_similar = bool(((moments < SIMILAR * uniform) & (uniform < SIMILAR * moments)).all())
-    if judged.diagnosis.com_mismatch > (NOTABLE if is_similar else judged.diagnosis.tensor_mismatch):
+    is_off = judged.diagnosis.com_mismatch > (NOTABLE if is_similar else judged.diagnosis.tensor_mismatch)
+    if is_off and shows_com(judged.diagnosis.com_mismatch, drawn):
         return f"COM {format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))} from that of {source}"
-    if moments.sum() > SIMILAR * uniform.sum() or uniform.sum() >= TINY * moments.sum():
-        return f"inertia {_compare_sizes(moments, uniform, '×', digits=2)}"
+    if moments.sum() > SIMILAR * uniform.sum() or uniform.sum() >= _NO_SHAPE * moments.sum():
+        return _compare_sizes(moments, uniform, "{inertia} {factor}× too {size}", digits=2)
     variances, axes = np.linalg.eigh(drawn.solid.covariance)  # along the drawn part's axes, the longest last
     along = np.diag(axes.T @ compute_mass_covariance(declared.inertia, declared.mass) @ axes) / variances
     if along.max() < _MUCH_LESS:
@@ -159,6 +164,11 @@ def describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) ->
     is_rod = variances[1] < 0.5 * variances[2]
     word = "thinner" if least == 0 else "shorter" if least == 2 and is_rod else "narrower"
     return f"inertia fits a far {word} part than {which}"
+
+
+def shows_com(mismatch: float, drawn: VisualGeometry) -> bool:
+    """Whether a COM is wrong whose ``mismatch`` is so great: the hull of an open mesh only shows that it is far away."""
+    return drawn.closed or mismatch > FAR
 
 
 def collect_message_data(
@@ -175,7 +185,7 @@ def collect_message_data(
         expected = join_numbers(uniform, digits=3)
         mismatch = (diagnosis.tensor_mismatch, diagnosis.com_mismatch)
         measured = _describe_mismatch(declared, drawn, mismatch=mismatch, moments=moments, uniform=uniform)
-        size = _compare_sizes(moments, uniform, "×", digits=2)
+        size = _compare_sizes(moments, uniform, "{inertia} {factor}× too {size}", digits=2)
         apart = format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))
     return {
         "link": link.name,
@@ -209,7 +219,7 @@ def _describe_fault(cause: str, detail: str, *, size: str, apart: str, is_certai
     if cause == "com_unit" and apart:
         return f"COM {apart} off"
     if cause in SIZE_CAUSES and size:
-        return f"inertia {size}"
+        return size
     faulty = "COM" if detail.startswith("com ") else FAULTY_NUMBERS.get(cause, "inertia")
     return f"{'wrong' if is_certain else 'suspect'} {faulty}"
 
@@ -258,11 +268,11 @@ def _describe_mismatch(
     differences = []
     of_tensor, of_com = mismatch
     apart = float(np.linalg.norm(numbers.com - drawn.solid.com))
-    if of_com > NOTABLE:
+    if of_com > NOTABLE and shows_com(of_com, drawn):
         differences.append(f"the COM is {format_length(apart)} off")
-    size = _compare_sizes(moments, uniform, " times", digits=3)
+    size = _compare_sizes(moments, uniform, "{moments} {factor} times too {size}", digits=3)
     if size:
-        differences.append(f"the moments of inertia are {size} for this mass at uniform density")
+        differences.append(f"{size} for this mass at uniform density")
     elif of_tensor > max(NOTABLE, _ROTATED * _measure_shape_mismatch(moments, uniform)):
         differences.append("the inertia tensor is about other axes")
     elif of_tensor > NOTABLE:
@@ -271,14 +281,22 @@ def _describe_mismatch(
     return " and ".join(differences) or "the inertial is only slightly off"
 
 
-def _compare_sizes(moments: Moments, uniform: Moments, times: str, *, digits: int) -> str:
-    """Say how much too large or too small principal moments (3,) are; nothing if they are ``SIMILAR`` in size."""
+def _compare_sizes(moments: Moments, uniform: Moments, template: str, *, digits: int) -> str:
+    """Say how much too large or too small principal moments (3,) are; nothing if they are ``SIMILAR`` in size. If they are wrong
+    by different factors, it is the one that is wrong most."""
     ratio = float(moments.sum() / uniform.sum())
     if 1 / SIMILAR < ratio < SIMILAR:
         return ""
-    factor = float(f"{max(ratio, 1 / ratio):.{digits}g}")
-    shown = f"{factor:,.0f}" if 100 <= factor < 1e6 else f"{factor:g}"
-    return f"{shown}{times} too {'large' if ratio > 1 else 'small'}"
+    is_large, exact = ratio > 1, max(ratio, 1 / ratio)
+    factors = moments / uniform if is_large else uniform / np.maximum(moments, 1e-300)
+    is_uneven = exact < _SAME_SIZE and float(factors.max()) > SIMILAR * float(factors.min())
+    factor = float(f"{float(factors.max()) if is_uneven else exact:.{digits}g}")
+    return template.format(
+        inertia="one moment" if is_uneven else "inertia",
+        moments="one moment of inertia is" if is_uneven else "the moments of inertia are",
+        factor=f"{factor:,.0f}" if 100 <= factor < 1e6 else f"{factor:g}",
+        size="large" if is_large else "small",
+    )
 
 
 def _measure_shape_mismatch(moments: Array, uniform: Array) -> float:

@@ -228,7 +228,7 @@ def _diagnose_link(
         return own
     # Whether the tensors of an assembly's parts were added shows only when its mesh is taken apart.
     explained = best.sound if best.com_mismatch > _NEAR_COM else best.tensor_mismatch < EXACT
-    is_habit = habit is not None and best.cause == habit.id
+    is_habit = habit is not None and habit.is_like(best.cause or "", best.detail)
     if explained or (best.cause is not None and (best.unique or is_habit)):
         return best
     parts = split_visual_bodies(model, link)

@@ -30,8 +30,12 @@ if TYPE_CHECKING:
 
 # A part of a rigid body that is lighter than this share of it hardly changes how the body moves.
 LIGHT = 0.05
-# Moments so many times too small are those of a part of a tenth of the size.
-TINY = 100.0
+# Moments so many times too small are those of a part of a seventh of the size.
+TINY = 50.0
+# Moments that differ by a third in sum are of one size; those of a simpler body are near up to a half.
+SIMILAR, NEAR = 1.33, 1.5
+# Bodies whose formula is typed for a part that has none.
+APPROXIMATIONS = frozenset({"bounding_box", "convex_hull", "one_piece", "shell"})
 # A correction that changes the tensor by less than this part of it, and the COM by less than this part of the drawn part, or by
 # less than these metres, is worth an info: a motor or a cover changes as much.
 SLIGHT, SLIGHT_LENGTH = 0.05, 5e-3
@@ -113,8 +117,30 @@ def is_vast(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
     return float(np.trace(declared.tensor)) >= VAST * float(np.trace(compute_solid_inertia(drawn.solid, declared.mass)))
 
 
+def is_approximation(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the tensor is that of a simpler body in place of the drawn part (`APPROXIMATIONS`), and no moment is far off.
+
+    Such a formula is meant to be near.
+    """
+    drawn = measure_link_geometry(model, link)
+    if drawn is None or judged.diagnosis.cause not in APPROXIMATIONS or not judged.diagnosis.fits_geometry:
+        return False
+    uniform = np.linalg.eigvalsh(compute_solid_inertia(drawn.solid, judged.declared.mass))
+    moments = np.linalg.eigvalsh(judged.declared.tensor)
+    return bool((moments < NEAR * uniform).all() and (uniform < NEAR * moments).all())
+
+
+def is_hull_enough(model: Model, link: Link, judged: DiagnosedInertial, *, far: float) -> bool:
+    """Whether what is drawn shows that numbers without a cause are wrong. The hull of an open mesh is only the most that the part
+    can fill: smaller moments are possible, except for those of a part of a seventh of its size, and any COM inside."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None:
+        return False
+    return drawn.closed or judged.diagnosis.com_mismatch > far or is_tiny(model, link, judged)
+
+
 def is_tiny(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
-    """Whether the moments are so small that the mass would be in a tenth of the drawn part's size."""
+    """Whether the moments are so small that the mass would be in a seventh of the drawn part's size."""
     drawn = measure_link_geometry(model, link)
     if drawn is None:
         return False

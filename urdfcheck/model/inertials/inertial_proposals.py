@@ -43,8 +43,8 @@ if TYPE_CHECKING:
 _UNDECIDED_CAUSES = frozenset(
     {"other_mass", "one_piece", "shell", "bounding_box", "convex_hull", "com_missing", "mesh_scale"}
 )
-# Units of mass and tensor: all links of a file have the same.
-_UNIT_CAUSES = frozenset({"inertia_unit", "mass_unit", "units"})
+# Units: all links of a file have the same.
+_UNIT_CAUSES = frozenset({"inertia_unit", "mass_unit", "com_unit", "units"})
 # The undone mistake must leave no more than this part of the mismatch, and no more than lumps of a third of the mass make.
 _REMAINING, LARGEST_SOUND_MISMATCH = 0.3, 0.75
 # A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size.
@@ -244,6 +244,8 @@ def _compute_drawn_tensor(model: Model, declared: DeclaredTensor) -> Mat3 | None
 def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialProposal:
     """Propose other signs of products; as an edit only if the drawn part shows which."""
     claim = "with the other sign of {detail} the tensor is possible"
+    if slip.id == "products_sign" and _may_be_about_origin(model, link, slip):
+        return replace(_propose_slip(link, slip, claim), edits=(), cause=None)
     if slip.residual is None:
         proposal = _propose_slip(link, slip, claim)
         return replace(proposal, edits=(), remedy=f"compare the signs with the CAD program's: {proposal.remedy}")
@@ -253,6 +255,26 @@ def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialPropos
     text = None if link.inertial is None else link.inertial.element.span
     is_certain = slip.residual[1] < _NEAR_PRODUCTS and len(_links_by_inertial_text(model)[text]) == 1
     return proposal if is_certain else replace(proposal, edits=())
+
+
+def _may_be_about_origin(model: Model, link: Link, slip: TensorSlip) -> bool:
+    """Whether the tensor may as well be one of positive notation: also about the link's origin, as CAD programs print it.
+
+    Where the drawn part is known, it has to be nearer to that.
+    """
+    inertial = link.inertial
+    matrix = None if inertial is None else inertial.origin.matrix
+    if inertial is None or inertial.mass is None or matrix is None or slip.components is None:
+        return False
+    flipped, lever = build_inertia_tensor(slip.components), matrix[:3, :3].T @ matrix[:3, 3]
+    shift = inertial.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+    if float(np.linalg.norm(shift)) < SMALL_EXCESS * float(np.linalg.norm(flipped)):
+        return False
+    possible = check_inertia_validity(flipped - shift, TRIANGLE_SLACK)
+    if not (possible.positive_definite and possible.triangle_inequality):
+        return False
+    drawn = _compute_drawn_tensor(model, model.tensor_by_name[link.name])
+    return drawn is None or float(np.linalg.norm(flipped - shift - drawn)) < float(np.linalg.norm(flipped - drawn))
 
 
 def _propose_slip(link: Link, slip: TensorSlip, claim: str) -> InertialProposal:
@@ -313,6 +335,7 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
         and _has_same_mistake(model, inertial.element.span)
         and not _contradicts_twins(model, diagnosed)
         and not _is_lone_unit(model, diagnosed)
+        and not _is_of_either_side(model, link, diagnosed)
     )
     return change if is_certain else replace(change, edits=())
 
@@ -419,6 +442,18 @@ def _is_lone_unit(model: Model, diagnosed: DiagnosedInertial) -> bool:
         if one.diagnosis.cause == diagnosis.cause
     }
     return len(numbers) > len(with_unit) == 1
+
+
+def _is_of_either_side(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
+    """Whether a decimal point may also have slipped in the twin: the numbers that the twin has are not sound for the drawing,
+    so that it does not say which side is right."""
+    from urdfcheck.facts.inertials.diagnosis import diagnose_inertial  # heavy, and needed for wrong inertials only
+
+    diagnosis, drawn = diagnosed.diagnosis, measure_link_geometry(model, link)
+    if diagnosis.judged_by != "twin" or diagnosis.cause != "decimal_point" or diagnosis.mended is None:
+        return False
+    of_twin = None if drawn is None else diagnose_inertial(diagnosis.mended, drawn)
+    return of_twin is None or not of_twin.sound
 
 
 def _contradicts_twins(model: Model, diagnosed: DiagnosedInertial) -> bool:

@@ -17,14 +17,16 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_mass_covariance,
     list_inertia_components,
 )
-from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
+from urdfcheck.facts.inertials.inertial_fit import compute_whitening, measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.inertials.twin_slips import find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     find_wrong_signs,
     measure_deviation,
     measure_principal_deviation,
 )
+from urdfcheck.facts.likeness.symmetry import is_axis_renaming
 from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_inertial, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_elsewhere, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
@@ -49,6 +51,9 @@ PRODUCTS = ("ixy", "ixz", "iyz")
 COPIED = 0.005
 # The mesh of one side decides unless the twin's COM or tensor fits it worse by this much.
 WORSE_FIT = 0.1
+# Two COMs are far apart beyond this share of the drawn part's radius of gyration; of the way between them, the drawn part's is at
+# the first quarter: three times as near to one as to the other.
+_FAR_COM, _NEAR_IMAGE = 0.3, 0.25
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -85,19 +90,28 @@ def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] |
     )
 
 
-def fit_own_drawings_alike(model: Model, one: Link, other: Link, *, threshold: float) -> bool:
-    """Whether the inertials of two links relate alike to what each link draws, in density and in all principal second moments:
-    then the parts differ, and no number is wrong. ``threshold``: as a share of a mass or a length.
+def fit_own_drawings_alike(
+    model: Model, one: Link, other: Link, *, threshold: float, com_threshold: float = math.inf
+) -> bool:
+    """Whether the inertials of two links relate alike to what each link draws, in density and in all second moments: then the
+    parts differ as they are drawn, and no number is wrong. ``threshold``: as a share of a mass or a length.
+
+    The second moments are compared along the axes in which declared and drawn ones differ most: a product of inertia with the
+    wrong sign makes a difference on its side only. ``com_threshold``: how near the COM of each is to that of its drawing, in
+    radii of gyration.
     """
     related = []
     for link in (one, other):
         declared, drawn = read_declared_inertial(link), measure_link_geometry(model, link)
         if declared is None or drawn is None or not drawn.solid.volume > 0.0:
             return False
-        variances = np.linalg.eigvalsh(drawn.solid.covariance)
-        if not variances[0] > 0.0:
+        covariance = drawn.solid.covariance
+        if not np.linalg.eigvalsh(covariance)[0] > 0.0:
             return False
-        spread = np.linalg.eigvalsh(compute_mass_covariance(declared.inertia, declared.mass)) / variances
+        white = compute_whitening(covariance)
+        if float(np.linalg.norm(white @ (declared.com - drawn.solid.com))) > com_threshold:
+            return False
+        spread = np.linalg.eigvalsh(white @ compute_mass_covariance(declared.inertia, declared.mass) @ white)
         # A variance is the square of a length.
         related.append(np.array([declared.mass / drawn.solid.volume, *np.sqrt(np.maximum(spread, 0.0))]))
     return bool((np.abs(related[0] - related[1]) <= threshold * np.maximum(*related)).all())
@@ -158,6 +172,8 @@ def find_wrong_side(
     if not other and len(one) >= VOTES:
         return both[1], one
     suspects = [side for side in both if _is_misfit(model, side)]
+    if not suspects:
+        suspects = [side for side in both if _has_com_on_the_other_side(model, pair, side, threshold=threshold)]
     return (suspects[0], ()) if len(suspects) == 1 else None
 
 
@@ -175,20 +191,38 @@ def _is_misfit(model: Model, side: PairSide) -> bool:
     return all(twin_fit <= own_fit + WORSE_FIT for own_fit, twin_fit in zip(*fits, strict=True))
 
 
+def _has_com_on_the_other_side(model: Model, pair: MirrorPair, side: PairSide, *, threshold: float) -> bool:
+    """Whether the COM of the side's drawing is near that of the twin's image, in the direction in which the side's own is far:
+    its COM is wrong, and the tensor that was copied with it."""
+    drawn, deviation = measure_link_geometry(model, side.link), side.deviation
+    is_whole = deviation.spread <= threshold or find_cause(pair, side, threshold) == "copied"
+    if drawn is None or deviation.mass > threshold or deviation.com_offset <= threshold or not is_whole:
+        return False
+    away = side.actual.com - side.expected.com
+    is_far = float(np.linalg.norm(compute_whitening(drawn.solid.covariance) @ away)) > _FAR_COM
+    # 0 at the twin's image, 1 at the side's own COM.
+    place = float((drawn.solid.com - side.expected.com) @ away) / float(away @ away)
+    return is_far and -1.0 < place < _NEAR_IMAGE
+
+
 def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None:
     """Find why two inertials are not related as the drawings are; None where nothing explains all differences.
 
     ``copied`` or ``mirrored`` where the drawings were not; ``products_sign`` where the numbers are right but for the signs
-    of all products; ``signs`` for other signs.
+    of all products; ``signs`` for other signs, in frames whose axes are mirror images: only there a mirror changes signs;
+    ``decimal`` where masses differ by a power of ten, alone or as the tensors do.
     """
     if side.deviation.mass > threshold:
-        return None
+        slip = find_slip_between_twins(side.actual, side.expected)
+        return "decimal" if slip is not None and slip.is_either else None
     if any(_is_derived_from(side, copy, threshold) for copy in side.disallowed):
         return "copied"
     if pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
         return "mirrored"
     signs = find_wrong_signs(side.actual, side.expected, threshold)
-    return "products_sign" if signs == PRODUCTS else "signs" if signs else None
+    if signs == PRODUCTS:
+        return "products_sign"
+    return "signs" if signs and is_axis_renaming(pair.linear) else None
 
 
 def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] | None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 # What a program gets wrong in all links of a model alike.
 UNIT_CAUSES = frozenset({"com_unit", "mass_unit", "inertia_unit"})
-_OF_ALL_LINKS = UNIT_CAUSES | {"units"}
+_OF_ALL_LINKS = UNIT_CAUSES | {"units", "decimal_point"}
 # Two fifths of the mass in a motor make a tensor differ by less from that of the drawn part (a share of its norm).
 _LUMPED = 0.4
 # The tensor that is left may differ by this share from the drawn part's where a mistake of the whole file is edited.

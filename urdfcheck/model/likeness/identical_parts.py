@@ -16,12 +16,12 @@ from urdfcheck.facts.likeness.mirror import InertialDeviation, PartOutline, meas
 from urdfcheck.facts.likeness.revolution import find_revolution_axis
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
 from urdfcheck.model.fact import fact
-from urdfcheck.model.ground.wheels import NOT_DRIVEN_NAME
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial, turn_inertial
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.wheel_names import NOT_DRIVEN_NAME
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -62,6 +62,10 @@ class CopyComparison:
     """How far it is from that."""
     by: tuple[Link, ...]
     """The links that agree on it."""
+    is_image: bool = False
+    """Whether ``expected`` is an image under a symmetry of the part: then its numbers are in none of the links, and only as exact
+    as the drawn part's centre and axes.
+    """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,7 +127,7 @@ def find_odd_copies(model: Model, threshold: float = NOTABLE_SHARE) -> tuple[Cop
         odd = [i for i in range(len(group)) if i not in majority]
         if odd and len(odd) <= max(1, len(group) // 4):
             by = tuple(group[i].link for i in majority)
-            odd_copies += [replace(members.compare_members(i, majority[0]), by=by) for i in odd]
+            odd_copies += [replace(members.expect_typed_numbers(i, majority[0]), by=by) for i in odd]
     return tuple(odd_copies)
 
 
@@ -140,7 +144,7 @@ def find_differing_pairs(
     for group in part_copies(model):
         if len(group) == 2 and frozenset(copy.link.name for copy in group) not in excluded:
             members = _GroupComparison(model, group, threshold)
-            both = members.compare_members(0, 1), members.compare_members(1, 0)
+            both = members.expect_typed_numbers(0, 1), members.expect_typed_numbers(1, 0)
             if all(
                 threshold < opinion.deviation.worst < math.inf for opinion in both
             ):  # infinite where one is not a possible body
@@ -201,24 +205,42 @@ class _GroupComparison:
     def compare_members(self, index: int, by: int) -> CopyComparison:
         """Compare the inertial of one member with what that of another says it should be."""
         member, other = self._group[index], self._group[by]
+        as_drawn = self._compare_as_drawn(index, by)
+        if as_drawn.deviation.worst <= self._threshold:  # symmetries cost time, and most groups agree without
+            return as_drawn
+        images = (
+            (_measure_beyond_rounding(member, other, image), image)
+            for image in self._generate_images(index, _transform_to_copy(other, member))
+        )
+        # The image that leaves the fewest quantities to differ; the part as it is drawn when that is as good.
+        deviation, expected = min(images, key=lambda choice: self._count_differences(choice[0]), default=(None, None))
+        if (
+            deviation is None
+            or expected is None
+            or self._count_differences(deviation) >= self._count_differences(as_drawn.deviation)
+        ):
+            return as_drawn
+        expected = _rotate_to_axes_of(member.numbers, expected)
+        return replace(as_drawn, expected=expected, deviation=deviation, is_image=True)
+
+    def expect_typed_numbers(self, index: int, by: int) -> CopyComparison:
+        """Compare as `compare_members`, but those that draw the part in one place and differ expect each other's own numbers."""
+        comparison = self.compare_members(index, by)
+        member, other = self._group[index], self._group[by]
+        in_one_place = np.allclose(member.linear, other.linear, atol=1e-9) and np.allclose(
+            member.shift, other.shift, atol=1e-9
+        )
+        is_odd = comparison.is_image and comparison.deviation.worst > self._threshold
+        return self._compare_as_drawn(index, by) if is_odd and in_one_place else comparison
+
+    def _compare_as_drawn(self, index: int, by: int) -> CopyComparison:
+        member, other = self._group[index], self._group[by]
         expected = _transform_to_copy(other, member)
-        deviation = _measure_beyond_rounding(member, other, expected)
-        if deviation.worst > self._threshold:  # symmetries cost time, and most groups agree without
-            as_drawn = (deviation, expected)
-            images = (
-                (_measure_beyond_rounding(member, other, image), image)
-                for image in self._generate_images(index, expected)
-            )
-            # The image that leaves the fewest quantities to differ; the part as it is drawn when that is as good.
-            deviation, expected = min(
-                [as_drawn, *images],
-                key=lambda choice: (self._count_differences(choice[0]), choice[1] is not as_drawn[1]),
-            )
         return CopyComparison(
             link=member.link,
             actual=member.numbers,
             expected=_rotate_to_axes_of(member.numbers, expected),
-            deviation=deviation,
+            deviation=_measure_beyond_rounding(member, other, expected),
             by=(other.link,),
         )
 

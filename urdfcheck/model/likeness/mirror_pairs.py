@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.likeness.mirror import MirrorPlane, find_mirror_plane, measure_outline_mismatch
+from urdfcheck.facts.likeness.mirror import MirrorPlane, PartOutline, find_mirror_plane, measure_outline_mismatch
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.shape_comparison import (
     ALIKE,
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 PLACE, PLACE_SHARE = 1e-3, 2e-3
 # The normals of planes that are tried first: left and right, front and back, above and below.
 NORMALS = tuple(np.eye(3)[[1, 0, 2]])
+# Of two ways to bring a part to the other side, both within the tolerance, one is proven by a mismatch so many times smaller.
+_MUCH_BETTER = 3.0
 # More joints of one kind than this that no name distinguishes are a chain or a ring, without left and right.
 _MOST_ALIKE = 32
 
@@ -207,6 +209,8 @@ def _make_pair(model: Model, plane: MirrorPlane, names: tuple[str, str], *, agre
             CopyTransform(turn, move, measure_outline_mismatch(one, other, linear=turn, shift=move))
             for turn, move in propose_motions(model, *names)
         )
+        if mirror_mismatch < ALIKE:
+            copies += _find_better_turns(one, other, linear, mirror_mismatch=mirror_mismatch)
     first, second = (frozenset((name, *(joint.child for joint in model.tree.find_path_to(name)))) for name in names)
     return MirrorPair(
         one=names[0],
@@ -222,6 +226,19 @@ def _make_pair(model: Model, plane: MirrorPlane, names: tuple[str, str], *, agre
         is_named=named,
         ancestry=(first, second),
     )
+
+
+def _find_better_turns(
+    one: PartOutline, other: PartOutline, linear: Array, *, mirror_mismatch: float
+) -> tuple[CopyTransform, ...]:
+    """Find the half turn that carries what one link draws onto what the other draws, in frames at one point of the part, much
+    better than the mirror does: a part that is nearly its own mirror image may be on the other side by a half turn."""
+    turns = [linear @ np.diag(signs) for signs in 1.0 - 2.0 * np.eye(3)]
+    copies = [
+        CopyTransform(t, np.zeros(3), measure_outline_mismatch(one, other, linear=t, shift=np.zeros(3))) for t in turns
+    ]
+    best = min(copies, key=lambda copy: copy.mismatch)
+    return (best,) if best.mismatch < mirror_mismatch / _MUCH_BETTER else ()
 
 
 def _pair_by_geometry(model: Model, names: Sequence[str]) -> list[MirrorPair]:

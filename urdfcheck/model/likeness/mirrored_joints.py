@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 VOTES = 2
 # Angles that 1.57 for π/2 leaves add up to 0.2°; beyond 10° the joint is arranged otherwise.
 STRAIGHT, ARRANGED = math.radians(0.25), math.radians(10)
+# A tilt that the next joints take back is reported from here on.
+_SLIGHT_TILT = math.radians(1)
 # A joint is out of place beyond a careful hand measurement, and arranged otherwise beyond this share of the sides' distance.
 PLACE, APART = 1e-3, 0.25
 # Limits that were typed alike agree to within the digits of a conversion.
@@ -176,6 +178,8 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
     sides = float(np.linalg.norm(model.frames[pair.one][:3, 3] - model.frames[pair.other][:3, 3]))
     displaced_by = distance if PLACE < distance < APART * sides else 0.0
     is_slip = STRAIGHT < angle < ARRANGED or (angle > ARRANGED and _is_renamed(pair, joints))
+    if is_slip and angle < _SLIGHT_TILT and _is_turn_taken_back(pair, known_pairs):
+        is_slip = False
     tilted_by = angle if distance <= PLACE and is_slip else 0.0
     above = (p for p in known_pairs if p is not pair and pair.is_attached_to(p))
     if not (displaced_by or tilted_by) or not all(_is_mirrored_in_pose(p) for p in above):
@@ -217,6 +221,17 @@ def are_children_mirrored(model: Model, pair: MirrorPair, known_pairs: Sequence[
     # An offset along parallel axes is a choice in each of them, but only a frame that is in place takes it back.
     in_place = any(one.is_in_place for one in below)
     return in_place and all(measure_axis_offset(model, one) <= PLACE for one in nearest)
+
+
+def _is_turn_taken_back(pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> bool:
+    """Whether the frames of a pair are rotated relative to each other, and the next pairs behind it turn back.
+
+    Two angles that were typed to fit each other, as those of a CAD assembly, are not a slip.
+    """
+    below = [known for known in known_pairs if known is not pair and known.is_attached_to(pair)]
+    nearest = [one for one in below if not any(one is not other and one.is_attached_to(other) for other in below)]
+    is_back = all(_is_axis_aligned(one.linear) and one.is_in_place for one in nearest)
+    return bool(nearest) and is_back and not _is_axis_aligned(pair.linear)
 
 
 def _is_renamed(pair: MirrorPair, joints: tuple[Joint, Joint]) -> bool:

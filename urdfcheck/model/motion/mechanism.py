@@ -19,9 +19,10 @@ from urdfcheck.facts.motion.simulation import (
     compute_lowest_height,
 )
 from urdfcheck.model.motion import poses
+from urdfcheck.model.motion.fixed_base import explain_fixed_base
 from urdfcheck.model.motion.joint_loads import read_damping
-from urdfcheck.model.parts import GROUND_NAMES, MOVING_TYPES, Joint, Link, Shape
-from urdfcheck.model.rigid_bodies import compute_body_inertia, compute_body_mass, is_point_mass, list_rigid_bodies
+from urdfcheck.model.parts import MOVING_TYPES, Joint, Link, Shape
+from urdfcheck.model.rigid_bodies import compute_body_inertia, is_point_mass, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
@@ -31,6 +32,8 @@ from urdfcheck.source.text.values import read_attribute_number
 MOST_SHAPES = 2_000
 # A flat mesh becomes a plate that extends this far (m) to either side.
 _THIN = 1e-4
+# Nothing whose size is known is smaller (m).
+_SMALLEST = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -48,14 +51,18 @@ class StandingRobot:
     """Why the root cannot move; empty if it can."""
     uses_visuals: bool
     """Whether the geoms are what the robot draws, because it has no collision shapes."""
+    unread: tuple[str, ...]
+    """The links of which a shape could not be read and is left out; only where the root cannot move."""
     ground: float
-    """Metres: the lowest point in the root's frame."""
+    """Metres: the lowest point in the root's frame; of the frames of links where there is no geom."""
     size: float
-    """Metres: the diagonal of the box around the geoms."""
+    """Metres: the diagonal of the box around the geoms, or around the frames of links."""
 
 
 def build_standing_robot(model: Model) -> StandingRobot:
     """Build the robot at its neutral pose (every joint at zero, or at the limit nearest to it).
+
+    A robot whose base is fixed needs no ground: shapes that cannot be read are left out, unless a body is loose.
 
     :raises FactUnavailableError: when the tree is broken, a body that moves has no mass or no inertia, a shape is not
         known, or the robot is too large.
@@ -64,16 +71,18 @@ def build_standing_robot(model: Model) -> StandingRobot:
     neutral = poses.make_neutral_configuration(model)
     poses.ensure_few_joints(neutral.joints)
     frames = {name: frame[0] for name, frame in poses.compute_frames(model, neutral).items()}
-    fixed_reason = _explain_fixed_root(model)
+    fixed_reason = explain_fixed_base(model)
     bodies = [body for body in list_rigid_bodies(model) if body.is_movable or not fixed_reason]
     if not bodies or (fixed_reason and not any(body.is_movable for body in bodies)):
         raise FactUnavailableError("nothing of the robot can move")
     heads = tuple(body.links[0] for body in bodies)
     member = {name: index for index, body in enumerate(bodies) for name in body.links}
     joints = tuple(tree.parent_joint.get(head) for head in heads)
-    shapes, uses_visuals = _collect_contact_shapes(model)
+    is_held = bool(fixed_reason) and all(joint is None or joint.type != "floating" for joint in joints)
+    shapes, unread, uses_visuals = _collect_contact_shapes(model, is_held=is_held)
     geoms = tuple(_make_geom(model, link, shape, member=member, heads=heads) for link, shape in shapes)
     placements = [frames[heads[geom.body]] if geom.body >= 0 else np.eye(4) for geom in geoms]
+    low, high = _compute_extent(geoms, placements) if geoms else _compute_frame_extent(frames)
     values = neutral.to_values_by_name(0)
     return StandingRobot(
         mechanism=Mechanism(
@@ -87,21 +96,10 @@ def build_standing_robot(model: Model) -> StandingRobot:
         links=tuple(link.name for link, _ in shapes),
         fixed_reason=fixed_reason,
         uses_visuals=uses_visuals,
-        ground=min(compute_lowest_height(geom, at) for geom, at in zip(geoms, placements, strict=True)),
-        size=_compute_diagonal(geoms, placements),
+        unread=unread,
+        ground=float(low[2]),
+        size=float(np.linalg.norm(high - low)),
     )
-
-
-def _explain_fixed_root(model: Model) -> str:
-    root = model.tree.root
-    if root in GROUND_NAMES:
-        return f"its root is {root}"
-    mass = compute_body_mass(model, model.tree.list_body_links(root))
-    if mass is None:
-        raise FactUnavailableError(f"the mass of link {root!r} is not known (XML005, XML007)")
-    if mass < 0:
-        raise FactUnavailableError(f"the mass of link {root!r} is negative (INR002)")
-    return "" if mass > 0 else f"its root {root} has no mass"
 
 
 def _make_body(
@@ -195,25 +193,30 @@ def _list_followers(joints: Sequence[Joint | None]) -> Iterator[Follower]:
             yield Follower(body=index, leader=leader, multiplier=factor, offset=offset or 0.0)
 
 
-def _collect_contact_shapes(model: Model) -> tuple[list[tuple[Link, Shape]], bool]:
-    """Collect what touches the plane, and whether that is what is drawn, for lack of any collision shape."""
+def _collect_contact_shapes(model: Model, *, is_held: bool) -> tuple[list[tuple[Link, Shape]], tuple[str, ...], bool]:
+    """Collect what touches the plane, the links of shapes that are left out, and whether it is what is drawn.
+
+    What is drawn touches where nothing collides. A robot ``is_held`` where nothing of it can fall out of the world.
+    """
     links = [model.link_by_name[name] for name in model.tree.order]
     shapes = [(link, shape) for link in links for shape in link.collisions]
     uses_visuals = not shapes
     if uses_visuals:
         shapes = [(link, shape) for link in links for shape in link.visuals if not is_dummy_shape(shape)]
-    if not shapes:
+    if not shapes and not is_held:
         raise FactUnavailableError("the robot has no shape that could touch the ground")
     if len(shapes) > MOST_SHAPES:
         raise FactUnavailableError(
             f"{len(shapes):,} shapes may touch the ground, and {MOST_SHAPES:,} are simulated at most"
         )
-    for link, shape in shapes:
-        if not is_usable_shape(model, shape):
-            raise FactUnavailableError(
-                f"a {shape.role} shape of link {link.name!r} could not be read, and nothing else would hold it up"
-            )
-    return shapes, uses_visuals
+    usable = [(link, shape) for link, shape in shapes if is_usable_shape(model, shape)]
+    unread = tuple(dict.fromkeys(link.name for link, shape in shapes if (link, shape) not in usable))
+    if unread and not is_held:
+        role = shapes[0][1].role
+        raise FactUnavailableError(
+            f"a {role} shape of link {unread[0]!r} could not be read, and nothing else would hold it up"
+        )
+    return usable, unread, uses_visuals and bool(usable)
 
 
 def _compute_hull_points(model: Model, shape: Shape) -> Array | None:
@@ -229,14 +232,18 @@ def _compute_hull_points(model: Model, shape: Shape) -> Array | None:
     return np.array(list(product(*zip(low, high, strict=True))))
 
 
-def _compute_diagonal(geoms: Sequence[Geom], where: Sequence[Array]) -> float:
-    """Compute the diagonal (m) of the box around the geoms."""
-    sides = []
-    for axis in np.eye(3):
-        ends = []
-        for toward in (axis, -axis):
-            turned = np.eye(4)
-            turned[2, :3] = toward
-            ends.append(min(compute_lowest_height(geom, turned @ at) for geom, at in zip(geoms, where, strict=True)))
-        sides.append(-sum(ends))
-    return float(np.linalg.norm(sides))
+def _compute_extent(geoms: Sequence[Geom], where: Sequence[Array]) -> tuple[Array, Array]:
+    """Compute the least and the greatest corner (m) of the box around the geoms."""
+    ends = []
+    for toward in (*np.eye(3), *-np.eye(3)):
+        turned = np.eye(4)
+        turned[2, :3] = toward
+        ends.append(min(compute_lowest_height(geom, turned @ at) for geom, at in zip(geoms, where, strict=True)))
+    return np.array(ends[:3]), -np.array(ends[3:])
+
+
+def _compute_frame_extent(frames: Mapping[str, Array]) -> tuple[Array, Array]:
+    """Compute the least and the greatest corner (m) of the box around the origins of frames."""
+    origins = np.array([frame[:3, 3] for frame in frames.values()])
+    low, high = origins.min(axis=0), origins.max(axis=0)
+    return low, np.maximum(high, low + _SMALLEST)

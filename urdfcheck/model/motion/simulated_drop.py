@@ -56,6 +56,8 @@ def _simulate_drop(robot: StandingRobot, simulation: Simulation) -> DropTest:
         simulator=f"MuJoCo {simulation.version}",
         fixed=robot.fixed_reason,
         drawn=robot.uses_visuals,
+        unread=robot.unread,
+        shapes=len(robot.links),
         ground=robot.ground,
         size=robot.size,
         mass=simulation.weight / GRAVITY,

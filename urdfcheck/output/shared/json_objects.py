@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-from urdfcheck.core import Finding, Fix, ModelInfo, SkippedCheck, Span
+from urdfcheck.core import EngineAnswer, Finding, Fix, ModelInfo, SkippedCheck, Span
 from urdfcheck.core.drop_test import SECONDS, STEP, DropTest
 from urdfcheck.output.shared.verdict.not_checked import build_command, explain_unchecked, is_accepted
 
@@ -138,6 +138,17 @@ def to_json_value(value: Any) -> Any:
     if value is None or isinstance(value, (bool, int, str)):
         return value
     return str(value)
+
+
+def build_answer_object(answer: EngineAnswer) -> dict[str, Any]:
+    """Build the schema's object of what an engine did."""
+    return {
+        "model": answer.model,
+        "engine": answer.engine,
+        "version": answer.version,
+        "verdict": None if answer.verdict is None else str(answer.verdict),
+        "reasons": list(answer.reasons),
+    }
 
 
 def build_drop_test_object(drop_test: DropTest) -> dict[str, Any]:

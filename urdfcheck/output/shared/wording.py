@@ -22,6 +22,7 @@ PROGRAM_NAMES = {
     "kdl": "KDL",
     "moveit": "MoveIt",
     "mujoco": "MuJoCo",
+    "newton": "Newton",
     "pinocchio": "Pinocchio",
     "ros": "ROS",
     "rviz": "RViz",

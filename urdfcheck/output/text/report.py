@@ -12,6 +12,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line, find_ci_command
 from urdfcheck.output.shared.rule_statistics import count_by_rule, format_table
 from urdfcheck.output.shared.verdict.effects import ToldEffects
+from urdfcheck.output.shared.verdict.engine_answers import describe_answers
 from urdfcheck.output.shared.verdict.not_checked import (
     ACCEPTING_KEY,
     ACCEPTING_OPTION,
@@ -106,6 +107,8 @@ def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> 
         yield from iter_found_arguments(run, width)
         yield from iter_skipped(run, width, is_full=detail is DetailLevel.FULL)
         yield from iter_recap(run, width)
+        for sentence in describe_answers(run):
+            yield from wrap_text(Text(escape_invisible(sentence), "dim"), width)
     yield from _iter_failures(run, width)
     yield from _iter_not_checked(run, width)
     fixable = describe_fixable(run)

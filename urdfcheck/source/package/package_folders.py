@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
+from urdfcheck.source.package.file_kinds import is_model
 from urdfcheck.system.files import read_regular, record_reads
 
 # How many folders of one folder are looked into.
@@ -15,6 +16,8 @@ MAX_SIBLINGS = 2_000
 BUILD_FOLDERS = frozenset({"build", "install", "log"})
 # Files that tell colcon and catkin to leave out a folder with all below it.
 IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
+# Packages that are left out are searched for so many levels below the marked folder.
+_LEVELS_LEFT_OUT = 4
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 # The folders of each package, by its name.
 PackagesByName = Mapping[str, Sequence[Path]]
@@ -69,6 +72,35 @@ def find_nearest_folder(folders: Sequence[Path], start: Path) -> Path:
         return next((n for n, (a, b) in enumerate(zip(folder.parts, parts, strict=False)) if a != b), len(parts))
 
     return max(folders, key=count_common)
+
+
+def list_left_out_packages(folder: Path, allows: Callable[[Path], bool]) -> Iterator[tuple[Path, str]]:
+    """Yield the packages with models in a marked folder, or the folder if it has models and no package; each with the name of
+    the mark.
+
+    ``allows``: whether a link may be followed.
+    """
+    if os.path.islink(folder) and not allows(folder):
+        return
+    mark = min((name for name in IGNORE_MARKS if os.path.lexists(folder / name)), default="")
+    packages = [path for _, path in walk_packages(folder, _LEVELS_LEFT_OUT, allows, most=MAX_SIBLINGS)]
+    for place in packages or [folder]:
+        if _has_models(place):
+            yield place, mark
+
+
+def _has_models(folder: Path) -> bool:
+    """Whether a file in a folder or below is named like a model; links are not followed."""
+    below, left = [folder], MAX_SIBLINGS
+    while below and left:
+        here, left = below.pop(), left - 1
+        try:
+            if any(is_model(Path(name)) for name in os.listdir(here)):
+                return True
+        except OSError:
+            continue
+        below += [inner for inner in list_subfolders(here) if not inner.is_symlink()]
+    return False
 
 
 def _list_folder(path: Path) -> tuple[bool, list[Path]]:

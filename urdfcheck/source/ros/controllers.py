@@ -27,6 +27,7 @@ JOINT_PARAMETERS = (
     *("left_wheel", "right_wheel", "left_wheel_names", "right_wheel_names"),
     *("front_wheels_names", "rear_wheels_names", "traction_joints_names", "steering_joints_names"),
     *("traction_joint_name", "steering_joint_name"),
+    *(f"{end}_{side}_wheel_command_joint_name" for end in ("front", "rear") for side in ("left", "right")),
 )
 MAX_FILES = 100
 _LARGEST_LAUNCH = 1_000_000

@@ -4,6 +4,7 @@ collisions."""
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -27,6 +28,7 @@ LEVELS_DOWN = 3
 # The file in which the MoveIt Setup Assistant keeps what it was told.
 SETUP_FILE = ".setup_assistant"
 MAX_FOLDERS = 200
+_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -217,7 +219,7 @@ def load_srdf(
         return None
     try:
         file = SourceFile.read(path, name)
-        tree = parse_xml(file)
+        tree = parse_xml(file) if is_xacro(path) else _parse_srdf(file)
     except (OSError, XmlError):
         return None
     if tree.tag != "robot" or ("$" not in tree.get("name") and tree.get("name").strip() != robot):
@@ -236,6 +238,24 @@ def load_srdf(
     if root is None or root.get("name").strip() != robot:
         return None
     return Srdf(path, name, root=root, files=files)
+
+
+def _parse_srdf(file: SourceFile) -> Element:
+    """Parse as MoveIt's tinyxml2 does, which ends a comment at ``-->`` whatever hyphens are in it (``--!>``).
+
+    :raises XmlError: if the text is malformed otherwise.
+    """
+    try:
+        return parse_xml(file)
+    except XmlError as error:
+        if not error.data.get("forgiven"):
+            raise
+    # Of the same length: all places stay.
+    lenient = _COMMENT.sub(lambda match: f"<!--{match[1].replace('-', '=')}-->", file.text)
+    copy = SourceFile(file.path, file.name, lenient, encoding=file.encoding, declared=file.declared)
+    tree = parse_xml(copy)
+    file.comments[:] = copy.comments
+    return tree
 
 
 def find_broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | None]]:

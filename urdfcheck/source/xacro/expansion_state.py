@@ -13,7 +13,7 @@ from xml.dom import minidom
 from urdfcheck.core import Location, Span
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Definition, XmlError, flatten_definitions
-from urdfcheck.source.xacro.expressions import ExpressionRefusedError
+from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError
 from urdfcheck.source.xacro.origins import get_origin
 
 CYCLE = "include cycle"

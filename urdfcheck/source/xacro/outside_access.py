@@ -22,7 +22,7 @@ from urdfcheck.source.xacro.expansion_state import (
     UnknownPackageError,
     YamlFileError,
 )
-from urdfcheck.source.xacro.expressions import ExpressionRefusedError
+from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError
 from urdfcheck.source.xacro.origins import OutputDefect, attach_origins
 
 # Stands for the order in which sets are gone through, which is random unless this variable is set.

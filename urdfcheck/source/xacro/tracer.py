@@ -18,8 +18,12 @@ from xml.dom import minidom
 from urdfcheck.core import Location, Span
 from urdfcheck.source.text.xml import Attribute, Definition
 from urdfcheck.source.xacro.expansion_state import CYCLE, ActiveCall, ExpansionTrace
-from urdfcheck.source.xacro.expressions import FORBIDDEN_BUILTINS, ExpressionRefusedError, compile_expression
-from urdfcheck.source.xacro.guards import Guards
+from urdfcheck.source.xacro.expressions.compile_expression import (
+    FORBIDDEN_BUILTINS,
+    ExpressionRefusedError,
+    compile_expression,
+)
+from urdfcheck.source.xacro.expressions.guards import Guards
 from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 from urdfcheck.source.xacro.origins import get_origin
 from urdfcheck.source.xacro.outside_access import FileAccess

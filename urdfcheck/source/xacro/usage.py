@@ -10,7 +10,7 @@ from urdfcheck.core import Span
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.xml import Attribute, Element
-from urdfcheck.source.xacro.expressions import find_names
+from urdfcheck.source.xacro.expressions.compile_expression import find_names
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
 from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 

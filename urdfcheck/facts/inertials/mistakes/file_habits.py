@@ -33,6 +33,12 @@ Key = tuple[str, str]
 """Id and detail of a mistake."""
 
 
+def can_be_habit(mistake: str, detail: str) -> bool:
+    """Whether a program makes a mistake in all links alike. A decimal point is a slip, but that of all six numbers of a tensor
+    is a scale."""
+    return mistake in HABITS or (mistake == "decimal_point" and detail.startswith("tensor "))
+
+
 @dataclass(frozen=True, slots=True)
 class Habit:
     """A mistake that most links of a file have."""
@@ -51,6 +57,10 @@ class Habit:
     @property
     def log_rest(self) -> float:
         return math.log(1.0 - self.share)
+
+    def is_like(self, mistake: str, detail: str) -> bool:
+        """Whether a mistake is this one, whatever its parameter; a decimal point has to be that of the same number."""
+        return mistake == self.id and (detail == self.detail or mistake in HABITS)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from urdfcheck.core import Run, Severity, Verdict
+from collections.abc import Sequence
+
+from urdfcheck.core import Finding, Run, Severity, Verdict
 from urdfcheck.core.text import join_names
+from urdfcheck.output.shared.verdict.engine_answers import list_answers
 from urdfcheck.output.shared.verdict.not_checked import describe_not_checked, explain_unchecked, is_accepted
 from urdfcheck.output.shared.verdict.verdict import summarize_verdict
 from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, get_base_name, join_with_and
-from urdfcheck.policy.consumers import predict_outcomes
+from urdfcheck.policy.consumers import get_verdict, predict_outcomes
 
 # Models that were not checked and programs that a claim names.
 _MOST_NAMED = 3
+# How the effect of a sensor's wrong frame begins, which changes nothing of the model.
+_DATA = "drops the data"
 
 
 def state_claim(run: Run) -> tuple[str, str]:
@@ -49,19 +54,38 @@ def describe_losses(run: Run) -> str:
         return ""
     targets = run.get_targets(run.models[0].id)
     names: dict[Verdict, list[str]] = {}
-    for name, outcome in predict_outcomes([*run.findings, *run.unrequested]).items():
+    answers = list_answers(run, run.models[0].id)
+    without_data: list[str] = []
+    findings = [*run.findings, *run.unrequested]
+    for name, outcome in predict_outcomes(findings).items():
+        if name in answers and Verdict.REFUSES in (outcome.verdict, answers[name].verdict):
+            continue  # its own answer counts
         if not targets or name in targets:
-            names.setdefault(outcome.verdict, []).append(PROGRAM_NAMES.get(name, name))
+            alike = names.setdefault(outcome.verdict, [])
+            is_data = outcome.verdict is Verdict.DROPS and _loses_only_data(findings, name)
+            (without_data if is_data else alike).append(PROGRAM_NAMES.get(name, name))
     refusing, dropping = names.get(Verdict.REFUSES, []), names.get(Verdict.DROPS, [])
     said = (
         [f"{join_with_and(refusing, _MOST_NAMED)} {'refuses' if len(refusing) == 1 else 'refuse'} this model"]
         if refusing
         else []
     )
+    refused = [f"{PROGRAM_NAMES[n]} {a.version}" for n, a in answers.items() if a.verdict is Verdict.REFUSES]
+    if refused:
+        said.insert(0, f"{join_with_and(refused, _MOST_NAMED)} refused this model here")
     if dropping:
         verb = "drops" if len(dropping) == 1 else "drop"
-        said.append(f"{join_with_and(dropping, _MOST_NAMED)} {verb} a part{'' if refusing else ' of this model'}")
+        said.append(f"{join_with_and(dropping, _MOST_NAMED)} {verb} a part{'' if said else ' of this model'}")
+    if without_data:
+        verb = "drops" if len(without_data) == 1 else "drop"
+        said.append(f"{join_with_and(without_data, _MOST_NAMED)} {verb} the data of a sensor")
     return ", ".join(said)
+
+
+def _loses_only_data(findings: Sequence[Finding], program: str) -> bool:
+    """Whether what a program drops is never a part of the model, but what a sensor measures."""
+    dropped = [f for f in findings if get_verdict(f.consequences, program) is Verdict.DROPS]
+    return all(f.consequences.get(program, "").startswith(_DATA) for f in dropped)
 
 
 def _name_unchecked(run: Run) -> str:

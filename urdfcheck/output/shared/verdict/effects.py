@@ -20,7 +20,7 @@ _REST = re.compile(
 # What may be before the clause that matters: ``in Gazebo Classic, the joint shakes``, ``"Mass Properties" shows …``.
 _LEAD = re.compile(r'(?:(?:and )?(?:in|with|where|when|if|for|at)\b[^,:;]*[,:;]\s*)*(?:"[^"]*")?')
 # A sentence about a program begins with its verb, or with another subject: ``the joint``, ``contacts, mass and COM``.
-_VERB = re.compile(r"(?!(?:contacts|motors|paths|torques|wheels)\b)[a-z]+s(?=[ :;]|$)")
+_VERB = re.compile(r"(?!(?:contacts|motors|paths|torques|wheels)\b)(?:[a-z]+s|refused)(?=[ :;]|$)")
 # What follows the object of a verb: ``replaces the inertia by that of its box``.
 _COMPLEMENT = re.compile(r" (?:by|with|from|of|in|to|because|where|when|if|after|so that|unless)\b.*", re.DOTALL)
 _PLURALS = {"is": "are", "has": "have", "does": "do", "goes": "go"}

@@ -3,7 +3,7 @@
 xacro forbids names that begin with ``__`` only in the outermost code object: a lambda or a comprehension is a code
 object of its own and reaches ``().__class__.__base__.__subclasses__()`` and from there the operating system. So every
 expression is parsed here first, and only a tree made of the nodes below is evaluated. The type and size of values are only
-known at run time: each operation is a call of a guard (:mod:`urdfcheck.source.xacro.guards`), under a name that no
+known at run time: each operation is a call of a guard (:mod:`urdfcheck.source.xacro.expressions.guards`), under a name that no
 expression can spell.
 """
 

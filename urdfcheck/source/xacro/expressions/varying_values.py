@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from urdfcheck.source.xacro.expressions import ExpressionRefusedError
+from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError
 
 NUMBERS = frozenset({bool, int, float, complex})
 _VIEWS: tuple[type, ...] = (type({}.keys()), type({}.values()), type({}.items()))

@@ -1,6 +1,6 @@
 """What an expression of a xacro file may do with values: nothing that leaves xacro's language, and nothing without bounds.
 
-:func:`urdfcheck.source.xacro.expressions.compile_expression` replaces each operation by a call of a guard. Before the
+The code that :mod:`urdfcheck.source.xacro.expressions.compile_expression` makes calls a guard for each operation. Before the
 operation is computed, the guard checks that it is known to be harmless for these values, and how large its result would be.
 Every function that an expression can reach is a :class:`GuardedFunction`, wherever it is called from (``map``,
 ``sorted(key=…)``).
@@ -8,7 +8,6 @@ Every function that an expression can reach is a :class:`GuardedFunction`, where
 
 from __future__ import annotations
 
-import math
 import operator
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -18,8 +17,28 @@ from string import Formatter
 from types import CodeType
 from typing import Any
 
-from urdfcheck.source.xacro.expressions import ExpressionRefusedError
-from urdfcheck.source.xacro.varying_values import (
+from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError
+from urdfcheck.source.xacro.expressions.language import (
+    DEEP_METHODS,
+    FORBIDDEN_FUNCTIONS,
+    FORMAT_FIELD,
+    METHODS,
+    NAMESPACE_METHODS,
+    PATH_FUNCTIONS,
+    PATH_METHODS,
+    TEXT_FUNCTIONS,
+    TEXT_MAKERS,
+)
+from urdfcheck.source.xacro.expressions.result_sizes import (
+    ARGUMENT_CHECKS,
+    MAX_CHARACTERS,
+    MAX_DEPTH,
+    MAX_ITEMS,
+    ensure_bits,
+    make_too_long_error,
+    parse_width,
+)
+from urdfcheck.source.xacro.expressions.varying_values import (
     ensure_comparable,
     ensure_hash,
     ensure_identity,
@@ -32,14 +51,8 @@ from urdfcheck.source.xacro.varying_values import (
     sort_items,
 )
 
-# Far above the need of robots, far below what harms: in a hundred robots the maximum is 35,000 steps.
+# Far above the need of robots, far below what harms: in a hundred robots the maximum is 35,000.
 MAX_STEPS = 2_000_000
-MAX_ITEMS = 100_000
-MAX_CHARACTERS = 1_000_000
-MAX_BITS = 10_000
-MAX_DEPTH = 100
-MAX_WIDTH = 1_000
-MAX_SEPARATORS = 100
 # How many characters of text count as one step.
 _CHARACTERS_PER_STEP = 4
 
@@ -49,50 +62,6 @@ _NUMBERS = frozenset({bool, int, float, complex})
 # Types that hold nothing: most of what is weighed, so they are told apart before all others.
 _LEAVES = _NUMBERS | {str, bytes, type(None)}
 _PLAIN = (str, int, float, complex, list, tuple, dict, set, frozenset, range, slice, type(None), *_VIEWS)
-
-
-def _split_words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
-
-
-_NUMBER_METHODS = frozenset({"real", "imag", "numerator", "denominator", "conjugate", "is_integer", "bit_length"})
-_SET_METHODS = _split_words(
-    "copy difference intersection isdisjoint issubset issuperset symmetric_difference union add clear"
-    " difference_update discard intersection_update pop remove symmetric_difference_update update"
-)
-# The methods that stay within the language, by type.
-_METHODS: Mapping[type, frozenset[str]] = {
-    str: _split_words(
-        "capitalize casefold center count endswith expandtabs find format index isalnum isalpha isascii isdecimal isdigit"
-        " isidentifier islower isnumeric isprintable isspace istitle isupper join ljust lower lstrip partition"
-        " removeprefix removesuffix replace rfind rindex rjust rpartition rsplit rstrip split splitlines startswith"
-        " strip swapcase title upper zfill"
-    ),
-    list: _split_words("append clear copy count extend index insert pop remove reverse sort"),
-    tuple: frozenset({"count", "index"}),
-    dict: _split_words("clear copy get items keys pop popitem setdefault update values"),
-    set: _SET_METHODS,
-    frozenset: _SET_METHODS,
-    range: frozenset({"count", "index"}),
-    int: _NUMBER_METHODS,
-    float: _NUMBER_METHODS,
-    complex: _NUMBER_METHODS,
-}
-# The methods that visit everything that their object contains, at any depth.
-_DEEP_METHODS = frozenset({"count", "index", "remove", "sort", "copy", *_SET_METHODS})
-# `vars` returns a class's own dictionary, in which dunder names are plain keys; `type` returns the classes.
-_FORBIDDEN_FUNCTIONS = frozenset({"type", "vars"})
-# Functions that make a text of their arguments.
-_TEXT_FUNCTIONS = frozenset({"str", "repr", "format"})
-# Functions and methods that hand the place of a file on, or open it, without a decision.
-_PATH_FUNCTIONS = _split_words(
-    "str repr message warning error fatal print_location format join load_yaml abs_filename dict"
-)
-_PATH_METHODS = frozenset({"format", "join"})
-# Those that may cut the place of a file, or take it apart.
-_TEXT_MAKERS = _TEXT_FUNCTIONS | _PATH_METHODS
-_NAMESPACE_METHODS = frozenset({"get", "items", "keys", "values"})
-_FIELD = re.compile(r"%(?:\([^()]*\))?[-#0 +]*(\*|\d*)(?:\.(\*|\d*))?[hlL]?[^(]", re.DOTALL)
 
 
 class GuardedFunction:
@@ -124,7 +93,7 @@ class GuardedFunction:
             args = tuple(list(a) if hasattr(type(a), "__next__") else a for a in args)
             self._check(*args, **kwargs)
         result = self.function(*args, **kwargs)
-        if self._name in _TEXT_MAKERS:
+        if self._name in TEXT_MAKERS:
             owner = getattr(self.function, "__self__", None)
             self._guards.note_lost_place((owner, *args, *kwargs.values()), result)
         return result
@@ -167,7 +136,7 @@ class Guards:
     ) -> None:
         """Start the count. ``namespace``: xacro's class of name tables, the only type of value that is not Python's own.
 
-        ``places``: the folders that the file was told so far; ``notify`` is called with the kind of problem
+        ``places``: the folders that the file has asked for so far; ``notify`` is called with the kind of problem
         where an expression looks into one (place-decides), or goes through a set whose order is random (order-decides);
         ``set_order``: see `sort_items`.
         """
@@ -231,12 +200,12 @@ class Guards:
         """
         for value in (*args, *kwargs.values()):
             self._ensure_foreign_table(value)
-            if name in _TEXT_FUNCTIONS:
+            if name in TEXT_FUNCTIONS:
                 self._ensure_text(value)
             elif name == "hash":
                 self.measure(value)
                 ensure_hash(value)
-            if name not in _PATH_FUNCTIONS:
+            if name not in PATH_FUNCTIONS:
                 self._note_decision(value)
         return args if is_orderless(name, kwargs) else tuple(map(self._order_items, args))
 
@@ -259,7 +228,7 @@ class Guards:
             self._notify("place-decides")
 
     def _find_places(self, value: Any) -> set[str]:
-        """Return the folders that the file was told and that are in the texts of a value, at any depth."""
+        """Return the folders that the file asked for and that are in the texts of a value, at any depth."""
         found: set[str] = set()
         stack, seen = [value], set()
         while stack:
@@ -282,7 +251,7 @@ class Guards:
             )
 
     def _guard_member(self, value: Any) -> Any:
-        """Return an operand of ``in`` or a key, after a look at it."""
+        """Return an operand of ``in`` or a key, after checking it."""
         self._ensure_foreign_table(value)
         self._note_decision(value)
         return self.guard_argument(value)
@@ -323,7 +292,7 @@ class Guards:
             return 24 if type(value) is not int else 2 + value.bit_length() // 3
         if type(value) is str:
             if len(value) > MAX_CHARACTERS:
-                raise _make_too_long_error(MAX_CHARACTERS, "characters")
+                raise make_too_long_error(MAX_CHARACTERS, "characters")
             self.charge(len(value) // _CHARACTERS_PER_STEP)
             return len(value) + 2
         return self._measure_deep(value)
@@ -348,7 +317,7 @@ class Guards:
             else:
                 size += 8
             if size > MAX_CHARACTERS:
-                raise _make_too_long_error(MAX_CHARACTERS, "characters")
+                raise make_too_long_error(MAX_CHARACTERS, "characters")
             if holds:
                 if depth == MAX_DEPTH:
                     raise ExpressionRefusedError("too_large", f"its value is nested more than {MAX_DEPTH} deep")
@@ -372,7 +341,7 @@ class Guards:
     def _ensure_result_size(self, count: int, limit: int, what: str) -> None:
         """Refuse a result of too many items or characters."""
         if count > limit:
-            raise _make_too_long_error(limit, what)
+            raise make_too_long_error(limit, what)
         self.charge(max(count, 0) // (_CHARACTERS_PER_STEP if limit == MAX_CHARACTERS else 1))
 
     # -- operators ---------------------------------------------------------------------------------------------
@@ -386,7 +355,7 @@ class Guards:
 
     def _multiply(self, left: Any, right: Any) -> Any:
         if isinstance(left, int) and isinstance(right, int):
-            _ensure_bits(left.bit_length() + right.bit_length() if left and right else 0)
+            ensure_bits(left.bit_length() + right.bit_length() if left and right else 0)
         for sequence, times in ((left, right), (right, left)):
             if isinstance(sequence, (str, bytes, list, tuple)) and isinstance(times, int):
                 text = isinstance(sequence, (str, bytes))
@@ -396,12 +365,12 @@ class Guards:
 
     def _raise_power(self, base: Any, exponent: Any) -> Any:
         if isinstance(base, int) and isinstance(exponent, int) and abs(base) > 1 and exponent > 0:
-            _ensure_bits((base.bit_length() - 1) * exponent + 1)
+            ensure_bits((base.bit_length() - 1) * exponent + 1)
         return base**exponent
 
     def _shift(self, value: Any, by: Any) -> Any:
         if isinstance(value, int) and isinstance(by, int) and value and by > 0:
-            _ensure_bits(value.bit_length() + by)
+            ensure_bits(value.bit_length() + by)
         return value << by
 
     def _apply_modulo(self, left: Any, right: Any) -> Any:
@@ -428,7 +397,7 @@ class Guards:
         """Refuse ``template % values`` if the result is large or its size unknown."""
         widest, fields, at = 0, 0, template.find("%")
         while at >= 0:
-            field = _FIELD.match(template, at)
+            field = FORMAT_FIELD.match(template, at)
             if field is None:
                 if at + 1 < len(template):
                     raise ExpressionRefusedError("method", "it uses a % format with a key that contains parentheses")
@@ -436,7 +405,7 @@ class Guards:
             for width in field.groups():
                 if width == "*":
                     raise ExpressionRefusedError("method", "it uses a % format whose width is computed")
-                widest = max(widest, _parse_width(width))
+                widest = max(widest, parse_width(width))
             fields += 1
             at = template.find("%", field.end())
         self._ensure_result_size(
@@ -447,7 +416,7 @@ class Guards:
 
     def _get_attribute(self, value: Any, name: str) -> Any:
         if isinstance(value, self._namespace):
-            if name in _NAMESPACE_METHODS:
+            if name in NAMESPACE_METHODS:
                 self._ensure_foreign_table(value)
                 return GuardedFunction(self, getattr(value, name), None)
             if name != "depth" and (hasattr(type(value), name) or name in vars(value)):
@@ -455,7 +424,7 @@ class Guards:
             return getattr(value, name)
         if isinstance(value, GuardedFunction):
             return self._get_unbound_method(value.function, name)
-        for kind, names in _METHODS.items():
+        for kind, names in METHODS.items():
             if isinstance(value, kind):
                 if name in names:
                     found = getattr(value, name)
@@ -470,11 +439,11 @@ class Guards:
         raise _make_attribute_error(name)
 
     def _guard_method(self, owner: Any, name: str, method: Callable[..., Any]) -> GuardedFunction:
-        if name in _DEEP_METHODS and not isinstance(owner, str):
+        if name in DEEP_METHODS and not isinstance(owner, str):
             self.measure(owner)
         if name == "pop":
             ensure_order(owner)
-        if name not in _PATH_METHODS:
+        if name not in PATH_METHODS:
             self._note_decision(owner)
         check: Callable[..., None] | None = None
         if isinstance(owner, str):
@@ -489,7 +458,7 @@ class Guards:
         """Return a method such as ``str.lower``, to be called with a text."""
         if kind is dict and name == "fromkeys":
             return GuardedFunction(self, dict.fromkeys, None, name="fromkeys")
-        names = _METHODS.get(kind, frozenset()) if isinstance(kind, type) else frozenset()
+        names = METHODS.get(kind, frozenset()) if isinstance(kind, type) else frozenset()
         if name not in names:
             raise _make_attribute_error(name)
 
@@ -555,7 +524,7 @@ class Guards:
         """Refuse to put more into a list, set or dictionary than it may hold."""
         more = sum(len(a) for a in args if isinstance(a, (str, list, tuple, dict, set, frozenset, range)))
         if len(owner) + more > MAX_ITEMS:
-            raise _make_too_long_error(MAX_ITEMS, "items")
+            raise make_too_long_error(MAX_ITEMS, "items")
 
     def _text_replace(self, text: str, old: Any = None, new: Any = None, *_: Any, **__: Any) -> None:
         if isinstance(old, str) and isinstance(new, str):
@@ -593,7 +562,7 @@ class Guards:
                 )
             if form and "{" in form:
                 raise ExpressionRefusedError("method", "it uses a .format whose width is computed")
-            widest = max([widest, *map(_parse_width, re.findall(r"\d+", form or ""))])
+            widest = max([widest, *map(parse_width, re.findall(r"\d+", form or ""))])
             fields += 1
         largest = max([0, *map(self.measure, (*args, *kwargs.values()))])
         self._ensure_result_size(len(text) + fields * (widest + 400 + largest), MAX_CHARACTERS, "characters")
@@ -605,7 +574,7 @@ class Guards:
         if name in {"isinstance", "issubclass"}:
             return GuardedFunction(self, _accept_guarded_types(function), None, name=name, shallow=True)
         shallow = name in {"len", "bool", "arg", "env", "optenv", "find", "dirname"}
-        check = self._ensure_sum if name == "sum" else _ARGUMENT_CHECKS.get(name)
+        check = self._ensure_sum if name == "sum" else ARGUMENT_CHECKS.get(name)
         return GuardedFunction(self, function, check, name=name, shallow=shallow)
 
     def _ensure_sum(self, items: Any = (), start: Any = 0, **_: Any) -> None:
@@ -622,7 +591,7 @@ class Guards:
                 if name:
                     self._own_tables.add(id(table))
                 for key, function in table.items():
-                    if name == "python" and key in _FORBIDDEN_FUNCTIONS:
+                    if name == "python" and key in FORBIDDEN_FUNCTIONS:
                         dict.__setitem__(table, key, self.make_forbidden_function(f"python.{key}"))
                     elif callable(function):
                         dict.__setitem__(table, key, self.guard_function(key, function))
@@ -644,23 +613,8 @@ def _iter_items(container: Any) -> Iterator[Any]:
     return list.__iter__(container) if isinstance(container, list) else iter(container)
 
 
-def _make_too_long_error(limit: int, what: str) -> ExpressionRefusedError:
-    return ExpressionRefusedError("too_large", f"its value would have more than {limit:,} {what}")
-
-
 def _make_attribute_error(name: str) -> ExpressionRefusedError:
     return ExpressionRefusedError("unsafe", f"the attribute .{name} is not part of xacro's language")
-
-
-def _ensure_bits(bits: float) -> None:
-    if bits > MAX_BITS:
-        raise ExpressionRefusedError("too_large", f"its value would have more than {MAX_BITS * 0.30103:,.0f} digits")
-
-
-def _parse_width(text: str | None) -> int:
-    if text and (len(text) > 9 or int(text) > MAX_WIDTH):
-        raise ExpressionRefusedError("too_large", f"it pads a value to more than {MAX_WIDTH:,} characters")
-    return int(text or 0)
 
 
 def _accept_guarded_types(function: Callable[..., bool]) -> Callable[..., bool]:
@@ -675,68 +629,3 @@ def _accept_guarded_types(function: Callable[..., bool]) -> Callable[..., bool]:
         return function(unwrap_types(value), unwrap_types(kind))
 
     return call_unwrapped
-
-
-# -- checks of the arguments of functions; too few or too many of them are left to the function itself -------------------
-
-
-def _ensure_range_size(*args: Any, **_: Any) -> None:
-    if args and all(isinstance(a, int) for a in args) and len(args) <= 3 and (len(args) < 3 or args[2]):
-        start, stop, step = (0, args[0], 1) if len(args) == 1 else (*args, 1)[:3]
-        if (stop - start) // step > MAX_ITEMS:
-            raise _make_too_long_error(MAX_ITEMS, "items")
-
-
-def _ensure_int_size(value: Any = 0, *_: Any, **__: Any) -> None:
-    if isinstance(value, str):
-        _ensure_bits(len(value))
-
-
-def _ensure_round_size(number: Any = 0, ndigits: Any = None, **_: Any) -> None:
-    if isinstance(number, int) and isinstance(ndigits, int) and ndigits < 0:
-        _ensure_bits(-ndigits / 0.3)
-
-
-def _ensure_factorial_size(n: Any = 0, *_: Any) -> None:
-    if isinstance(n, (int, float)) and n > 1:
-        _ensure_bits(n * math.log2(n))
-
-
-def _ensure_comb_size(n: Any = 0, k: Any = 0, *_: Any) -> None:
-    if isinstance(n, int) and isinstance(k, int) and 0 < k < n:
-        _ensure_bits(min(k, n - k) * math.log2(n))
-
-
-def _ensure_perm_size(n: Any = 0, k: Any = None, *_: Any) -> None:
-    k = n if k is None else k
-    if isinstance(n, int) and isinstance(k, int) and 0 < k <= n:
-        _ensure_bits(k * math.log2(n))
-
-
-def _ensure_product_size(items: Any = (), *_: Any, start: Any = 1) -> None:
-    _ensure_bits(sum(i.bit_length() for i in (*items, start) if isinstance(i, int)))
-
-
-def _ensure_lcm_size(*numbers: Any) -> None:
-    _ensure_bits(sum(i.bit_length() for i in numbers if isinstance(i, int)))
-
-
-def _ensure_plain_separators(_text: Any = "", sep: Any = "", *_: Any, **__: Any) -> None:
-    # tokenize puts the separators between [ and ] of a regular expression.
-    if isinstance(sep, str) and len(sep) > MAX_SEPARATORS:
-        raise ExpressionRefusedError("too_large", f"it gives xacro.tokenize more than {MAX_SEPARATORS} separators")
-    if isinstance(sep, str) and "]" in sep[1:]:
-        raise ExpressionRefusedError("unsafe", "the separators of xacro.tokenize contain a regular expression")
-
-
-_ARGUMENT_CHECKS: Mapping[str, Callable[..., None]] = {
-    "int": _ensure_int_size,
-    "range": _ensure_range_size,
-    "round": _ensure_round_size,
-    "factorial": _ensure_factorial_size,
-    "comb": _ensure_comb_size,
-    "perm": _ensure_perm_size,
-    "prod": _ensure_product_size,
-    "lcm": _ensure_lcm_size,
-    "tokenize": _ensure_plain_separators,
-}

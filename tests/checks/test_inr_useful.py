@@ -1,0 +1,219 @@
+"""What is said of inertials only where it is of use: rows, whole files, hulls, drawings that stand for something else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from builders import arm_on_base, box, find, inertial, joint, link, mesh, robot, visual
+from castings import CASTING, Block, drawn_boxes, format_inertial, geometry, opened, steiner, uniform, write_stl
+
+from urdfcheck.core import Severity
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
+
+DRAWN = geometry(CASTING)
+TRUE = uniform(DRAWN.solid)
+
+# -- rows ----------------------------------------------------------------------------------------------------------------
+
+
+def make_row(*numbers: DeclaredInertial, names: str = "wheel_{}", kind: str = "continuous") -> str:
+    parts = [link("base")]
+    for i, one in enumerate(numbers):
+        parts += [
+            joint(f"j{i}", "base", names.format(i), kind=kind, xyz=f"0 {i} 0"),
+            link(names.format(i), format_inertial(one, 6)),
+        ]
+    return robot(*parts)
+
+
+POUNDS = replace(TRUE, mass=TRUE.mass / 0.45359237)
+AT_ORIGIN = replace(TRUE, tensor=TRUE.tensor + steiner(TRUE.mass, TRUE.com))
+HEAVIER = replace(TRUE, mass=1.37 * TRUE.mass)
+
+
+@pytest.mark.parametrize(
+    ("odd", "others", "names", "words"),
+    [
+        (POUNDS, 3, "wheel_{}", "unit of the mass: lb"),
+        (AT_ORIGIN, 2, "wheel_{}", "tensor about the origin"),
+        (HEAVIER, 3, "wheel_{}", ""),  # no common mistake
+        (POUNDS, 1, "wheel_{}", ""),  # which of two is wrong is not known
+        (POUNDS, 3, "wheel{}_part_of_one", "unit of the mass: lb"),
+    ],
+)
+def test_of_a_row_that_draws_nothing_one_has_a_mistake(
+    tmp_path: Path, odd: DeclaredInertial, others: int, names: str, words: str
+) -> None:
+    found = find(tmp_path, make_row(odd, *[TRUE] * others, names=names), "SYM003")
+    assert [finding.message_id for finding in found] == ["row"] * bool(words)
+    if words:
+        assert words in found[0].message
+        assert found[0].location.subject.startswith(f"link[{names.format(0)}]")
+        assert found[0].fix is not None
+        assert not found[0].fix.edits
+
+
+def test_a_row_of_two_kinds_shows_nothing(tmp_path: Path) -> None:
+    assert not find(tmp_path, make_row(POUNDS, TRUE, TRUE, HEAVIER), "SYM003")
+
+
+# -- a scale of the whole file -------------------------------------------------------------------------------------------
+
+
+def make_castings(factors: list[float]) -> str:
+    """Castings of different sizes; each tensor is multiplied by its factor."""
+    parts = [link("base")]
+    for i, factor in enumerate(factors):
+        blocks = [
+            (np.array(size) * (1 + 0.1 * i, 1.0, 1 - 0.03 * i), np.array(place) * (1 + 0.1 * i, 1.0, 1 - 0.03 * i))
+            for size, place in CASTING
+        ]
+        true = uniform(geometry(blocks).solid)
+        stretch = np.diag((1.0 + 0.02 * i, 1.0 - 0.015 * i, 1.0))  # a motor here and there
+        com = true.com + 0.003 * np.array((1.0, 0.5 * i, -0.5))
+        lumped = replace(true, com=com, tensor=factor * stretch @ true.tensor @ stretch)
+        parts += [
+            joint(f"j{i}", "base", f"l{i}", kind="continuous", xyz=f"0 0 {i}"),
+            link(f"l{i}", format_inertial(lumped), drawn_boxes(blocks)),
+        ]
+    return robot(*parts)
+
+
+@pytest.mark.parametrize("factor", [0.1, 10.0, 0.01])
+def test_tensors_of_a_file_may_all_be_a_power_of_ten_off(tmp_path: Path, factor: float) -> None:
+    found = find(tmp_path / "all", make_castings([factor] * 6), {"INR009"})
+    assert [(finding.message_id, finding.cause and finding.cause.id) for finding in found] == [
+        ("habit", "decimal_point")
+    ]
+    assert f"tensor {1 / factor:g}" in found[0].message
+    few = find(tmp_path / "few", make_castings([factor] * 2 + [1.0] * 6), {"INR009"})
+    assert "habit" not in {finding.message_id for finding in few}
+
+
+# The bounding box has moments that are 1.9 times as large, and more.
+L_SHAPE: tuple[Block, ...] = (((0.10, 0.01, 0.01), (0.0, 0.0, 0.0)), ((0.01, 0.01, 0.12), (0.045, 0.0, 0.065)))
+
+# -- one link ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("residual", "cause"), [(0.03, "com_unit"), (0.3, None)])
+def test_one_com_in_inches_has_to_fit(residual: float, cause: str | None) -> None:
+    """``residual``: how far the COM is from the drawn part's in inches, in radii of gyration."""
+    radius = np.sqrt(np.trace(DRAWN.solid.covariance))
+    com = TRUE.com + residual * radius * np.array((0.0, 0.0, 1.0))
+    found = diagnose_inertial(replace(TRUE, com=com / 0.0254), DRAWN)
+    assert found is not None
+    assert (found.cause if found.cause == "com_unit" else None) == cause
+
+
+def test_an_open_mesh_shows_a_tensor_about_the_origin_if_no_mass_inside_has_it() -> None:
+    away = [(size, (x, y, z + 0.9)) for size, (x, y, z) in CASTING]
+    drawn = opened(geometry(away))
+    true = uniform(geometry(away).solid)
+    shifted = replace(true, tensor=true.tensor + steiner(true.mass, true.com))
+    found, near = diagnose_inertial(shifted, drawn), diagnose_inertial(AT_ORIGIN, opened(DRAWN))
+    assert found is not None
+    assert near is not None
+    assert (found.cause, found.fits_geometry) == ("about_origin", False)
+    assert near.cause is None or not near.fits_geometry
+
+
+def write_open(path: Path) -> None:
+    write_stl(path, CASTING)
+    text = path.read_text(encoding="ascii")
+    path.write_text(text[: text.rindex("facet normal")] + "endsolid part\n", encoding="ascii")
+
+
+@pytest.mark.parametrize(("factor", "found"), [(0.04, False), (0.002, True)])
+def test_a_hull_is_the_most_that_a_part_can_fill(tmp_path: Path, factor: float, found: bool) -> None:
+    write_open(tmp_path / "part.stl")
+    rod = np.diag(TRUE.tensor.diagonal())
+    small = replace(TRUE, tensor=factor * rod)
+    text = arm_on_base(format_inertial(small), visual(mesh("part.stl")))
+    messages = [
+        f.message_id for f in find(tmp_path, text, {"INR009"}) if f.cause is None and f.message_id != "doubtful"
+    ]
+    assert messages == ["disagrees"] * found
+
+
+def test_a_formula_of_the_same_size_is_meant_to_be_near(tmp_path: Path) -> None:
+    blocks = [((0.10, 0.03, 0.03), (0.0, 0.0, 0.0)), ((0.06, 0.03, 0.03), (0.0, 0.03, 0.0))]
+    small = list(L_SHAPE)
+    ids = []
+    for name, part in (("near", blocks), ("far", small)):
+        drawn = geometry(part)
+        assert drawn.box is not None
+        numbers = DeclaredInertial(0.3, drawn.solid.com, compute_solid_inertia(drawn.box, 0.3))
+        (tmp_path / name).mkdir()
+        write_stl(tmp_path / name / "part.stl", part)
+        found = find(tmp_path / name, arm_on_base(format_inertial(numbers), visual(mesh("part.stl"))), {"INR009"})
+        ids += [(f.message_id, f.cause and f.cause.id, f.severity) for f in found]
+    assert ids == [("approximation", "bounding_box", Severity.INFO), ("exact", "bounding_box", Severity.INFO)]
+
+
+# -- drawings that stand for something else --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("mass", "codes"), [(0.2, ["INR005"]), (0.6, [])])
+def test_a_rod_in_the_middle_of_a_leg_is_not_the_leg(tmp_path: Path, mass: float, codes: list[str]) -> None:
+    """36 cm³: 5,600 and 16,700 kg/m³. The tensor is that of a leg of 60 mm across."""
+    leg = np.diag(compute_solid_inertia(make_box_solid((0.06, 0.06, 0.36)), mass)).tolist()
+    numbers = inertial(mass, ixx=leg[0] * 1.01, iyy=leg[1] * 1.02, izz=leg[2] * 1.03)
+    found = find(tmp_path, arm_on_base(numbers, visual(box("0.01 0.01 0.36"))), {"INR005", "INR010"})
+    assert [finding.code for finding in found] == codes
+
+
+@pytest.mark.parametrize(("density", "is_own", "dense"), [(5e4, True, True), (4.4e4, True, False), (5e4, False, False)])
+def test_a_uniform_part_fills_its_drawing(tmp_path: Path, density: float, is_own: bool, dense: bool) -> None:
+    """A bar of 0.3 m by 20 mm: with 2 % of its size on all sides it has 2.2 times its volume."""
+    mass = density * 0.3 * 0.02 * 0.02
+    xx, yy, zz = (
+        np.diag(compute_solid_inertia(make_box_solid((0.02, 0.02, 0.3)), mass)) * (1 if is_own else 0.8)
+    ).tolist()
+    text = arm_on_base(inertial(mass, ixx=xx, iyy=yy, izz=zz), visual(box("0.02 0.02 0.3")))
+    assert [f.message_id for f in find(tmp_path, text, {"INR010"})] == ["dense"] * dense
+
+
+def test_frames_without_mass_join_the_list_of_links_without_mass(tmp_path: Path) -> None:
+    massless = inertial(0, 0)
+    links = [link("base", inertial(1, 0.01)), link("frame", massless)]
+    joints = [joint("f", "base", "frame", kind="continuous")]
+    assert [f.message_id for f in find(tmp_path / "a", robot(*links, *joints), "INR002")] == ["loose"]
+    links.append(link("arm", massless, visual(box("0.1 0.1 0.1"))))
+    joints.append(joint("a", "base", "arm", kind="continuous"))
+    assert {f.message_id for f in find(tmp_path / "b", robot(*links, *joints), "INR002")} == {"zero"}
+
+
+@pytest.mark.parametrize(("child", "light"), [(0.004, True), (0.006, False)])
+def test_a_shaft_on_a_vehicle_is_a_part(tmp_path: Path, child: float, light: bool) -> None:
+    text = arm_on_base(inertial(child, 1e-6), base=inertial(1500, 300))
+    assert [f.message_id for f in find(tmp_path, text, "INR011")] == ["light"] * light
+
+
+# -- signs of the products ------------------------------------------------------------------------------------------------
+
+SIGNS = np.array([[1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
+
+
+# A rod along (3, 2, 1).
+ROD = 0.002137 * (14.0 * np.eye(3) - np.outer((3.0, 2.0, 1.0), (3.0, 2.0, 1.0))) + np.diag((1.1e-4, 1.3e-4, 1.2e-4))
+
+
+@pytest.mark.parametrize("drawn", ["", drawn_boxes(CASTING)])
+def test_impossible_products_may_be_those_about_the_origin(tmp_path: Path, drawn: str) -> None:
+    """In positive notation, about the origin: with other signs the tensor is possible, and about the COM it is, too."""
+    away = replace(TRUE, com=np.array((0.3, 0.3, 0.3)))
+    printed = replace(away, tensor=SIGNS * (away.tensor + steiner(away.mass, away.com)))
+    (finding,) = find(tmp_path, arm_on_base(format_inertial(printed), drawn), {"INR003", "INR004"})
+    assert finding.cause is None or finding.cause.id != "products_sign"
+    assert "with the other sign" in finding.message or drawn
+    near = replace(TRUE, com=np.zeros(3), tensor=SIGNS * ROD)
+    (finding,) = find(tmp_path / "near", arm_on_base(format_inertial(near)), {"INR003", "INR004"})
+    assert finding.cause is not None
+    assert finding.cause.id == "products_sign"
+    assert finding.fix is None or not finding.fix.edits

@@ -1,0 +1,90 @@
+"""Small mobile robots: two wheels and what else carries them, as the pages' examples do not show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import box, collision, cylinder, find, inertial, joint, link, robot, sphere, visual
+
+RULES = {"SYM008", "DYN006", "GEO003"}
+TURN = "1.5707963267948966 0 0"
+
+
+def cart(
+    *,
+    left: str = "0 0.15 0.05",
+    left_rpy: str = "",
+    casters: tuple[str, ...] = ("0.12 0 0.01", "-0.12 0 0.01"),
+    collides: float = 0.05,
+    body: str = "0 0 0.1",
+    names: tuple[str, str] = ("left", "right"),
+) -> str:
+    """Return a robot on two wheels with a radius of 50 mm and balls with one of 10 mm."""
+    shape = cylinder(0.05, 0.02), cylinder(collides, 0.02)
+    wheel = visual(shape[0], rpy=TURN) + collision(shape[1], rpy=TURN)
+    one, other = (f"{name}_wheel" for name in names)
+    return robot(
+        link("base_link", inertial(3, 0.03, com="0 0 0.1"), collision(box("0.3 0.2 0.08"), xyz=body)),
+        link(one, wheel),
+        link(other, wheel),
+        joint(f"{one}_joint", "base_link", one, kind="continuous", xyz=left, rpy=left_rpy, axis="0 1 0"),
+        joint(f"{other}_joint", "base_link", other, kind="continuous", xyz="0 -0.15 0.05", axis="0 1 0"),
+        *(link(f"caster_{i}", collision(sphere(0.01))) for i in range(len(casters))),
+        *(joint(f"caster_{i}_joint", "base_link", f"caster_{i}", xyz=xyz) for i, xyz in enumerate(casters)),
+    )
+
+
+def test_a_sound_cart_gives_nothing(tmp_path: Path) -> None:
+    assert not find(tmp_path, cart(), RULES)
+
+
+@pytest.mark.parametrize(
+    ("left", "rpy", "words"),
+    [
+        ("0 0.15 0.06", "", "the axle of left_wheel is 10 mm higher"),
+        ("-0.02 0.15 0.05", "", "left_wheel is 20 mm behind"),
+        ("0 0.17 0.05", "", "left_wheel is 20 mm farther out"),
+        ("0 0.15 0.05", "0.1 0 0", "the axes differ by 5.73°"),
+    ],
+)
+def test_one_wheel_of_a_pair_is_off(tmp_path: Path, left: str, rpy: str, words: str) -> None:
+    (finding,) = find(tmp_path, cart(left=left, left_rpy=rpy), RULES)
+    assert finding.code == "SYM008"
+    assert words in finding.message
+
+
+def test_wheels_whose_names_are_no_pair_are_not_compared(tmp_path: Path) -> None:
+    assert not find(tmp_path, cart(left="-0.02 0.15 0.05", names=("drive", "idle")), "SYM008")
+
+
+@pytest.mark.parametrize(
+    ("casters", "message", "words"),
+    [
+        (("0.12 0 0.005", "-0.12 0 0.005"), "unloaded", "caster_0, caster_1 end 5 mm below"),
+        (("0.12 0 0.03", "-0.12 0 0.03"), "leans", "caster_0, caster_1 end 20 mm above"),
+    ],
+)
+def test_casters_do_not_end_at_the_height_of_the_wheels(
+    tmp_path: Path, casters: tuple[str, ...], message: str, words: str
+) -> None:
+    (finding,) = find(tmp_path, cart(casters=casters), RULES)
+    assert (finding.code, finding.message_id) == ("DYN006", message)
+    assert words in finding.message
+    assert finding.location.subject.startswith("joint[caster_0_joint]")
+
+
+def test_casters_with_a_little_play_are_sound(tmp_path: Path) -> None:
+    assert not find(tmp_path, cart(casters=("0.12 0 0.011", "-0.12 0 0.011")), RULES)
+
+
+def test_the_body_is_lower_than_the_wheels(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, cart(body="0 0 0.035"), "DYN006")
+    assert finding.message_id == "touches"
+    assert "5 mm below" in finding.message
+
+
+@pytest.mark.parametrize(("radius", "count"), [(0.05, 0), (0.046, 0), (0.06, 2), (0.15, 2)])
+def test_wheels_collide_with_the_drawn_radius(tmp_path: Path, radius: float, count: int) -> None:
+    found = find(tmp_path, cart(collides=radius, body="0 0 0.3"), "GEO003")
+    assert [finding.message_id for finding in found] == count * ["wheel"]

@@ -1,0 +1,77 @@
+"""GZB008 reports driven wheels without friction in Gazebo, and fixed casters that drag with it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import join_names
+from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
+from urdfcheck.source.text.values import parse_number
+
+if TYPE_CHECKING:
+    from urdfcheck.model import Model
+    from urdfcheck.source.text.xml import Element
+
+_KEYS = ("mu1", "mu2")
+# Plugins that turn wheels, and those that push the whole robot, with wheels that only follow.
+_TURNS = re.compile(r"diff[-_]?drive|skid[-_]?steer|ros2?_control", re.IGNORECASE)
+_PUSHES = re.compile(r"move|velocity[-_]control|mecanum|omni", re.IGNORECASE)
+
+
+def check(model: Model, rule: Rule, *, slippery: float, rough: float) -> Iterator[Finding]:
+    blocks = [block for block in model.robot.find_children("gazebo") if block.get("reference") in model.link_by_name]
+    frictions = [(block, friction) for block in blocks if (friction := _read_friction(block)) is not None]
+    if not frictions:
+        return
+    smooth = [block for block, friction in frictions if max(friction) <= slippery]
+    if smooth and _turns_wheels(model):
+        from urdfcheck.model.ground.wheels import find_driven_wheels
+
+        driven = {wheel.joint.child for wheel in find_driven_wheels(model)}
+        bare = [b for b in smooth if b.get("reference") in driven and WHEEL_NAME.search(b.get("reference"))]
+        # Of mecanum and omni wheels some slide on purpose; all of them do not.
+        if bare and len(bare) == sum(bool(WHEEL_NAME.search(name)) for name in driven):
+            yield _build_finding(rule, "slides", bare)
+    dragging = [b for b, friction in frictions if min(friction) >= rough and _is_fixed_caster(model, b)]
+    if dragging:
+        yield _build_finding(rule, "drags", dragging)
+
+
+def _build_finding(rule: Rule, message: str, blocks: list[Element]) -> Finding:
+    first = next(element for element in blocks[0].children if element.tag in _KEYS)
+    friction = _read_friction(blocks[0])
+    return rule.finding(
+        message,
+        at=first,
+        related=blocks[1:],
+        links=join_names(block.get("reference") for block in blocks),
+        friction=max(friction or (0.0,)),
+    )
+
+
+def _read_friction(block: Element) -> tuple[float, float] | None:
+    """Read mu1 and mu2 of a block; None where one is absent, so that the default of 1 counts, or is not a number."""
+    values = []
+    for key in _KEYS:
+        element = block.find_child(key)
+        value = None if element is None else parse_number(element.get("value") or element.text.strip())
+        if value is None:
+            return None
+        values.append(value)
+    return values[0], values[1]
+
+
+def _turns_wheels(model: Model) -> bool:
+    plugins = [
+        p.get("filename") for block in model.robot.find_children("gazebo") for p in block.find_children("plugin")
+    ]
+    return any(map(_TURNS.search, plugins)) and not any(map(_PUSHES.search, plugins))
+
+
+def _is_fixed_caster(model: Model, block: Element) -> bool:
+    name = block.get("reference")
+    joint = model.tree.parent_joint.get(name)
+    return bool(CASTER_NAME.search(name)) and joint is not None and joint.type == "fixed"

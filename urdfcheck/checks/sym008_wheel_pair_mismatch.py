@@ -1,0 +1,82 @@
+"""SYM008 reports the two wheels of a robot that has one pair of them and that are not mirror images."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import join_names
+from urdfcheck.model import Model
+from urdfcheck.model.ground.wheel_pair import WheelPair, find_lone_wheel_pair
+from urdfcheck.model.ground.wheels import Wheel
+from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
+
+# A wheel this straight (rad) is not the tilted one of a pair.
+_STRAIGHT = 0.003
+
+
+def check(model: Model, rule: Rule, *, spread: float, least: float, angle: float) -> Iterator[Finding]:
+    pair = find_lone_wheel_pair(model)
+    if pair is None:
+        return
+    differences = _describe_differences(pair, least=max(spread * pair.radius, least), angle=math.radians(angle))
+    if not differences:
+        return
+    tilted = _find_tilted_wheel(pair) if pair.angle > math.radians(angle) else None
+    first, second = (pair.right, pair.left) if tilted is pair.right else (pair.left, pair.right)
+    attribute = "rpy" if tilted is not None and len(differences) == 1 else "xyz"
+    yield rule.finding(
+        "pair",
+        at=locate_origin_attribute(first.joint, attribute),
+        related=[locate_origin_attribute(second.joint, attribute)],
+        wheel=first.joint.child,
+        twin=second.joint.child,
+        main=_describe_main(pair, differences[0], tilted),
+        differences=join_names(differences),
+        repair=_describe_repair(first, second, tilted if attribute == "rpy" else None),
+        between=[f"joint[{first.joint.name}]", f"joint[{second.joint.name}]"],
+    )
+
+
+def _describe_differences(pair: WheelPair, *, least: float, angle: float) -> list[str]:
+    """Describe how the left wheel differs from the mirror image of the right one, by more than ``least`` (m)."""
+    left = pair.left.joint.child
+    words = []
+    if abs(pair.above) > least:
+        words.append(f"the axle of {left} is {abs(pair.above) * 1e3:.3g} mm {'higher' if pair.above > 0 else 'lower'}")
+    if abs(pair.ahead) > least:
+        words.append(f"{left} is {abs(pair.ahead) * 1e3:.3g} mm {'ahead' if pair.ahead > 0 else 'behind'}")
+    if pair.outside is not None and abs(pair.outside) > 2 * least:
+        far = "farther out" if pair.outside > 0 else "farther in"
+        words.append(f"{left} is {abs(pair.outside) * 1e3:.3g} mm {far}")
+    if abs(pair.larger) > least:
+        size = "larger" if pair.larger > 0 else "smaller"
+        words.append(f"the radius of {left} is {abs(pair.larger) * 1e3:.3g} mm {size}")
+    if pair.angle > angle:
+        words.append(f"the axes differ by {math.degrees(pair.angle):.3g}°")
+    return words
+
+
+def _find_tilted_wheel(pair: WheelPair) -> Wheel | None:
+    """Find the wheel whose axis is off; None where both are."""
+    left, right = pair.tilts
+    if min(left, right) > _STRAIGHT:
+        return None
+    return pair.left if left > right else pair.right
+
+
+def _describe_main(pair: WheelPair, first: str, tilted: Wheel | None) -> str:
+    if first.startswith("the axes") and tilted is not None:
+        return f"{tilted.joint.child} is tilted by {math.degrees(pair.angle):.3g}° against {_get_other(pair, tilted)}"
+    return f"{first} than {pair.right.joint.child}" if first.endswith(("er", "out", "in")) else first
+
+
+def _get_other(pair: WheelPair, wheel: Wheel) -> str:
+    return (pair.right if wheel is pair.left else pair.left).joint.child
+
+
+def _describe_repair(first: Wheel, second: Wheel, tilted: Wheel | None) -> str:
+    if tilted is not None:
+        return f"correct the rpy of {tilted.joint.name}; compare it with that of {second.joint.name}"
+    return f"compare the origins of {first.joint.name} and {second.joint.name}, and the wheels' shapes; correct the wrong one"

@@ -1,0 +1,125 @@
+"""The inertials of a pair of which no drawing says how the sides are related: what mirror images and copies have in common."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from urdfcheck.core.text import format_length, join_numbers
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_slip_between_twins
+from urdfcheck.facts.likeness.mirror import InertialDeviation, measure_principal_deviation
+from urdfcheck.model.inertials.inertial_proposals import describe_mistake
+from urdfcheck.model.inertials.mirrored_inertials import (
+    find_copied_side,
+    fit_own_drawings_alike,
+    get_comparable_inertial,
+)
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair
+from urdfcheck.model.parts import Link
+from urdfcheck.model.robot import Model
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class UnlikeSides:
+    """Two counterparts whose masses, principal moments or COMs differ."""
+
+    one: Link
+    other: Link
+    numbers: tuple[DeclaredInertial, DeclaredInertial]
+    deviation: InertialDeviation
+    slip: TwinSlip | None
+    """The one mistake that explains all of the difference."""
+    copied: tuple[Link, Link] | None
+    """The side with the numbers of a link that is not a counterpart of either, and that link."""
+    are_drawn: bool
+    """Whether the shapes of both sides are known."""
+
+    @property
+    def wrong(self) -> Link:
+        """The side that is wrong; the second one where nothing shows it."""
+        is_first = self.slip.is_first if self.slip is not None else False
+        return self.one if is_first or (self.copied is not None and self.copied[0] is self.one) else self.other
+
+    @property
+    def right(self) -> Link:
+        """The side that is not `wrong`."""
+        return self.other if self.wrong is self.one else self.one
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether the cause of the difference is known."""
+        return self.slip is not None or self.copied is not None
+
+    @property
+    def ratio(self) -> float:
+        """How many times the tensor of one side is that of the other, at least 1."""
+        ratio = float(np.trace(self.numbers[0].tensor)) / float(np.trace(self.numbers[1].tensor))
+        return max(ratio, 1.0 / ratio)
+
+    def is_of_one_part(self, threshold: float) -> bool:
+        """Whether the masses agree, or the radii of gyration: two parts that differ have neither in common."""
+        return min(self.deviation.mass, self.deviation.spread) <= threshold
+
+    def describe_differences(self, threshold: float) -> str:
+        """Say what differs by more than the share ``threshold``."""
+        first, second = self.numbers
+        differences = []
+        if self.deviation.mass > threshold:
+            differences.append(f"masses of {first.mass:.4g} and {second.mass:.4g} kg")
+        if self.deviation.spread > threshold:
+            moments = _format_principal_moments(first), _format_principal_moments(second)
+            differences.append(f"principal moments of ({moments[0]}) and ({moments[1]}) kg·m²")
+        if not differences:
+            distances = [format_length(float(np.linalg.norm(numbers.com))) for numbers in self.numbers]
+            differences.append(f"COMs {distances[0]} and {distances[1]} from their frames")
+        return " and ".join(differences)
+
+
+def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float) -> UnlikeSides | None:
+    """Compare the inertials of a named pair whose drawings are not related; None where they agree or may differ.
+
+    Frames that are not mirror images may belong to parts that are not: there, only one mistake that explains all counts. Sides
+    that carry other joints, such as a finger with a suction pad, are other parts.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    if pair.drawn_as not in {None, "neither"} or not pair.is_named or pair.is_alike is False:
+        return None
+    one, other = (model.link_by_name[name] for name in (pair.one, pair.other))
+    first, second = get_comparable_inertial(one), get_comparable_inertial(other)
+    if first is None or second is None:
+        return None
+    deviation, slip = measure_principal_deviation(second, first), find_slip_between_twins(first, second)
+    if slip is None and not (pair.is_in_place and deviation.worst > threshold and _carry_alike(model, one, other)):
+        return None
+    if slip is None and fit_own_drawings_alike(model, one, other, threshold=threshold):
+        return None
+    return UnlikeSides(
+        one=one,
+        other=other,
+        numbers=(first, second),
+        deviation=deviation,
+        slip=slip,
+        copied=None if slip is not None else find_copied_side(model, one, other),
+        are_drawn=pair.drawn_as is not None,
+    )
+
+
+def describe_slip(slip: TwinSlip) -> str:
+    """Say which mistake it is."""
+    if slip.mistake.id == "com_unit":
+        return f"the COM in {slip.mistake.detail}"
+    return describe_mistake(slip.mistake.id, slip.mistake.detail)
+
+
+def _carry_alike(model: Model, one: Link, other: Link) -> bool:
+    """Whether equally many joints of each type hang on both links."""
+    kinds = [Counter(joint.type for joint in model.tree.child_joints[link.name]) for link in (one, other)]
+    return kinds[0] == kinds[1]
+
+
+def _format_principal_moments(numbers: DeclaredInertial) -> str:
+    return join_numbers(np.linalg.eigvalsh(numbers.inertia), digits=3)

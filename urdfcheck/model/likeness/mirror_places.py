@@ -1,0 +1,194 @@
+"""Joints that are not where, or not directed as, the other side or the other limbs put them: what to say, and the edit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.core import Edit, Location
+from urdfcheck.core.text import format_point, join_names
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair
+from urdfcheck.model.likeness.mirrored_joints import MisplacedJoint, find_misplaced_joint
+from urdfcheck.model.likeness.odd_limbs import OddNumbers, iter_odd_numbers
+from urdfcheck.model.likeness.origin_slips import (
+    OddSign,
+    OriginSlip,
+    find_origin_slips,
+    iter_coincident_twins,
+    iter_odd_signs,
+)
+from urdfcheck.model.parts import Joint
+from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_all_numbers
+from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
+from urdfcheck.model.robot import Model
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class PlaceMistake:
+    """A joint in another place or direction than its counterparts show, as a message of SYM004."""
+
+    message: str
+    joints: tuple[Joint, ...]
+    """The joints that it concerns, each of which has one mistake at most."""
+    at: Location
+    related: tuple[Location, ...]
+    data: Mapping[str, Any]
+    edits: tuple[Edit, ...] = ()
+    cause: str | None = None
+
+
+def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:
+    """Yield the mistakes in places and directions of joints, one for each joint: those with the closest evidence first.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    reported: set[str] = set()
+    for mistake in _iter_all_mistakes(model, pairs):
+        links = {joint.child for joint in mistake.joints}
+        if not links & reported:
+            reported |= links
+            yield mistake
+
+
+def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:
+    yield from map(_describe_odd_sign, iter_odd_signs(model))
+    yield from map(_describe_odd_numbers, iter_odd_numbers(model))
+    yield from map(_describe_slip, find_origin_slips(model))
+    for one, other in iter_coincident_twins(model):
+        yield _describe_coincidence(one, other)
+    for pair in pairs:
+        off = find_misplaced_joint(model, pair, pairs)
+        if off is not None:
+            yield _describe_misplaced_joint(off)
+
+
+def _describe_misplaced_joint(off: MisplacedJoint) -> PlaceMistake:
+    both = off.joint, off.twin
+    data: dict[str, Any] = {"joint": off.joint.name, "twin": off.twin.name, "between": _list_subjects(both)}
+    if off.distance:
+        at, related = (locate_origin_attribute(joint, "xyz") for joint in both)
+        back, there = off.places
+        first, second = _describe_move(off.joint, off.twin, there), _describe_move(off.twin, off.joint, back)
+        if off.carries_mirrored:
+            # What it carries must stay where it is.
+            first, second = (f"{move} and move what it carries back by as much" for move in (first, second))
+        data |= {"distance": off.distance * 1e3, "first": first, "second": second}
+        return PlaceMistake(message="origin", joints=both, at=at, related=(related,), data=data)
+    at, related = (locate_origin_attribute(joint, "rpy") if off.turned else joint.axis_location for joint in both)
+    data["angle"] = math.degrees(off.angle)
+    return PlaceMistake(message="axis", joints=both, at=at, related=(related,), data=data)
+
+
+def _describe_slip(slip: OriginSlip) -> PlaceMistake:
+    joint, twin = slip.joint, slip.twin
+    at, related = (locate_origin_attribute(one, "xyz") for one in (joint, twin))
+    attribute = joint.origin.get_attribute("xyz")
+    data = {
+        "joint": joint.name,
+        "twin": twin.name,
+        "parent": joint.parent,
+        "typed": "0 0 0" if attribute is None else attribute.value,
+        "expected": format_point(slip.expected, decimals=6),
+        "distance": float(np.linalg.norm(np.array(joint.origin.xyz or (0, 0, 0)) - slip.expected)) * 1e3,
+        "first": _describe_move(joint, twin, slip.expected),
+        "second": _describe_move(twin, joint, slip.twin_expected),
+        "between": _list_subjects((joint, twin)),
+    }
+    return PlaceMistake(message="slip", joints=(joint, twin), at=at, related=(related,), cause=slip.kind, data=data)
+
+
+def _describe_odd_sign(odd: OddSign) -> PlaceMistake:
+    joint, like = odd.joint, odd.others[0]
+    places = [one.axis_location if odd.is_axis else locate_origin_attribute(one, "xyz") for one in (joint, *odd.others)]
+    attributes = [
+        (None if one.axis_element is None else one.axis_element.attributes.get("xyz"))
+        if odd.is_axis
+        else one.origin.get_attribute("xyz")
+        for one in (joint, like)
+    ]
+    typed, expected = ("" if attribute is None else attribute.value for attribute in attributes)
+    data = {
+        "joint": joint.name,
+        "twin": like.name,
+        "like": join_names(one.name for one in odd.others),
+        "typed": typed,
+        "expected": expected,
+    }
+    edits = edit_all_numbers([(attributes[0], expected)]) if attributes[0] is not None and expected else []
+    return PlaceMistake(
+        message="reversed" if odd.is_axis else "sign",
+        joints=(joint,),
+        at=places[0],
+        related=tuple(places[1:]),
+        edits=tuple(edits),
+        data=data,
+    )
+
+
+def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
+    joint, is_axis = odd.joint, odd.attribute == "axis"
+    places = [
+        one.axis_location if is_axis else locate_origin_attribute(one, odd.attribute) for one in (joint, *odd.others)
+    ]
+    attribute, like = (
+        (None if one.axis_element is None else one.axis_element.attributes.get("xyz"))
+        if is_axis
+        else one.origin.get_attribute(odd.attribute)
+        for one in (joint, odd.others[0])
+    )
+    words = format_point(odd.expected, decimals=6).split() if like is None else like.value.split()
+    if odd.attribute == "xyz":
+        signs = ["-" if value < 0 else "" for value in odd.expected.tolist()]
+        words = [sign + word.lstrip("+-") for sign, word in zip(signs, words, strict=True)]
+    expected = " ".join(words)
+    data = {
+        "joint": joint.name,
+        "count": len(odd.others),
+        "like": join_names(one.name for one in odd.others),
+        "what": "axis" if is_axis else f"origin's {odd.attribute}",
+        "typed": "1 0 0" if attribute is None and is_axis else "0 0 0" if attribute is None else attribute.value,
+        "expected": expected,
+    }
+    return PlaceMistake(
+        message="odd",
+        joints=(joint,),
+        at=places[0],
+        related=tuple(places[1:]),
+        edits=tuple(edit_all_numbers([(attribute, expected)]) if attribute is not None else ()),
+        data=data,
+    )
+
+
+def _describe_coincidence(one: Joint, other: Joint) -> PlaceMistake:
+    at, related = (locate_origin_attribute(joint, "xyz") for joint in (one, other))
+    attribute = one.origin.get_attribute("xyz")
+    data = {
+        "joint": one.name,
+        "twin": other.name,
+        "one": one.child,
+        "other": other.child,
+        "parent": one.parent,
+        "typed": "" if attribute is None else attribute.value,
+        "between": _list_subjects((one, other)),
+    }
+    return PlaceMistake(message="coincident", joints=(one, other), at=at, related=(related,), data=data)
+
+
+def _describe_move(joint: Joint, twin: Joint, place: Array) -> str:
+    """Return the instruction that moves a joint to another position (3,) in the frame of its parent."""
+    text = format_point(place, decimals=6)
+    attributes = [one.origin.get_attribute("xyz") for one in (joint, twin)]
+    shared = attributes[0] is not None and attributes[1] is not None and attributes[0].span == attributes[1].span
+    return describe_remedy([change_numbers(attributes[0], "xyz", text)], joint.name, twin.name, shared=shared)
+
+
+def _list_subjects(joints: Sequence[Joint]) -> list[str]:
+    """Return the subjects of both sides: a stronger rule that reports either supersedes this one."""
+    return [joint.location.subject for joint in joints]

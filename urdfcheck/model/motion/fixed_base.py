@@ -1,0 +1,107 @@
+"""Whether a robot stands on the ground by itself, or its base is bolted down: arms, hands and grippers."""
+
+from __future__ import annotations
+
+import re
+
+from urdfcheck.core import FactUnavailableError
+from urdfcheck.model.fact import fact
+from urdfcheck.model.ground.support_polygon import LEG
+from urdfcheck.model.ground.wheels import rolling_wheels
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
+from urdfcheck.model.parts import GROUND_NAMES, Joint
+from urdfcheck.model.rigid_bodies import compute_body_mass
+from urdfcheck.model.robot import Model
+from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
+
+# Parts on which a robot drives, swims or flies. A base_footprint is the place of a mobile robot on the ground.
+_MOBILE_NAME = re.compile(
+    r"footprint|track(?!er)|tread|crawler|roller|rotor|propell|prop_?\d|thruster|wing|fin(?![a-z])|buoy|hull|skid",
+    re.IGNORECASE,
+)
+# Limbs that handle things; in a name like larm or r_gripper_l_finger, not in alarm or swarm.
+_HANDLING_NAME = re.compile(
+    r"(?:^|[^a-z]|(?<=[a-z])(?=[A-Z])|(?:^|[^a-z])[lr])(?:arm(?!at)|finger|thumb|gripper|jaw|hand|palm|knuckle)",
+    re.IGNORECASE,
+)
+# What fingers are on.
+_PALM_NAME = re.compile(r"hand|palm|gripper", re.IGNORECASE)
+# A single joint may be the lid of a box.
+_FEWEST_CHAIN_JOINTS = 2
+
+
+@fact
+def explain_fixed_base(model: Model) -> str:
+    """Return why the base of a robot cannot move, empty if it can.
+
+    It is what `Model.base` says. With auto, the base is fixed if the root link is named world or map or has no mass, if the
+    semantic description (SRDF) fixes it, or if the robot is an arm or a hand: one limb of several joints, or limbs that are arms
+    or fingers by name, and no wheel, leg, track or rotor.
+
+    :raises FactUnavailableError: when the tree is broken or the mass of the root is malformed or negative.
+    """
+    if model.base != "auto":
+        return "as asked" if model.base == "fixed" else ""
+    root = model.tree.root
+    if root in GROUND_NAMES:
+        return f"its root is {root}"
+    mass = compute_body_mass(model, model.tree.list_body_links(root))
+    if mass is None:
+        raise FactUnavailableError(f"the mass of link {root!r} is not known (XML005, XML007)")
+    if mass < 0:
+        raise FactUnavailableError(f"the mass of link {root!r} is negative (INR002)")
+    if not mass:
+        return f"its root {root} has no mass"
+    kinds = _list_virtual_joint_types(model)
+    if kinds:
+        return f"the SRDF fixes {root} to the world" if kinds == {"fixed"} else ""
+    return _explain_manipulator(model)
+
+
+def _list_virtual_joint_types(model: Model) -> set[str]:
+    """List how the semantic descriptions connect the root with the world."""
+    return {
+        joint.get("type").strip()
+        for srdf in semantic_descriptions(model)
+        for joint in srdf.root.find_children("virtual_joint")
+        if joint.get("child_link").strip() == model.tree.root
+    }
+
+
+def _explain_manipulator(model: Model) -> str:
+    root = model.tree.root
+    names = [*(link.name for link in model.links), *(joint.name for joint in model.joints)]
+    mobile = (LEG, WHEEL_NAME, CASTER_NAME, _MOBILE_NAME)
+    if any(pattern.search(name) for pattern in mobile for name in names) or rolling_wheels(model):
+        return ""
+    if any(joint.type in {"floating", "planar"} for joint in model.joints):
+        return ""
+    body = model.tree.list_body_links(root)
+    limbs = [joint for name in body for joint in model.tree.child_joints[name] if joint.type != "fixed"]
+    if len(limbs) == 1 and _count_chain_joints(model, limbs[0]) >= _FEWEST_CHAIN_JOINTS:
+        return f"all that moves is one limb on {root}, without wheels or legs"
+    is_hand = any(_PALM_NAME.search(name) for name in body)
+    if limbs and all(is_hand or _is_handling_limb(model, limb) for limb in limbs):
+        return f"all that moves on {root} are arms or fingers"
+    return ""
+
+
+def _count_chain_joints(model: Model, first: Joint) -> int:
+    """Count the joints that move one after the other, up to the first branch."""
+    count, following = 0, [first]
+    while len(following) == 1:
+        count += 1
+        body = model.tree.list_body_links(following[0].child)
+        following = [joint for name in body for joint in model.tree.child_joints[name] if joint.type != "fixed"]
+    return count
+
+
+def _is_handling_limb(model: Model, first: Joint) -> bool:
+    """Whether a part of a limb is named an arm, a hand or a finger."""
+    waiting = [first]
+    while waiting:
+        joint = waiting.pop()
+        if _HANDLING_NAME.search(joint.name) or _HANDLING_NAME.search(joint.child):
+            return True
+        waiting += model.tree.child_joints[joint.child]
+    return False

@@ -1,0 +1,14 @@
+"""What the names of links and joints say about wheels."""
+
+from __future__ import annotations
+
+import re
+
+WHEEL_NAME = re.compile(r"wheel|tyre|tire", re.IGNORECASE)
+# A part that carries a wheel is named after it and turns about another axis.
+WHEEL_CARRIER_NAME = re.compile(
+    r"steer|swivel|rotation|holder|fork|mount|bracket|knuckle|arm|leg|rocker|bogie|susp|axle", re.IGNORECASE
+)
+CASTER_NAME = re.compile(r"cast[eo]r", re.IGNORECASE)
+# Wheels that turn freely, or are not wheels of a vehicle, or do not touch the ground.
+NOT_DRIVEN_NAME = re.compile(r"caster|castor|roller|steer|swivel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
