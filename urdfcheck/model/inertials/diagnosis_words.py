@@ -71,6 +71,7 @@ SIZE_CAUSES = frozenset(
 # What a headline calls the numbers that are wrong; for any other cause, the inertia.
 FAULTY_NUMBERS = {
     "mass_unit": "mass",
+    "com_missing": "COM",
     "com_unit": "COM",
     "units": "units",
     "decimal_point": "number",
@@ -81,6 +82,7 @@ FAULTY_NUMBERS = {
 SHORT_CAUSES = {
     "inertia_unit": "{detail}, not kg·m²",
     "mass_unit": "{detail}, not kg",
+    "com_missing": "left at zero",
     "com_unit": "{detail}, not m",
     "units": "{detail}",
     "about_origin": "about the origin, not the COM",
