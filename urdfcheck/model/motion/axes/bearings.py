@@ -33,6 +33,8 @@ _FITS = 1.35
 # A bore beside the axis is farther away than this (m): typed digits, a mesh that is a millimetre off; and within this reach:
 # beyond it, a part has other bores.
 _BESIDE, _REACH = 2e-3, 0.035
+# A joint is not beside a bearing that is farther away than so many times the bearing's radius: it is beside a screw hole.
+_MOST_RADII = 4.0
 # Two axes are one line within this angle (rad) and distance (m).
 _SAME_ANGLE, _SAME_PLACE = 0.02, 2e-3
 # A bore may be that of another joint whose origin is so near (m): the second jaw of a gripper.
@@ -137,6 +139,8 @@ def compare_bearing(
         if (fit := _find_fit(line.rings, hubs)) and not _is_axis_of(line, others)
     ]
     beside = [one for one in beside if one[0] > _BESIDE]
+    if any(distance > _MOST_RADII * max(ring.radius for ring in fit) for distance, _, fit in beside):
+        return None
     if beside and all(np.linalg.norm(line.point - beside[0][1].point) < _BESIDE for _, line, _ in beside):
         amount, line, (bore, hub) = beside[0]
         return BearingMismatch(
