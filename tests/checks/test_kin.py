@@ -334,3 +334,22 @@ def test_a_child_named_after_a_part_means_the_link_below_it_that_has_no_parent(t
     assert (finding.message_id, finding.data["near"]) == ("near", "wheel/body")
     (open_question,) = check_text(tmp_path, robot(*parts), codes={"KIN002"}).findings
     assert open_question.message_id == "unknown"
+
+
+@pytest.mark.parametrize(
+    ("name", "parent", "slip"),
+    [
+        ("imu_joint", "base", "write imu_link as the child of imu_joint; otherwise "),
+        ("imu_mount", "base", ""),  # its name leads nowhere
+        ("imu_joint", "imu_link", ""),  # it starts from that link
+    ],
+)
+def test_a_copied_child_is_named_by_the_joint(tmp_path: Path, name: str, parent: str, slip: str) -> None:
+    links = "".join(f'<link name="{link}"/>' for link in ("base", "camera_link", "imu_link"))
+    joints = joint(name, parent, "camera_link", kind="fixed") + joint(
+        "camera_joint", "base", "camera_link", kind="fixed"
+    )
+    run = check_text(tmp_path, f'<robot name="r">{links}{joints}</robot>', codes={"KIN003"})
+    (finding,) = run.findings
+    assert finding.data["slip"] == slip
+    assert finding.location.subject.startswith(f"joint[{name if slip else 'camera_joint'}]")

@@ -526,6 +526,23 @@ def test_parts_that_differ_as_they_are_drawn_have_other_inertials(tmp_path: Path
     assert ("moments" in {finding.message_id for finding in found}) is not own
 
 
+@pytest.mark.parametrize(("offset", "found"), [(0.002, False), (0.004, True)])
+def test_coms_that_are_off_their_own_drawings_alike_are_right(tmp_path: Path, offset: float, found: bool) -> None:
+    """The right hand is drawn a millimetre further, and both COMs are two off their drawing: what is not drawn is heavy."""
+    robot = copy.deepcopy(ROBOT)
+    old = robot.find("link[@name='right_hand']")
+    assert old is not None
+    robot.remove(old)
+    moved = [(size, (x + 0.001, -y, z)) for size, (x, y, z) in PARTS["hand"][0]]
+    robot.append(make_box_link("right_hand", moved))
+    for side, added in (("left", 0.002), ("right", offset)):
+        origin = robot.find(f"link[@name='{side}_hand']/inertial/origin")
+        assert origin is not None
+        x, y, z = (float(word) for word in origin.attrib["xyz"].split())
+        origin.set("xyz", f"{x + added} {y} {z}")
+    assert bool([f for f in find_mirror_defects(tmp_path, robot) if f.code == "SYM004"]) is found
+
+
 def test_limits_that_slipped_by_one_joint_are_one_finding(tmp_path: Path) -> None:
     robot = copy.deepcopy(ROBOT)
     limits = [robot.find(f"joint[@name='right_{part}_joint']/limit") for part in PARTS]
