@@ -80,6 +80,8 @@ class TestNAM003:
         ("name", "file", "found"),
         [
             ("quadroped", "quadruped", True),
+            ("anymal_quadropd", "anymal_quadruped", True),
+            ("ezgripper_stand_alone", "ezgripper_quad_standalone", False),
             ("allegro_hand_left", "allegro_left_hand", False),
             ("left_gripper", "gripper_left", False),
             ("solo", "solo12", False),
