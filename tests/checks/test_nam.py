@@ -87,7 +87,6 @@ class TestNAM003:
             ("solo", "solo12", False),
             ("kr10r900", "kr10r1100", False),
             ("panda", "pando", False),
-            ("ezgripper_stand_alone", "ezgripper_quad_standalone", False),  # a word more
         ],
     )
     def test_misspelt(self, tmp_path: Path, name: str, file: str, found: bool) -> None:

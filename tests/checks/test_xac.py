@@ -792,7 +792,10 @@ def test_an_end_tag_that_cannot_be_told_leaves_the_file_as_it_is(tmp_path: Path)
     assert finding.subjects == ("if", "if/if")
 
 
-INERTIA = '<xacro:macro name="inertia_of" params="m"><inertia ixx="${m}" ixy="0" ixz="0" iyy="${m}" iyz="0" izz="${m}"/></xacro:macro>'
+INERTIA = (
+    '<xacro:macro name="inertia_of" params="m">'
+    '<inertia ixx="${m}" ixy="0" ixz="0" iyy="${m}" iyz="0" izz="${m}"/></xacro:macro>'
+)
 
 
 @pytest.mark.parametrize(("macro", "expected"), [(INERTIA, ["XAC007"]), (WHEEL, ["XML005", "XAC007"])])

@@ -239,7 +239,7 @@ def _find_slipped_moment(model: Model, declared: DeclaredTensor) -> TensorSlip |
 
 @fact
 def has_many_slips(model: Model) -> bool:
-    """Whether a decimal point would have slipped in more than `_MOST_SLIPS` links with different numbers: then it is no slip."""
+    """Whether a decimal point would have slipped in more than `_MOST_SLIPS` links with different numbers: then it is not a slip."""
     slipped = set()
     for declared in model.tensors:
         validity = check_inertia_validity(declared.tensor, TRIANGLE_SLACK)
@@ -279,7 +279,7 @@ def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialPropos
 
 
 def _may_be_about_origin(model: Model, link: Link, slip: TensorSlip) -> bool:
-    """Whether the tensor may as well be one of positive notation: also about the link's origin, as CAD programs print it.
+    """Whether the tensor may also be one of positive notation: also about the link's origin, as CAD programs print it.
 
     Where the drawn part is known, it has to be nearer to that.
     """

@@ -109,7 +109,7 @@ def find_slipped_moment(components: Sequence[float], drawn: Mat3) -> TensorSlip 
 
     ``drawn`` (3, 3): the tensor of the drawn part, or of what replaces it, at the same mass and in the same axes: with the moment
     multiplied by a power of ten, all three must be within `_ALIKE` of it up to one factor, and that factor itself within `_SIZE`
-    (another unit is no slip of one number); no other moment may fit too.
+    (another unit is not a slip of one number); no other moment may fit too.
     """
     slips = []
     for i in _MOMENTS:
