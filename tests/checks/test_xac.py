@@ -792,6 +792,37 @@ def test_an_end_tag_that_cannot_be_told_leaves_the_file_as_it_is(tmp_path: Path)
     assert finding.subjects == ("if", "if/if")
 
 
+INERTIA = '<xacro:macro name="inertia_of" params="m"><inertia ixx="${m}" ixy="0" ixz="0" iyy="${m}" iyz="0" izz="${m}"/></xacro:macro>'
+
+
+@pytest.mark.parametrize(("macro", "expected"), [(INERTIA, ["XAC007"]), (WHEEL, ["XML005", "XAC007"])])
+def test_a_call_in_the_file_of_another_package_is_told_there_and_not_what_it_would_make(
+    tmp_path: Path, macro: str, expected: list[str]
+) -> None:
+    call = '<inertia_of m="1"/>' if macro is INERTIA else '<wheel name="1"/>'
+    arm = f'<link name="arm"><inertial><mass value="1"/>{call}</inertial></link>'
+    files = {
+        "src/arm/package.xml": "<package><name>arm</name></package>",
+        "src/arm/urdf/parts.xacro": HEAD + macro + f'<xacro:macro name="arm">{arm}</xacro:macro></robot>',
+        "src/cell/package.xml": "<package><name>cell</name><depend>arm</depend></package>",
+        "src/cell/cell.urdf.xacro": HEAD
+        + '<xacro:include filename="$(find arm)/urdf/parts.xacro"/><xacro:arm/></robot>',
+        ".git/HEAD": "",
+    }
+    model = write(tmp_path, files) / "src/cell/cell.urdf.xacro"
+    found = find_in_folder(model, {"XAC007", "XML005", "XML003"})
+    assert [f.code for f in found if f.severity == Severity.ERROR] == expected
+
+
+@pytest.mark.parametrize(("call", "expected"), [('<wheel name="a"/>', ["XAC007"]), ("<tyre/>", None)])
+def test_robot_of_calls_without_the_prefix_is_a_model(tmp_path: Path, call: str, expected: list[str] | None) -> None:
+    write(tmp_path, {"parts.xacro": HEAD + WHEEL + "</robot>"})
+    text = HEAD + '<xacro:include filename="parts.xacro"/>' + call + "</robot>"
+    run = check_text(tmp_path, text, "car.urdf.xacro", codes={"XAC007", "KIN007", "XML003"})
+    assert [f.code for f in run.findings if f.severity == Severity.ERROR] == (expected or [])
+    assert bool(run.skipped) == (expected is None)
+
+
 def test_xacro_tags_in_a_plain_urdf_are_a_warning(tmp_path: Path) -> None:
     text = '<robot name="r"><link name="a"/><property name="b" value="1"/></robot>'
     finding = only(check_text(tmp_path, text, codes={"XAC007", "XML003"}))

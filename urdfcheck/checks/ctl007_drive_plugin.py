@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import format_name_hint
+from urdfcheck.core.text import find_nearest_name, format_name_hint
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
@@ -38,9 +38,13 @@ def _check_plugin(model: Model, rule: Rule, plugin: Element, rel_tol: float) -> 
     unknown = [element for element in (*left, *right) if element.text.strip() not in model.joint_by_name]
     for element in unknown:
         name = element.text.strip()
-        near = format_name_hint(name, model.joint_by_name)
+        near = _describe_near(model, name)
         yield rule.finding("unknown", at=element, severity=Severity.ERROR, joint=name, near=near)
-    if unknown or not left or not right:
+    known = [element for element in (*left, *right) if element not in unknown]
+    fixed = [element for element in known if model.joint_by_name[element.text.strip()].type == "fixed"]
+    for element in fixed:
+        yield rule.finding("fixed", at=element, severity=Severity.ERROR, joint=element.text.strip())
+    if unknown or fixed or not left or not right:
         return
     from urdfcheck.model.ground.drive_wheels import measure_wheel_radii, measure_wheel_separations
 
@@ -53,6 +57,13 @@ def _check_plugin(model: Model, rule: Rule, plugin: Element, rel_tol: float) -> 
             for element in plugin.find_children(tag):
                 separations = measure_wheel_separations(model, one, other)
                 yield from _compare(rule, "separation", element, separations, rel_tol, one, other)
+
+
+def _describe_near(model: Model, name: str) -> str:
+    """Describe the moving joint with the nearest name; where only a fixed one is near, what it lacks."""
+    near = format_name_hint(name, (joint.name for joint in model.joints if joint.is_movable))
+    fixed = "" if near else find_nearest_name(name, model.joint_by_name)
+    return f" ({fixed!r} is a fixed joint: it has to be continuous too)" if fixed else near
 
 
 def _list_radii(plugin: Element) -> Iterator[tuple[Element, float]]:

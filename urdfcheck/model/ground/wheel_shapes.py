@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from urdfcheck.model.ground.wheels import Wheel, rolling_wheels
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_shape_corners
@@ -38,6 +40,9 @@ def find_wheel_size_differences(model: Model, *, ratio: float) -> Iterator[Wheel
         link = model.link_by_name[wheel.joint.child]
         if not link.collisions or not link.visuals:
             continue
+        reaches = [_measure_reach(model, wheel, shapes) for shapes in (link.visuals, link.collisions)]
+        if min(reaches) * ratio >= max(reaches):
+            continue
         drawn = _measure_round_shapes(model, wheel, link.visuals)
         collides = None if drawn is None else _measure_round_shapes(model, wheel, link.collisions)
         if drawn is None or collides is None:
@@ -46,6 +51,17 @@ def find_wheel_size_differences(model: Model, *, ratio: float) -> Iterator[Wheel
             continue
         if not 1 / ratio <= collides.radius / drawn.radius <= ratio:
             yield WheelSizeDifference(wheel, collides.radius, drawn.radius)
+
+
+def _measure_reach(model: Model, wheel: Wheel, shapes: tuple[Shape, ...]) -> float:
+    """Measure the radius (m) of shapes about a wheel's axis, whether they are round or not, which costs more to find out; 0 where
+    a shape is not known."""
+    points = collect_shape_corners(model, shapes)
+    if points is None or not len(points):
+        return 0.0
+    axis = model.frames[wheel.joint.child][:3, :3].T @ wheel.axis
+    squares = np.einsum("ij,ij->i", points, points) - (points @ axis) ** 2
+    return float(np.sqrt(max(squares.max(), 0.0)))
 
 
 def _measure_round_shapes(model: Model, wheel: Wheel, shapes: tuple[Shape, ...]) -> RoundOutline | None:

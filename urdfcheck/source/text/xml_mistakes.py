@@ -18,6 +18,8 @@ _ENTITIES = frozenset({"amp", "lt", "gt", "quot", "apos"})
 _TYPOGRAPHIC = "“”„‟″‘’‚′«»"
 # How much of a name is shown.
 _MOST_SHOWN = 60
+# An end tag whose slash expat does not accept: outside of the root element no tag may begin so.
+_END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +99,10 @@ def _describe_tag(text: str, at: int) -> XmlMistake | None:
     if begin < 0:
         return None
     inside, here = text[begin + 1 : at], text[at : at + 1]
+    end = None if inside.strip("/") else _END_TAG.match(text, begin)
+    if end is not None:  # after the root element: inside it, expat names the tag that does not fit
+        tag = _shorten(end[1])
+        return XmlMistake(f"a second `</{tag}>` closes nothing", *end.span(), repair="delete it")
     if not inside.strip("/!-"):
         shown = "a blank" if here.isspace() else f"`{here}`"
         message = f"`<` begins a tag, but {shown} does not begin a name"
