@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from builders import arm_on_base, box, find, inertial, joint, link, robot, visual
-from castings import format_inertial, steiner
+from castings import CASTING, drawn_boxes, edited, format_inertial, geometry, steiner, uniform
 
 from urdfcheck.core import Finding, Severity
+from urdfcheck.facts.inertials.certainty import has_coarse_products
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
 
@@ -155,3 +157,79 @@ def test_a_com_that_was_left_at_zero_is_said_in_words(tmp_path: Path) -> None:
     assert finding.message.endswith("Mass and tensor are the drawn part's: only the COM is missing")
     assert finding.fix is not None
     assert 'write xyz="0 0 0.3"' in finding.fix.title
+
+
+# -- one link ------------------------------------------------------------------------------------------------------------
+
+MIRROR = np.diag((1.0, -1.0, 1.0))
+DRAWN = geometry(CASTING)
+TRUE = uniform(DRAWN.solid)
+
+
+def find_disagreeing(folder: Path, numbers: DeclaredInertial, digits: int = 8) -> list[Finding]:
+    return find(folder, arm_on_base(format_inertial(numbers, digits), drawn_boxes(CASTING)), "INR009")
+
+
+def test_a_tensor_that_was_not_mirrored_keeps_its_com(tmp_path: Path) -> None:
+    numbers = replace(TRUE, tensor=MIRROR @ TRUE.tensor @ MIRROR)
+    (finding,) = find_disagreeing(tmp_path, numbers)
+    assert finding.cause is not None
+    assert finding.cause.id == "unmirrored"
+    assert finding.headline == "arm: wrong inertia (not mirrored)"
+    assert finding.fix is not None
+    assert finding.fix.edits
+    assert "xyz" not in finding.fix.title
+    text = arm_on_base(format_inertial(numbers), drawn_boxes(CASTING))
+    assert not find(tmp_path / "repaired", edited(text, finding.fix.edits), "INR009")
+
+
+def test_a_com_and_tensor_that_were_not_mirrored_are_both_written(tmp_path: Path) -> None:
+    numbers = replace(TRUE, com=MIRROR @ TRUE.com, tensor=MIRROR @ TRUE.tensor @ MIRROR)
+    (finding,) = find_disagreeing(tmp_path, numbers)
+    assert finding.headline == "arm: wrong COM and inertia (not mirrored)"
+
+
+def test_products_of_one_digit_that_are_next_to_nothing_have_no_sign() -> None:
+    """The thinnest direction of a plate shows products of 0.7 % of the largest moment."""
+    plate = geometry((((0.3, 0.3, 0.02), (0.0, 0.0, 0.0)), ((0.02, 0.02, 0.1), (0.1, 0.1, 0.04))))
+    part = uniform(plate.solid)
+    unit = float(part.tensor.diagonal().max())
+    for digits, share in ((0, 0.007), (3, 0.007123)):
+        products = share * unit * np.array([[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]])
+        products = np.vectorize(lambda value, digits=digits: float(f"{value:.{digits}e}"))(products)
+        declared = replace(part, tensor=np.diag(part.tensor.diagonal()) + products)
+        assert has_coarse_products(declared) == (digits == 0)
+
+
+@pytest.mark.parametrize("signs", [1.0, -1.0])
+def test_a_com_that_was_never_filled_in_beside_tensors_about_the_origin(tmp_path: Path, signs: float) -> None:
+    other_signs = np.where(np.eye(3, dtype=bool), 1.0, signs)
+    numbers = []
+    for i in range(5):
+        part = make_part(i)
+        place = np.array((0.0, 0.0, 0.05))
+        tensor = (part.tensor + steiner(part.mass, place)) * other_signs
+        numbers.append(DeclaredInertial(part.mass, np.zeros(3), tensor))
+    (finding,) = find(tmp_path, make_chain(numbers), {"INR009", "INR005"})
+    assert finding.message_id == "habit"
+    assert finding.headline == "5 of 5 links: wrong COM and inertia (COM left at zero)"
+    assert "COM left at zero: tensor about the link's origin" in finding.message
+
+
+@pytest.mark.parametrize(("masses", "is_placeholder"), [((0.3, 0.5, 2.0), True), ((0.3, 0.3, 0.3), False)])
+def test_one_tensor_of_a_line_for_links_of_all_masses_is_a_placeholder(
+    tmp_path: Path, masses: tuple[float, ...], is_placeholder: bool
+) -> None:
+    parts = [link("base")]
+    for i, mass in enumerate(masses):
+        parts += [
+            joint(f"j{i}", "base", f"l{i}", kind="continuous", xyz=f"0 0 {i}"),
+            link(f"l{i}", inertial(mass, ixx="1.0", iyy="1.0", izz="0.0")),
+        ]
+    found = find(tmp_path, robot(*parts), "INR004")
+    assert found
+    for finding in found:
+        assert finding.message_id == "line"
+        assert finding.fix is not None
+        assert ("third moment" in finding.fix.title) != is_placeholder
+        assert ("3 links of 0.3 to 2 kg have these numbers (1, 1, 0)" in finding.message) == is_placeholder

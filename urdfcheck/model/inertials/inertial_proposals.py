@@ -362,13 +362,14 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
 
 
 def _leaves_com_off(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
-    """Whether a repair moves the COM to a place that is far from the drawn part's, and not much nearer than before."""
+    """Whether a repair moves the COM to a place that is far from the drawn part's and not much nearer, or farther than before."""
     drawn, mended = measure_link_geometry(model, link), diagnosed.diagnosis.mended
     if drawn is None or mended is None or diagnosed.diagnosis.judged_by != "mesh":
         return False
     before, after = (float(np.linalg.norm(com - drawn.solid.com)) for com in (diagnosed.declared.com, mended.com))
     is_moved = float(np.linalg.norm(mended.com - diagnosed.declared.com)) > 0.0
-    return is_moved and after > _FAR_COM * max(before, measure_extent(drawn.points))
+    is_worse = drawn.closed and after > before
+    return is_moved and (is_worse or after > _FAR_COM * max(before, measure_extent(drawn.points)))
 
 
 def is_evident(diagnosis: Diagnosis) -> bool:
