@@ -1009,3 +1009,49 @@ def test_a_default_that_leads_nowhere_is_not_proposed(tmp_path: Path) -> None:
     assert finding.fix is not None
     assert "--arg model:=long" in finding.fix.title
     assert finding.message.endswith("there are long, short")
+
+
+@pytest.mark.parametrize(
+    ("files", "call", "hint"),
+    [
+        # The file that defines what is called, not one of a similar name that defines something else.
+        ({"grip_quad.xacro": "quad", "grip_dual_gen2.xacro": "dual"}, "<xacro:dual/>", "'grip_dual_gen2.xacro'"),
+        ({"grip_quad.xacro": "quad", "grip_dual_gen2.xacro": "dual"}, "<dual/>", "'grip_dual_gen2.xacro'"),
+        ({"grip_quad.xacro": "quad"}, "<xacro:dual/>", None),
+        ({"grip_daul.xacro": "dual", "other.xacro": "dual"}, "<xacro:dual/>", "'grip_daul.xacro'"),
+        ({"grip_daul.xacro": None}, "<xacro:dual/>", "'grip_daul.xacro'"),  # it may include what defines the macro
+        ({"grip_daul.xacro": "quad"}, "", "'grip_daul.xacro'"),
+    ],
+)
+def test_proposed_file_defines_the_macro_that_is_called(
+    tmp_path: Path, files: dict[str, str | None], call: str, hint: str | None
+) -> None:
+    for name, macro in files.items():
+        inside = "" if macro is None else f'<xacro:macro name="{macro}"><link name="{macro}"/></xacro:macro>'
+        write(tmp_path, {name: HEAD + inside + "</robot>"})
+    finding = only(xacro(tmp_path, f'<xacro:include filename="grip_dual.xacro"/>{call}', {"XAC001"}))
+    assert finding.message_id == "file-missing"
+    assert finding.data["hint"] == (f" (did you mean {hint}?)" if hint else "")
+
+
+@pytest.mark.parametrize(
+    ("path", "found"),
+    [
+        ("file://$(find arm)/meshes/base.stl", False),
+        ("$(find arm)/meshes/base.stl", False),
+        ("$(find arm)/a.stl", True),
+    ],
+)
+def test_one_mesh_by_its_package_and_by_its_path_is_no_difference(tmp_path: Path, path: str, found: bool) -> None:
+    body = '<link name="a"><visual><geometry><mesh filename="{}"/></geometry></visual></link><link name="b"/>'
+    body += '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>'
+    files = {
+        "arm/package.xml": "<package><name>arm</name></package>",
+        "arm/urdf/arm.urdf": '<robot name="r">' + body.format("package://arm/meshes/base.stl"),
+        "arm/urdf/arm.urdf.xacro": HEAD + body.format(path),
+        ".git/HEAD": "",
+    }
+    run = check(write(tmp_path, files), codes={"XAC015"}, options={"XAC015": {"links": 2}})
+    assert bool(run.findings) == found
+    # Neither the message nor the data names a folder of the machine.
+    assert str(tmp_path) not in str([(f.message, f.data) for f in run.findings])

@@ -239,7 +239,7 @@ def _find_slipped_moment(model: Model, declared: DeclaredTensor) -> TensorSlip |
 
 @fact
 def has_many_slips(model: Model) -> bool:
-    """Whether a decimal point would have slipped in more than `_MOST_SLIPS` links with different numbers: then it is not a slip."""
+    """Whether a decimal point seems to have slipped in more than `_MOST_SLIPS` links with different numbers: not by a slip."""
     slipped = set()
     for declared in model.tensors:
         validity = check_inertia_validity(declared.tensor, TRIANGLE_SLACK)

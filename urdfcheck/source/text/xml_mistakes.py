@@ -43,7 +43,7 @@ def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]
     """
     message = ErrorString(code)
     if not text.strip():
-        return XmlMistake("the file is empty", at, at)
+        return XmlMistake("the file is empty", at, at, "write its content, or delete the file and what includes it")
     describe = {
         errors.XML_ERROR_INVALID_TOKEN: _describe_token,
         errors.XML_ERROR_TAG_MISMATCH: _describe_end_tag,
