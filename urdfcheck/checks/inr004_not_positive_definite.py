@@ -267,7 +267,7 @@ def _describe_placeholders(lines: Sequence[DeclaredTensor]) -> dict[tuple[float,
     return described
 
 
-def _collect_line_data(message: str, placeholder: str | None) -> dict[str, str]:
+def _collect_line_data(message: str, placeholder: str | None) -> dict[str, Any]:
     if message != "line":
         return {}
     remedy = "write the third moment too: ½·m·r² for a bar of mass m and radius r"
