@@ -14,6 +14,7 @@ from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.inertials.certainty import has_coarse_products
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
+from urdfcheck.model.inertials.diagnosis_words import compare_sizes
 
 # Edges in m of parts that differ, and the axes of their joints.
 EDGES = ((0.1, 0.08, 0.3), (0.12, 0.1, 0.25), (0.09, 0.11, 0.2), (0.07, 0.06, 0.15), (0.08, 0.05, 0.12))
@@ -233,3 +234,12 @@ def test_one_tensor_of_a_line_for_links_of_all_masses_is_a_placeholder(
         assert finding.fix is not None
         assert ("third moment" in finding.fix.title) != is_placeholder
         assert ("3 links of 0.3 to 2 kg have these numbers (1, 1, 0)" in finding.message) == is_placeholder
+
+
+@pytest.mark.parametrize(
+    ("moments", "words"),
+    [((0.2, 1.0, 0.25), "one moment 5× too small"), ((0.2, 0.2, 1.0), "two moments 5× too small")],
+)
+def test_moments_that_are_wrong_alike_are_counted(moments: tuple[float, ...], words: str) -> None:
+    wrong, right = np.sort(np.array(moments)), np.ones(3)
+    assert compare_sizes(wrong, right, "{inertia} {factor}× too {size}", digits=2) == words

@@ -191,7 +191,7 @@ def test_a_hull_says_nothing_about_the_com(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers), visual(mesh("part.stl"))), {"INR009"})
     assert finding.cause is not None
     assert finding.cause.id == "convex_hull"
-    assert "the COM stays 12 mm off" in finding.message
+    assert "the COM is 12 mm off" in finding.message
     assert " 0 mm off" not in finding.message
 
 

@@ -64,7 +64,8 @@ def can_be_named(
         return False
     if ranking.best.id in _UNITS and not _shows_unit(declared, reference, ranking):
         return False
-    if ranking.best.id in _SIGNS and has_coarse_products(declared):
+    is_of_com = ranking.best.detail.startswith("com ")
+    if ranking.best.id in _SIGNS and not is_of_com and has_coarse_products(declared):
         return False
     least = TWIN_LIKE if reference.twin is not None else EFFECT
     if is_of_file:
