@@ -80,12 +80,13 @@ class TestNAM003:
         ("name", "file", "found"),
         [
             ("quadroped", "quadruped", True),
+            ("anymal_quadropd", "anymal_quadruped", True),
+            ("ezgripper_stand_alone", "ezgripper_quad_standalone", False),
             ("allegro_hand_left", "allegro_left_hand", False),
             ("left_gripper", "gripper_left", False),
             ("solo", "solo12", False),
             ("kr10r900", "kr10r1100", False),
             ("panda", "pando", False),
-            ("ezgripper_stand_alone", "ezgripper_quad_standalone", False),  # a word more
         ],
     )
     def test_misspelt(self, tmp_path: Path, name: str, file: str, found: bool) -> None:

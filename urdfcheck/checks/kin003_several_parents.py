@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
-
-# What the name of a joint adds to that of the link to which it leads.
-_JOINT_WORD = re.compile(r"_?joint$", re.IGNORECASE)
+from urdfcheck.model.repairs.edits import edit_values
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -19,28 +16,31 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for link, joints in graph.map_parent_joints().items():
         # The joints of a loop are KIN004's, the second joint of a name is KIN001's.
         counted = [j for j in joints if j not in in_loops and (not j.name or model.joint_by_name[j.name] is j)]
-        if len(counted) > 1:
-            slips = [(j, meant) for j in counted if (meant := _guess_child(graph, j)) is not None]
-            at = slips[0][0] if len(slips) == 1 else counted[1]
+        meant = graph.find_meant_child(counted) if len(counted) == 2 else None
+        if meant is not None:
+            yield _build_slip_finding(rule, graph, *meant, other=next(j for j in counted if j is not meant[0]))
+        elif len(counted) > 1:
             yield rule.finding(
                 "several",
-                at=at.child_location,
-                related=[j.child_location for j in counted if j is not at],
-                slip=f"write {slips[0][1]} as the child of {at.name}; otherwise " if len(slips) == 1 else "",
+                at=counted[1].child_location,
+                related=[j.child_location for j in counted if j is not counted[1]],
                 link=link,
                 joints=", ".join(f"{j.name} (from {j.parent})" for j in counted),
                 parents=[j.parent for j in counted],
             )
 
 
-def _guess_child(graph: KinematicGraph, joint: Joint) -> str | None:
-    """Return the link to which a joint leads by its name, if no joint leads there and the joint does not start from it."""
-    parents = graph.map_parent_joints()
-    stem = _JOINT_WORD.sub("", joint.name)
-    above = {joint.parent}
-    queue = [joint.parent]
-    while queue:
-        queue = [one.parent for name in queue for one in parents.get(name, ()) if one.parent not in above]
-        above.update(queue)
-    named = [link for link in graph.links if link in {stem, f"{stem}_link"} and link not in above]
-    return next((link for link in named if not parents.get(link)), None) if stem else None
+def _build_slip_finding(rule: Rule, graph: KinematicGraph, joint: Joint, meant: str, *, other: Joint) -> Finding:
+    """Report a joint that names the child of another joint instead of the one it was made for, which is then a second root."""
+    return rule.finding(
+        "slip",
+        at=joint.child_location,
+        related=[other.child_location],
+        edits=() if joint.child_attribute is None else edit_values([(joint.child_attribute, meant)]),
+        explains=[f"KIN005 link[{link}]" for link in graph.links] if len(graph.find_components()) == 2 else [],
+        joint=joint.name,
+        link=joint.child,
+        meant=meant,
+        other=other.name,
+        parents=[joint.parent, other.parent],
+    )

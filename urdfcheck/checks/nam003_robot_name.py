@@ -15,8 +15,9 @@ _GENERIC_WORDS = frozenset({
     "description", "descriptions", "support", "model", "models", "robot", "robots", "urdf", "xacro", "gazebo", "ros",
     "ros2", "moveit", "config", "bringup", "resources", "sim", "simulation", "package", "pkg", "common", "data",
 })  # fmt: skip
-# A slip of the keyboard changes, adds or drops so many letters at most.
-_MOST_LETTERS = 2
+# Letters that are added, left out or replaced.
+_MOST_LETTERS_APART = 2
+_MIN_SIMILARITY = 0.85
 _MIN_LETTERS = 6
 
 
@@ -64,6 +65,13 @@ def _is_misspelt_name(name: str, stem: str) -> bool:
     if min(len(a), len(b)) < _MIN_LETTERS or _is_related_name(name, stem) or sorted(a) == sorted(b):
         return False
     same_digits = re.findall(r"\d", a) == re.findall(r"\d", b)
-    changes = difflib.SequenceMatcher(None, a, b, autojunk=False).get_opcodes()
-    letters = sum(max(i2 - i1, j2 - j1) for tag, i1, i2, j1, j2 in changes if tag != "equal")
-    return same_digits and letters <= _MOST_LETTERS
+    return same_digits and _are_letters_apart(a, b)
+
+
+def _are_letters_apart(a: str, b: str) -> bool:
+    """Whether two texts are alike, and differ in two letters at most."""
+    matcher = difflib.SequenceMatcher(None, a, b)
+    if matcher.ratio() < _MIN_SIMILARITY:
+        return False
+    changed = sum(max(i2 - i1, j2 - j1) for tag, i1, i2, j1, j2 in matcher.get_opcodes() if tag != "equal")
+    return changed <= _MOST_LETTERS_APART
