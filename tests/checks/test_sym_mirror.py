@@ -163,13 +163,15 @@ def model_of(folder: Path, robot: Robot) -> Model:
     return Model(source=source, robot=source.root)
 
 
+@pytest.mark.parametrize("kind", ["revolute", "fixed"])
 @pytest.mark.parametrize(("x", "found"), [(-0.767, False), (-0.757, True)])
-def test_origins_that_are_mirrored_to_the_digit_are_in_place(tmp_path: Path, x: float, found: bool) -> None:
+def test_origins_that_are_mirrored_to_the_digit_are_in_place(tmp_path: Path, x: float, found: bool, kind: str) -> None:
     """The chassis is rotated by 1.57, and its long body tilts the plane of the root by a millimetre."""
     robot = ET.Element("robot", name="car")
     robot.append(make_box_link("base", [((0.1, 0.1, 0.1), (0, 0, 0))]))
     robot.append(make_box_link("chassis", [((1.5, 4.0, 0.5), (0, 0, 0.5))]))
     robot.append(make_motor_joint("base_chassis", "base", "chassis", (1.45, 0, 0), (0, 0, 1), (-1, 1)))
+    robot[-1].set("type", kind)
     mount = robot[-1].find("origin")
     assert mount is not None
     mount.set("rpy", "0 0 1.57")
@@ -181,6 +183,9 @@ def test_origins_that_are_mirrored_to_the_digit_are_in_place(tmp_path: Path, x: 
     findings = [f for f in find_mirror_defects(tmp_path, robot) if f.message_id in {"origin", "slip"}]
     assert bool(findings) is found
     assert all("front_right" in f.message for f in findings)
+    if not found:
+        normal = pairs_of(tmp_path, robot)["front_left"].plane.normal
+        assert abs(float(normal[1])) == pytest.approx(np.sin(1.57), abs=1e-9)
 
 
 # -- one defect at a time ----------------------------------------------------------------------------------------------
