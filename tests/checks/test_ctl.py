@@ -396,3 +396,24 @@ def test_the_spelling_of_indigo_is_one_info(tmp_path: Path) -> None:
 )
 def test_transmissions_of_other_readers_are_left_alone(tmp_path: Path, body: str) -> None:
     assert nesting(tmp_path, body + CLASSIC) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "named", "message", "near"),
+    [
+        ("continuous", "left_wheel", None, ""),
+        ("continuous", "left_whel", "unknown", " (did you mean 'left_wheel'?)"),
+        ("fixed", "left_wheel", "fixed", None),
+        ("fixed", "left_whel", "unknown", " ('left_wheel' is a fixed joint: it has to be continuous too)"),
+    ],
+)
+def test_a_drive_plugin_turns_joints_that_move(
+    tmp_path: Path, kind: str, named: str, message: str | None, near: str | None
+) -> None:
+    plugin = (
+        f'<gazebo><plugin filename="libgazebo_ros_diff_drive.so"><left_joint>{named}</left_joint></plugin></gazebo>'
+    )
+    text = make_cart(plugin, '<link name="base"/>' + axle("left", 0.1).replace("continuous", kind))
+    findings = check_text(tmp_path, text, codes={"CTL007"}).findings
+    assert [f.message_id for f in findings] == ([] if message is None else [message])
+    assert all(f.severity is Severity.ERROR and f.data.get("near") == near for f in findings)

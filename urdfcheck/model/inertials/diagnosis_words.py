@@ -14,6 +14,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_principal_moments,
     compute_solid_inertia,
 )
+from urdfcheck.facts.inertials.mistakes.mixing_mistakes import ABOUT_ORIGIN, TENSOR_ALONE
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import APPROXIMATIONS, SIMILAR, measure_difference
@@ -71,6 +72,7 @@ SIZE_CAUSES = frozenset(
 # What a headline calls the numbers that are wrong; for any other cause, the inertia.
 FAULTY_NUMBERS = {
     "mass_unit": "mass",
+    "com_missing": "COM",
     "com_unit": "COM",
     "units": "units",
     "decimal_point": "number",
@@ -81,6 +83,7 @@ FAULTY_NUMBERS = {
 SHORT_CAUSES = {
     "inertia_unit": "{detail}, not kg·m²",
     "mass_unit": "{detail}, not kg",
+    "com_missing": "COM left at zero",
     "com_unit": "{detail}, not m",
     "units": "{detail}",
     "about_origin": "about the origin, not the COM",
@@ -220,8 +223,16 @@ def _describe_fault(cause: str, detail: str, *, size: str, apart: str, is_certai
         return f"COM {apart} off"
     if cause in SIZE_CAUSES and size:
         return size
-    faulty = "COM" if detail.startswith("com ") else FAULTY_NUMBERS.get(cause, "inertia")
-    return f"{'wrong' if is_certain else 'suspect'} {faulty}"
+    return f"{'wrong' if is_certain else 'suspect'} {name_faulty_numbers(cause, detail)}"
+
+
+def name_faulty_numbers(cause: str, detail: str) -> str:
+    """Name the numbers that are wrong, for a headline."""
+    if detail.endswith(TENSOR_ALONE):
+        return "inertia"
+    if detail == ABOUT_ORIGIN:
+        return "COM and inertia"
+    return "COM" if detail.startswith("com ") else FAULTY_NUMBERS.get(cause, "inertia")
 
 
 def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None) -> str:
