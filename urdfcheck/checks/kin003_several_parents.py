@@ -31,7 +31,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _build_slip_finding(rule: Rule, graph: KinematicGraph, joint: Joint, meant: str, *, other: Joint) -> Finding:
-    """Report a joint that names the child of another joint, so that its link is a second root."""
+    """Report a joint that names the child of another joint instead of the one it was made for, which is then a second root."""
     return rule.finding(
         "slip",
         at=joint.child_location,

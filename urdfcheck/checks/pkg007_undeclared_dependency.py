@@ -224,7 +224,7 @@ def _find_home(package: Package, name: str, uses: Sequence[PackageMention]) -> t
 def _find_in_package(
     package: Package, name: str, uses: Sequence[PackageMention], folder: Path | None
 ) -> tuple[str, str] | None:
-    """Return this package and the path in it of the first file for which the name of a missing package is used: all those files
+    """Return this package and the path in it of the first file for which a name is used that is not a package: all those files
     have the same paths in this package, or the name is that of one of its folders. None if they have not."""
     inside = ""
     if folder is not None:

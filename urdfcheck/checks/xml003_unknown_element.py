@@ -129,7 +129,7 @@ def _is_in_fixed_joint(element: Element) -> bool:
 
 
 def _find_wrong_numbers(places: list[Element], tag: str) -> list[str]:
-    """Return what must be written in place of the attributes that are not numbers: under its new name the element is read."""
+    """Return what must be written instead of the attributes that are not numbers: under its new name the element is read."""
     wrong: dict[str, None] = {}
     for place in places:
         for name, count in NUMERIC_ATTRIBUTES.get(tag, {}).items():

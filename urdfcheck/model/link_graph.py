@@ -158,7 +158,7 @@ def _is_similar(one: list[str], other: list[str]) -> bool:
 
 
 def _is_called_alike(joint: str, link: str) -> bool:
-    """Whether a joint and a link have the same name apart from the words that say what they are."""
+    """Whether a joint and a link have the same name except for the words that say what they are."""
     words = [word for word in _split_words(joint) if word not in {"joint", "jnt"}]
     return bool(words) and words == _split_words(link)
 

@@ -45,6 +45,10 @@ def find_wheel_size_differences(model: Model, *, ratio: float) -> Iterator[Wheel
         links = [model.link_by_name[name] for name in _list_concentric_links(model, wheel, names)]
         if not links[0].collisions or not links[0].visuals:
             continue
+        if len(links) == 1:  # whether shapes are round costs more to find out than how far they reach
+            reaches = [_measure_reach(model, wheel, shapes) for shapes in (links[0].visuals, links[0].collisions)]
+            if min(reaches) * ratio >= max(reaches):
+                continue
         drawn = _measure_round_shapes(model, wheel, {link.name: link.visuals for link in links})
         colliding = {link.name: tuple(s for s in link.collisions if not is_dummy_shape(s)) for link in links}
         collides = None if drawn is None else _measure_round_shapes(model, wheel, colliding)
@@ -54,6 +58,16 @@ def find_wheel_size_differences(model: Model, *, ratio: float) -> Iterator[Wheel
             continue
         if not 1 / ratio <= collides.radius / drawn.radius <= ratio:
             yield WheelSizeDifference(wheel, collides.radius, drawn.radius)
+
+
+def _measure_reach(model: Model, wheel: Wheel, shapes: tuple[Shape, ...]) -> float:
+    """Measure the radius (m) of shapes about a wheel's axis, round or not; 0 where a shape is not known."""
+    points = collect_shape_corners(model, shapes)
+    if points is None or not len(points):
+        return 0.0
+    axis = model.frames[wheel.joint.child][:3, :3].T @ wheel.axis
+    squares = np.einsum("ij,ij->i", points, points) - (points @ axis) ** 2
+    return float(np.sqrt(max(squares.max(), 0.0)))
 
 
 def _list_concentric_links(model: Model, wheel: Wheel, wheels: Collection[str]) -> list[str]:

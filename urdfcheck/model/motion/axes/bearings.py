@@ -30,9 +30,15 @@ _MOST_FACES = 200_000
 _HUB = 0.4
 # A hub fits a bore if neither radius is more than so many times the other: a wall or a bearing is between them.
 _FITS = 1.35
+# Smaller ones (m) are screws and their holes.
+_LEAST_HUB = 4e-3
+# A bore that is farther away than its radius has to fit so closely: a part has several.
+_FITS_FAR = 1.1
 # A bore beside the axis is farther away than this (m): typed digits, a mesh that is a millimetre off; and within this reach:
 # beyond it, a part has other bores.
 _BESIDE, _REACH = 2e-3, 0.035
+# A joint is not beside a bearing that is farther away than so many times the bearing's radius: it is beside a screw hole.
+_MOST_RADII = 4.0
 # Two axes are one line within this angle (rad) and distance (m).
 _SAME_ANGLE, _SAME_PLACE = 0.02, 2e-3
 # A bore may be that of another joint whose origin is so near (m): the second jaw of a gripper.
@@ -136,7 +142,14 @@ def compare_bearing(
         for line in parent.list_parallel_lines(place, axis, _REACH)
         if (fit := _find_fit(line.rings, hubs)) and not _is_axis_of(line, others)
     ]
-    beside = [one for one in beside if one[0] > _BESIDE]
+    beside = [
+        (amount, line, (bore, hub))
+        for amount, line, (bore, hub) in beside
+        if amount > _BESIDE
+        and (amount <= bore.radius or max(bore.radius, hub.radius) <= _FITS_FAR * min(bore.radius, hub.radius))
+    ]
+    if any(distance > _MOST_RADII * max(ring.radius for ring in fit) for distance, _, fit in beside):
+        return None
     if beside and all(np.linalg.norm(line.point - beside[0][1].point) < _BESIDE for _, line, _ in beside):
         amount, line, (bore, hub) = beside[0]
         return BearingMismatch(
@@ -197,7 +210,7 @@ def _find_fit(bores: Sequence[Ring], hubs: Sequence[Ring]) -> tuple[Ring, Ring] 
         (max(bore.radius, hub.radius) / min(bore.radius, hub.radius), bore, hub)
         for bore in bores
         for hub in hubs
-        if min(bore.coverage, hub.coverage) >= _HUB
+        if min(bore.coverage, hub.coverage) >= _HUB and min(bore.radius, hub.radius) >= _LEAST_HUB
     ]
     best = min(pairs, key=lambda pair: pair[0], default=None)
     return None if best is None or best[0] > _FITS else (best[1], best[2])
