@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.core import Located
+from urdfcheck.core import Located, Location
 from urdfcheck.core.drive_test import HALF_TURN
 from urdfcheck.core.text import join_names
 from urdfcheck.model.ground.wheels import rolling_wheels
@@ -33,8 +33,8 @@ class DriveDefect:
 
     kind: str
     """slips, spins, backwards, sideways, swapped, drifts, distance or turn."""
-    at: Located
-    related: tuple[Located, ...]
+    at: Located | Location
+    related: tuple[Located | Location, ...]
     data: dict[str, Any]
 
 
