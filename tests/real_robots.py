@@ -7,8 +7,10 @@ take some of each kind (`select_by_trait`); with ``URDFCHECK_CORPUS_FULL=1`` the
 from __future__ import annotations
 
 import contextlib
+import gc
 import hashlib
 import inspect
+import io
 import json
 import os
 import pickle
@@ -25,7 +27,7 @@ from conftest import get_shared_folder, make_request
 from filelock import FileLock, Timeout
 
 import urdfcheck
-from urdfcheck.core import FactUnavailableError, Finding, Run
+from urdfcheck.core import FactUnavailableError, Finding, Rule, Run
 from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.model import Model
 from urdfcheck.model.motion.pinocchio_model import pinocchio_model
@@ -121,23 +123,48 @@ def check_robots(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> dict
     cache = get_robot_cache(tmp_path_factory)
     kept = cache.parent
     kept.mkdir(exist_ok=True)
-    requests = list_requests(folder)
-    done: dict[str, CheckedRobot] = {}
+    files = {name: kept / hashlib.sha256(f"{folder} {name}".encode()).hexdigest() for name in list_requests(folder)}
+    done: set[str] = set()
     for seconds in (0, -1):
-        for name, request in requests.items():
+        for name, request in list_requests(folder).items():
             if name in done:
                 continue
-            file = kept / hashlib.sha256(f"{folder} {name}".encode()).hexdigest()
-            try:
-                with FileLock(f"{file}.lock", timeout=seconds):
-                    if not file.exists():
-                        data = pickle.dumps(check_robot(replace(request, cache=cache)))
-                        file.with_suffix(".new").write_bytes(data)
-                        file.with_suffix(".new").replace(file)
-            except Timeout:
-                continue
-            done[name] = pickle.loads(file.read_bytes())
-    return {name: done[name] for name in requests}
+            with contextlib.suppress(Timeout), FileLock(f"{files[name]}.lock", timeout=seconds):
+                if not files[name].exists():
+                    write_checked(check_robot(replace(request, cache=cache)), files[name])
+                    gc.collect()  # models refer to themselves: without it a process keeps 12 MB of each
+                done.add(name)
+    return {name: read_checked(file) for name, file in files.items()}
+
+
+class CheckedRobotPickler(pickle.Pickler):
+    """Writes rules by their codes: each run has all of them, which would be nine tenths of what is written."""
+
+    def persistent_id(self, thing: object) -> str | None:
+        """Return the code of a rule of this process."""
+        return thing.code if isinstance(thing, Rule) and load_rules().get(thing.code) is thing else None
+
+
+class CheckedRobotUnpickler(pickle.Unpickler):
+    """Reads what `CheckedRobotPickler` writes."""
+
+    def persistent_load(self, code: str) -> Rule:
+        """Return the rule of a code."""
+        return load_rules()[code]
+
+
+def write_checked(robot: CheckedRobot, file: Path) -> None:
+    """Write a robot whole or not at all."""
+    data = io.BytesIO()
+    CheckedRobotPickler(data).dump(robot)
+    file.with_suffix(".new").write_bytes(data.getvalue())
+    file.with_suffix(".new").replace(file)
+
+
+def read_checked(file: Path) -> CheckedRobot:
+    """Read what `write_checked` wrote."""
+    robot: CheckedRobot = CheckedRobotUnpickler(io.BytesIO(file.read_bytes())).load()
+    return robot
 
 
 def get_robot_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:

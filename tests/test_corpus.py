@@ -11,12 +11,21 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from conftest import CORPORA, REPOSITORY
-from real_robots import CheckedRobot, check_robots, find_lost_defects, list_robots, select_by_trait
+from conftest import CORPORA, REPOSITORY, check_text
+from real_robots import (
+    CheckedRobot,
+    check_robots,
+    find_lost_defects,
+    list_robots,
+    read_checked,
+    select_by_trait,
+    write_checked,
+)
 
 from urdfcheck.core import Run, Severity
 from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.core.headlines import LONGEST_HEADLINE
+from urdfcheck.rules import load_rules
 
 ACCEPTED = REPOSITORY / "tests" / "corpus_errors.json"
 
@@ -157,6 +166,17 @@ def compare_with_accepted(folder: str, runs: Mapping[str, Run], *, accept: bool)
 def test_a_selection_has_each_trait_as_often_as_asked(times: int, is_full: bool, selected: str) -> None:
     traits = {"a": {1}, "b": {1, 2}, "c": {2}, "d": {3, 2}, "e": {3}, "f": {2}, "g": set()}
     assert select_by_trait(traits, traits.__getitem__, times=times, is_full=is_full) == list(selected)
+
+
+def test_a_checked_robot_is_read_as_it_was_written(tmp_path: Path) -> None:
+    """Its rules, which each of many robots has, are those of this process."""
+    run = check_text(tmp_path, '<robot name="r"><link name="Base"/></robot>', codes={"NAM002"})
+    robot = CheckedRobot(run, frozenset(), run.findings, {}, {})
+    write_checked(robot, tmp_path / "robot")
+    read = read_checked(tmp_path / "robot")
+    assert read == robot
+    assert read.run.rules["NAM002"] is load_rules()["NAM002"]
+    assert b"## What it checks" not in (tmp_path / "robot").read_bytes()
 
 
 # What is known to be wrong upstream: which rule says it where, at how many elements.

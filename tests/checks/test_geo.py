@@ -542,3 +542,25 @@ def test_a_robot_without_a_name_is_the_robot(tmp_path: Path) -> None:
     ]
     (finding,) = find(tmp_path, robot(*parts, name=""), "GEO002")
     assert finding.headline == "the robot: no moving body has a <collision>"
+
+
+@pytest.mark.parametrize("kind", ["fixed", "continuous"])
+@pytest.mark.parametrize(("tyre", "found"), [(0.086, False), (0.066, True)])
+def test_a_rim_and_its_tyre_are_one_wheel(tmp_path: Path, kind: str, tyre: float, found: bool) -> None:
+    """The rim's link collides as the tyre, which another link about the same axle draws, with a token for a collision."""
+
+    def disc(role: str, radius: float) -> str:
+        return geometry(role, f'<cylinder radius="{radius}" length="0.04"/>', '<origin rpy="1.5708 0 0"/>')
+
+    parts = [link("base", geometry("visual", '<box size="0.4 0.2 0.1"/>', '<origin xyz="0 0 0.05"/>'))]
+    for side, y in (("left", 0.15), ("right", -0.15)):
+        rim, outside = f"{side}_wheel", f"{side}_wheel_tyre"
+        parts += [
+            link(rim, disc("visual", 0.065) + disc("collision", 0.085)),
+            link(outside, disc("visual", tyre) + geometry("collision", '<sphere radius="0.001"/>')),
+            f'<joint name="{rim}_joint" type="continuous"><parent link="base"/><child link="{rim}"/>'
+            f'<origin xyz="0 {y} 0"/><axis xyz="0 1 0"/></joint>',
+            f'<joint name="{outside}_joint" type="{kind}"><parent link="{rim}"/><child link="{outside}"/>'
+            '<axis xyz="0 1 0"/></joint>',
+        ]
+    assert bool(find(tmp_path, robot("".join(parts)), "GEO003")) == found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import box, collision, find, inertial, link, robot
+from builders import box, collision, find, inertial, joint, link, robot
 from conftest import check
 
 from urdfcheck.core import Severity
@@ -543,3 +543,43 @@ def test_a_part_that_has_a_block_is_not_what_another_block_means(tmp_path: Path)
     assert finding.fix.edits
     (finding,) = find(tmp_path, robot(MERGED, other, '<gazebo reference="tip"><mu1>1</mu1></gazebo>'), "GZB001")
     assert finding.fix is None or not finding.fix.edits
+
+
+@pytest.mark.parametrize(
+    ("reference", "setting", "near"),
+    [
+        ("foot_link", "<mu1>1</mu1>", "foot"),
+        ("foot_link", "<stopErp>1</stopErp>", None),
+        ("foot", "<stopErp>1</stopErp>", "foot_joint"),
+        ("foot_jont", "<kp>1</kp>", None),  # a joint has no stiffness of contacts
+    ],
+)
+def test_proposed_reference_is_of_the_kind_that_the_settings_are_for(
+    tmp_path: Path, reference: str, setting: str, near: str | None
+) -> None:
+    parts = [link("base"), link("tip"), joint("foot_joint", "base", "tip")]
+    if reference == "foot_link":
+        parts = [link("foot"), link("tip"), joint("foot_joint", "foot", "tip")]
+    text = robot(*parts, f'<gazebo reference="{reference}">{setting}</gazebo>')
+    (finding,) = find(tmp_path, text, "GZB001")
+    assert finding.data["near"] == (f" (did you mean {near!r}?)" if near else "")
+
+
+@pytest.mark.parametrize(
+    ("named", "kind", "message", "near"),
+    [
+        ("wheel_joint", "fixed", "fixed", None),
+        ("wheel_joints", "fixed", "unknown", " ('wheel_joint' is spelled like it, but is fixed)"),
+        ("wheel_joints", "continuous", "unknown", " (did you mean 'wheel_joint'?)"),
+        ("wheel_joint", "continuous", None, None),
+    ],
+)
+def test_driven_joint_must_turn(tmp_path: Path, named: str, kind: str, message: str | None, near: str | None) -> None:
+    plugin = f'<plugin filename="libgazebo_ros_diff_drive.so" name="d"><left_joint>{named}</left_joint></plugin>'
+    text = robot(
+        link("base"), link("wheel"), joint("wheel_joint", "base", "wheel", kind=kind), f"<gazebo>{plugin}</gazebo>"
+    )
+    found = find(tmp_path, text, "CTL007")
+    assert [f.message_id for f in found] == ([message] if message else [])
+    assert all(f.severity == Severity.ERROR for f in found)
+    assert [f.data.get("near") for f in found] == ([near] if message else [])

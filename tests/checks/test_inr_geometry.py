@@ -322,14 +322,19 @@ def test_a_rod_that_is_wrong_about_its_own_length_only_is_an_info(tmp_path: Path
 
 
 def test_a_root_that_outweighs_the_robot_tenfold_is_ballast(tmp_path: Path) -> None:
-    """Its moments are 7: 20 times the identity is a choice for what never moves, and not for what carries half the robot."""
+    """Its moments are 7: 20 times the identity is a choice for what never moves, and not for what carries half the robot, nor
+    for the body of a robot on wheels."""
     told = {}
-    for mass in (1000.0, 50.0):
+    for mass, name in ((1000.0, "arm"), (50.0, "arm"), (1000.0, "wheel")):
         stand = Part(size=(0.2, 0.2, 0.2), mass=mass, tensor=200.0 * np.eye(3))
-        arm = '<link name="arm"><inertial><mass value="30"/><inertia ixx="0.3" iyy="0.4" izz="0.5"/></inertial></link>'
-        told[mass] = find(tmp_path / f"{mass}", make_chain(stand.xml("stand"), arm), {"INR007"})
-    assert not told[1000.0]
-    assert [f.message_id for f in told[50.0]] == ["placeholder"]
+        limb = [
+            f'<link name="{name}{n}"><inertial><mass value="15"/><inertia ixx="0.3" iyy="0.4" izz="0.5"/></inertial></link>'
+            for n in range(2)
+        ]
+        told[mass, name] = find(tmp_path / f"{mass}{name}", make_chain(stand.xml("stand"), *limb), {"INR007"})
+    assert not told[1000.0, "arm"]
+    assert [f.message_id for f in told[50.0, "arm"]] == ["placeholder"]
+    assert [f.message_id for f in told[1000.0, "wheel"]] == ["placeholder"]
 
 
 def test_a_placeholder_is_named_where_nothing_is_drawn_if_it_fits_no_drawing(tmp_path: Path) -> None:

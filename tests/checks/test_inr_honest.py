@@ -141,7 +141,7 @@ def test_a_large_tensor_is_offered_in_the_one_unit_in_which_it_is_possible(tmp_p
     numbers = DeclaredInertial(20.0, np.array((0.0, 0.0, -0.4)), 1e6 * np.diag((0.2, 0.5, 0.3)))
     text = arm_on_base(format_inertial(numbers), visual(box("0.4 0.3 1.5")))
     (finding,) = find(tmp_path, text, {"INR005"})
-    assert finding.message.endswith("The same numbers are possible in kg·mm², and in no other unit")
+    assert finding.message.endswith("The same numbers fit the drawn part in kg·mm²")
     assert finding.fix is not None
     assert 'write ixx="0.2" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.3" if they are in kg·mm²' in finding.fix.title
     assert finding.fix.edits == ()
@@ -191,7 +191,7 @@ def test_a_hull_says_nothing_about_the_com(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers), visual(mesh("part.stl"))), {"INR009"})
     assert finding.cause is not None
     assert finding.cause.id == "convex_hull"
-    assert "the COM stays 12 mm off" in finding.message
+    assert "the COM is 12 mm off" in finding.message
     assert " 0 mm off" not in finding.message
 
 

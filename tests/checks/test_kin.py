@@ -334,3 +334,42 @@ def test_a_child_named_after_a_part_means_the_link_below_it_that_has_no_parent(t
     assert (finding.message_id, finding.data["near"]) == ("near", "wheel/body")
     (open_question,) = check_text(tmp_path, robot(*parts), codes={"KIN002"}).findings
     assert open_question.message_id == "unknown"
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "meant"),
+    [
+        ("imu_joint", "camera_joint", "imu_link"),
+        ("camera_joint", "imu_joint", "imu_link"),
+        ("top_to_imu", "camera_joint", None),
+        ("imu_joint", "imu", None),  # both have its name
+    ],
+)
+def test_joint_with_the_child_of_another_is_one_slip(
+    tmp_path: Path, first: str, second: str, meant: str | None
+) -> None:
+    text = robot(
+        *map(link, ("top", "imu_link", "camera_link")),
+        joint(first, "top", "camera_link"),
+        joint(second, "top", "camera_link"),
+    )
+    run = check_text(tmp_path, text, codes=TREE)
+    if meant is None:
+        assert sorted(codes(run)) == ["KIN003", "KIN005"]
+        return
+    assert codes(run) == ["KIN003"]
+    (finding,) = run.findings
+    assert finding.message_id == "slip"
+    assert finding.fix is not None
+    (edit,) = finding.fix.edits
+    fixed = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
+    assert not check_text(tmp_path, fixed, codes=TREE).findings
+
+
+def test_slip_in_a_robot_of_more_pieces_leaves_them_to_be_told(tmp_path: Path) -> None:
+    text = robot(
+        *map(link, ("top", "imu_link", "camera_link", "lost")),
+        joint("imu_joint", "top", "camera_link"),
+        joint("camera_joint", "top", "camera_link"),
+    )
+    assert sorted(codes(check_text(tmp_path, text, codes=TREE))) == ["KIN003", "KIN005"]

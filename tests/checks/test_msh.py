@@ -585,6 +585,25 @@ def test_how_large_a_part_may_be_depends_on_the_robot(tmp_path: Path, size: floa
     assert bool(find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, size), "", shape("visual"), step=step)) == reported
 
 
+@pytest.mark.parametrize(
+    ("size", "scale", "step", "reported"),
+    [
+        (0.4, "1000 1000 1000", 300.0, True),
+        (0.4, "1000 1000 1000", 0.0, False),  # a model without extent
+        (0.4, "1000 1000 0.001", 300.0, False),  # a ground plane
+        (0.4, "30 30 30", 300.0, False),
+        (0.4, "40 40 40", 300.0, False),  # 16 m
+        (30.0, "40 40 40", 300.0, False),  # the file is not one in metres
+    ],
+)
+def test_a_scale_can_enlarge_a_whole_robot(
+    tmp_path: Path, size: float, scale: str, step: float, reported: bool
+) -> None:
+    found = find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, size), "", shape("visual", scale=scale), step=step)
+    assert [(f.message_id, f.severity) for f in found] == [("enlarged", Severity.WARNING)] * reported
+    assert not any(f.fix is not None and f.fix.edits for f in found)
+
+
 def test_only_the_uses_without_scale_are_reported(tmp_path: Path) -> None:
     drawn, collides = shape("visual", scale="0.001 0.001 0.001"), shape("collision")
     (finding,) = find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 400.0), "", drawn + collides, step=0.3)

@@ -80,6 +80,8 @@ class TestNAM003:
         ("name", "file", "found"),
         [
             ("quadroped", "quadruped", True),
+            ("anymal_quadropd", "anymal_quadruped", True),
+            ("ezgripper_stand_alone", "ezgripper_quad_standalone", False),
             ("allegro_hand_left", "allegro_left_hand", False),
             ("left_gripper", "gripper_left", False),
             ("solo", "solo12", False),
@@ -199,6 +201,27 @@ class TestNAM004:
     def test_tool0_points_away_from_the_flange(self, tmp_path: Path, rpy: str, right: bool) -> None:
         body = links("flange", "tool0") + make_joint("j", "flange", "tool0", f'rpy="{rpy}"')
         assert bool(find(tmp_path, robot(body), "NAM004")) != right
+
+    @pytest.mark.parametrize(
+        ("axis", "flange", "message"),
+        [
+            ("1 0 0", "0 0 0", "tool"),
+            ("-1 0 0", "0 0 0", "tool"),
+            ("0 0 1", "0 0 0", "flange"),  # Elite: tool0 points out of the robot, the flange does not
+            ("0 0 1", "0 -1.5707963 -1.5707963", "tool"),
+            ("0 1 0", "0 0 0", "tool_or_flange"),
+        ],
+    )
+    def test_the_last_axis_shows_which_of_flange_and_tool0_is_wrong(
+        self, tmp_path: Path, axis: str, flange: str, message: str
+    ) -> None:
+        body = links("arm", "wrist", "flange", "tool0") + make_joint("j", "flange", "tool0")
+        body += joint("wrist_joint", "arm", "wrist", kind="continuous", axis=axis)
+        body += make_joint("wrist_flange", "wrist", "flange", f'rpy="{flange}"')
+        (finding,) = find(tmp_path, robot(body), "NAM004")
+        assert finding.message_id == message
+        where = "wrist_flange" if message == "flange" else "j"
+        assert finding.location.subject.startswith(f"joint[{where}]")
 
 
 class TestNAM005:

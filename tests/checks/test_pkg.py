@@ -546,6 +546,34 @@ def test_package_that_is_named_for_a_file_of_the_repository_is_no_dependency(
     assert ("write `p` and the path `urdf/r.urdf`" in finding.fix.title) == (message == "misnamed")
 
 
+@pytest.mark.parametrize(
+    ("files", "text", "expected"),
+    [
+        # The name of another package before a path of this one.
+        (["config/scan.yaml"], '<rosparam file="$(find arm5)/config/scan.yaml"/>', "misnamed"),
+        (["config/other.yaml"], '<rosparam file="$(find arm5)/config/scan.yaml"/>', "unknown"),
+        # A path below the package that lacks its name: `meshes` is a folder.
+        (["meshes/a.stl"], '<param name="m" value="package://meshes/a.stl"/>', "misnamed"),
+        # A line from another robot: the package that it names lacks the file.
+        ([], '<param name="d" textfile="$(find q)/urdf/lost.urdf"/>', "dangling"),
+        ([], '<param name="d" textfile="$(find q)/urdf\\lost.urdf"/>', "dangling"),
+        ([], '<param name="d" textfile="$(find q)/urdf/r.urdf"/>', "undeclared"),
+        ([], '<param name="d" textfile="$(find q)/urdf/$(arg model).urdf"/>', "undeclared"),
+    ],
+)
+def test_line_is_only_proposed_for_a_package_that_has_what_is_used(
+    tmp_path: Path, files: list[str], text: str, expected: str
+) -> None:
+    write(
+        tmp_path, {"p/package.xml": manifest(), "p/launch/a.launch": f"<launch>{text}</launch>", "p/urdf/r.urdf": URDF}
+    )
+    write(tmp_path, {"q/package.xml": manifest(name="q"), "q/urdf/r.urdf": URDF})
+    write(tmp_path, {f"p/{name}": "" for name in files})
+    found = [f for f in findings(tmp_path, "PKG007") if f.data["package"] == "p"]
+    assert [f.message_id for f in found] == [expected]
+    assert all(bool(f.fix and f.fix.edits) == (f.message_id == "undeclared") for f in found)
+
+
 @pytest.mark.parametrize("kind", ["depend", "exec_depend", "test_depend"])
 @pytest.mark.parametrize("between", [False, True])
 def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, between: bool) -> None:

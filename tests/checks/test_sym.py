@@ -251,6 +251,31 @@ def test_joints_on_what_stands_askew_are_not_the_ones_that_differ(tmp_path: Path
     assert [f.location.subject for f in find(tmp_path / "b", more, "SYM001")] == ["joint[left_mount]/origin@rpy"]
 
 
+def test_an_axis_that_takes_back_the_tilt_of_its_frame_is_right(tmp_path: Path) -> None:
+    tilt = 0.04123
+    for i, (axis, count) in enumerate(((f"0 {cos(tilt)} {-sin(tilt)}", 0), ("0 1 0", 1))):
+        text = axle(right=f"{tilt} 0 0", kind="continuous").replace("left", "upper").replace("right", "lower")
+        place = text.rindex('<axis xyz="0 1 0"/>')
+        text = text[:place] + f'<axis xyz="{axis}"/>' + text[place + len('<axis xyz="0 1 0"/>') :]
+        found = find(tmp_path / str(i), text, "SYM001")
+        assert len(found) == count
+        assert all(f.message_id == "tilt" for f in found)  # an arm has neither toe nor camber
+
+
+def test_an_odd_frame_whose_joints_behind_are_in_place_is_a_choice(tmp_path: Path) -> None:
+    def build(right_hand: str) -> str:
+        hands = "".join(
+            f'<link name="{side}_hand"/>'
+            + make_joint_on_base(f"{side}_wrist", f"{side}_hand", xyz, "0 0 0", "0 1 0", "revolute", f"{side}_arm")
+            for side, xyz in (("left", "0 0.1 -0.3"), ("right", right_hand))
+        )
+        return axle(right="0 -0.75239 0").replace("</robot>", f"{hands}</robot>")
+
+    assert len(find(tmp_path / "turned", build("0 -0.1 -0.3"), "SYM001")) == 1
+    back = np.linalg.inv(rpy_to_matrix((0, -0.75239, 0))) @ (0.0, -0.1, -0.3)
+    assert not find(tmp_path / "back", build(" ".join(f"{x:.9f}" for x in back)), "SYM001")
+
+
 def tripod(first: str, *, row: bool = False) -> str:
     """Three legs at 120° or in a row; the first one has another rpy."""
     parts = ['<link name="base"/>']

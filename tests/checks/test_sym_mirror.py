@@ -163,6 +163,31 @@ def model_of(folder: Path, robot: Robot) -> Model:
     return Model(source=source, robot=source.root)
 
 
+@pytest.mark.parametrize("kind", ["revolute", "fixed"])
+@pytest.mark.parametrize(("x", "found"), [(-0.767, False), (-0.757, True)])
+def test_origins_that_are_mirrored_to_the_digit_are_in_place(tmp_path: Path, x: float, found: bool, kind: str) -> None:
+    """The chassis is rotated by 1.57, and its long body tilts the plane of the root by a millimetre."""
+    robot = ET.Element("robot", name="car")
+    robot.append(make_box_link("base", [((0.1, 0.1, 0.1), (0, 0, 0))]))
+    robot.append(make_box_link("chassis", [((1.5, 4.0, 0.5), (0, 0, 0.5))]))
+    robot.append(make_motor_joint("base_chassis", "base", "chassis", (1.45, 0, 0), (0, 0, 1), (-1, 1)))
+    robot[-1].set("type", kind)
+    mount = robot[-1].find("origin")
+    assert mount is not None
+    mount.set("rpy", "0 0 1.57")
+    places = {"front_left": (0.767, -1.41), "front_right": (x, -1.41), "rear_left": (0.793, 1.45)}
+    places |= {"rear_right": (-0.793, 1.45), "lamp_left": (0.6, -1.9), "lamp_right": (-0.6, -1.9)}
+    for name, (across, along) in places.items():
+        robot.append(make_box_link(name, [((0.2, 0.6, 0.6), (0, 0, 0))]))
+        robot.append(make_motor_joint(f"{name}_joint", "chassis", name, (across, along, 0.3), (1, 0, 0), (-1, 1)))
+    findings = [f for f in find_mirror_defects(tmp_path, robot) if f.message_id in {"origin", "slip"}]
+    assert bool(findings) is found
+    assert all("front_right" in f.message for f in findings)
+    if not found:
+        normal = pairs_of(tmp_path, robot)["front_left"].plane.normal
+        assert abs(float(normal[1])) == pytest.approx(np.sin(1.57), abs=1e-9)
+
+
 # -- one defect at a time ----------------------------------------------------------------------------------------------
 
 ROBOT = humanoid()
@@ -504,6 +529,23 @@ def test_parts_that_differ_as_they_are_drawn_have_other_inertials(tmp_path: Path
     hand[:] = larger[:]
     found = find_mirror_defects(tmp_path, robot if own else heavier(robot, "right_hand", 1.2))
     assert ("moments" in {finding.message_id for finding in found}) is not own
+
+
+@pytest.mark.parametrize(("offset", "found"), [(0.002, False), (0.004, True)])
+def test_coms_that_are_off_their_own_drawings_alike_are_right(tmp_path: Path, offset: float, found: bool) -> None:
+    """The right hand is drawn a millimetre further, and both COMs are two off their drawing: what is not drawn is heavy."""
+    robot = copy.deepcopy(ROBOT)
+    old = robot.find("link[@name='right_hand']")
+    assert old is not None
+    robot.remove(old)
+    moved = [(size, (x + 0.001, -y, z)) for size, (x, y, z) in PARTS["hand"][0]]
+    robot.append(make_box_link("right_hand", moved))
+    for side, added in (("left", 0.002), ("right", offset)):
+        origin = robot.find(f"link[@name='{side}_hand']/inertial/origin")
+        assert origin is not None
+        x, y, z = (float(word) for word in origin.attrib["xyz"].split())
+        origin.set("xyz", f"{x + added} {y} {z}")
+    assert bool([f for f in find_mirror_defects(tmp_path, robot) if f.code == "SYM004"]) is found
 
 
 def test_limits_that_slipped_by_one_joint_are_one_finding(tmp_path: Path) -> None:

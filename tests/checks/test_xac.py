@@ -792,6 +792,40 @@ def test_an_end_tag_that_cannot_be_told_leaves_the_file_as_it_is(tmp_path: Path)
     assert finding.subjects == ("if", "if/if")
 
 
+INERTIA = (
+    '<xacro:macro name="inertia_of" params="m">'
+    '<inertia ixx="${m}" ixy="0" ixz="0" iyy="${m}" iyz="0" izz="${m}"/></xacro:macro>'
+)
+
+
+@pytest.mark.parametrize(("macro", "expected"), [(INERTIA, ["XAC007"]), (WHEEL, ["XML005", "XAC007"])])
+def test_a_call_in_the_file_of_another_package_is_told_there_and_not_what_it_would_make(
+    tmp_path: Path, macro: str, expected: list[str]
+) -> None:
+    call = '<inertia_of m="1"/>' if macro is INERTIA else '<wheel name="1"/>'
+    arm = f'<link name="arm"><inertial><mass value="1"/>{call}</inertial></link>'
+    files = {
+        "src/arm/package.xml": "<package><name>arm</name></package>",
+        "src/arm/urdf/parts.xacro": HEAD + macro + f'<xacro:macro name="arm">{arm}</xacro:macro></robot>',
+        "src/cell/package.xml": "<package><name>cell</name><depend>arm</depend></package>",
+        "src/cell/cell.urdf.xacro": HEAD
+        + '<xacro:include filename="$(find arm)/urdf/parts.xacro"/><xacro:arm/></robot>',
+        ".git/HEAD": "",
+    }
+    model = write(tmp_path, files) / "src/cell/cell.urdf.xacro"
+    found = find_in_folder(model, {"XAC007", "XML005", "XML003"})
+    assert [f.code for f in found if f.severity == Severity.ERROR] == expected
+
+
+@pytest.mark.parametrize(("call", "expected"), [('<wheel name="a"/>', ["XAC007"]), ("<tyre/>", None)])
+def test_robot_of_calls_without_the_prefix_is_a_model(tmp_path: Path, call: str, expected: list[str] | None) -> None:
+    write(tmp_path, {"parts.xacro": HEAD + WHEEL + "</robot>"})
+    text = HEAD + '<xacro:include filename="parts.xacro"/>' + call + "</robot>"
+    run = check_text(tmp_path, text, "car.urdf.xacro", codes={"XAC007", "KIN007", "XML003"})
+    assert [f.code for f in run.findings if f.severity == Severity.ERROR] == (expected or [])
+    assert bool(run.skipped) == (expected is None)
+
+
 def test_xacro_tags_in_a_plain_urdf_are_a_warning(tmp_path: Path) -> None:
     text = '<robot name="r"><link name="a"/><property name="b" value="1"/></robot>'
     finding = only(check_text(tmp_path, text, codes={"XAC007", "XML003"}))
@@ -975,3 +1009,49 @@ def test_a_default_that_leads_nowhere_is_not_proposed(tmp_path: Path) -> None:
     assert finding.fix is not None
     assert "--arg model:=long" in finding.fix.title
     assert finding.message.endswith("there are long, short")
+
+
+@pytest.mark.parametrize(
+    ("files", "call", "hint"),
+    [
+        # The file that defines what is called, not one of a similar name that defines something else.
+        ({"grip_quad.xacro": "quad", "grip_dual_gen2.xacro": "dual"}, "<xacro:dual/>", "'grip_dual_gen2.xacro'"),
+        ({"grip_quad.xacro": "quad", "grip_dual_gen2.xacro": "dual"}, "<dual/>", "'grip_dual_gen2.xacro'"),
+        ({"grip_quad.xacro": "quad"}, "<xacro:dual/>", None),
+        ({"grip_daul.xacro": "dual", "other.xacro": "dual"}, "<xacro:dual/>", "'grip_daul.xacro'"),
+        ({"grip_daul.xacro": None}, "<xacro:dual/>", "'grip_daul.xacro'"),  # it may include what defines the macro
+        ({"grip_daul.xacro": "quad"}, "", "'grip_daul.xacro'"),
+    ],
+)
+def test_proposed_file_defines_the_macro_that_is_called(
+    tmp_path: Path, files: dict[str, str | None], call: str, hint: str | None
+) -> None:
+    for name, macro in files.items():
+        inside = "" if macro is None else f'<xacro:macro name="{macro}"><link name="{macro}"/></xacro:macro>'
+        write(tmp_path, {name: HEAD + inside + "</robot>"})
+    finding = only(xacro(tmp_path, f'<xacro:include filename="grip_dual.xacro"/>{call}', {"XAC001"}))
+    assert finding.message_id == "file-missing"
+    assert finding.data["hint"] == (f" (did you mean {hint}?)" if hint else "")
+
+
+@pytest.mark.parametrize(
+    ("path", "found"),
+    [
+        ("file://$(find arm)/meshes/base.stl", False),
+        ("$(find arm)/meshes/base.stl", False),
+        ("$(find arm)/a.stl", True),
+    ],
+)
+def test_one_mesh_by_its_package_and_by_its_path_is_no_difference(tmp_path: Path, path: str, found: bool) -> None:
+    body = '<link name="a"><visual><geometry><mesh filename="{}"/></geometry></visual></link><link name="b"/>'
+    body += '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>'
+    files = {
+        "arm/package.xml": "<package><name>arm</name></package>",
+        "arm/urdf/arm.urdf": '<robot name="r">' + body.format("package://arm/meshes/base.stl"),
+        "arm/urdf/arm.urdf.xacro": HEAD + body.format(path),
+        ".git/HEAD": "",
+    }
+    run = check(write(tmp_path, files), codes={"XAC015"}, options={"XAC015": {"links": 2}})
+    assert bool(run.findings) == found
+    # Neither the message nor the data names a folder of the machine.
+    assert str(tmp_path) not in str([(f.message, f.data) for f in run.findings])

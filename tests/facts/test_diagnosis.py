@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -28,9 +28,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from urdfcheck.facts.inertials import diagnosis
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, Primitive, VisualGeometry
-from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial
+from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial, find_close_match
 from urdfcheck.facts.inertials.inertia_tensor import (
     Solid,
     combine_solids,
@@ -446,3 +447,33 @@ def test_the_mismatch_is_a_distance_of_shapes() -> None:
     assert measure_inertial_mismatch(replace(TRUE, com=one_radius), TRUE.com, white)[1] == pytest.approx(1.0)
     assert measure_inertial_mismatch(replace(TRUE, tensor=-TRUE.tensor), TRUE.com, white)[0] == np.inf
     assert measure_inertial_mismatch(uniform(DRAWN.solid, PLASTIC), TRUE.com, white)[0] == pytest.approx(0.0, abs=1e-9)
+
+
+# -- whose numbers they are -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scale", [1.0, 1.01, 1.02])
+def test_the_numbers_of_a_geometry_get_the_verdict_of_a_diagnosis(scale: float) -> None:
+    numbers = replace(TRUE, tensor=TRUE.tensor * scale)
+    found = diagnose_inertial(numbers, DRAWN)
+    assert found is not None
+    assert found.sound
+    size = max(found.tensor_mismatch, found.com_mismatch)
+    matched = find_close_match(numbers, DRAWN, size + 1e-9)
+    assert matched is not None
+    assert asdict(matched) == asdict(found)
+    assert find_close_match(numbers, DRAWN, size) is None
+
+
+@each_mistake
+def test_numbers_with_a_mistake_match_closely_only_where_they_are_sound(
+    cause: str, detail: str, mistake: Mistake, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And no mistake is searched for in numbers that are farther off."""
+    numbers = mistake(TRUE, DRAWN)
+    found = diagnose_inertial(numbers, DRAWN)
+    is_close = found is not None and found.sound and max(found.tensor_mismatch, found.com_mismatch) < EXACT
+    assert (find_close_match(numbers, DRAWN, EXACT) is not None) == is_close
+    if found is not None and max(found.tensor_mismatch, found.com_mismatch) > 1.1 * EXACT:
+        monkeypatch.setattr(diagnosis, "rank_explanations", None)
+        assert find_close_match(numbers, DRAWN, EXACT) is None

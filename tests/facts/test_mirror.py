@@ -96,6 +96,17 @@ def test_what_hangs_on_a_displaced_joint_does_not_outvote_what_is_before_it() ->
     assert found[1] == 2
 
 
+def test_a_plane_that_mirrors_exactly_goes_before_one_that_does_nearly() -> None:
+    """Of a body that is rotated by 1.57, the pairs are mirrored exactly in its own axes only."""
+    turn = rpy_to_matrix((0, 0, 1.57))
+    ones = np.array([(0.767, -1.41, 0.3), (0.793, 1.45, 0.3), (0.6, 0.2, 1.0)])
+    first, second = ones @ turn.T, (ones * (-1, 1, 1)) @ turn.T
+    for normals in ((*AXES, *turn.T), (*turn.T, *AXES)):
+        found = find_mirror_plane(first, second, normals, tolerance=7e-3)
+        assert found is not None
+        assert_allclose(np.abs(found[0].normal), np.abs(turn[:, 0]), atol=1e-12)
+
+
 def test_an_askew_plane_is_found_by_the_direction_of_the_differences() -> None:
     normal = rpy_to_matrix((0.1, 0.5, 0.7))[:, 1]
     askew = MirrorPlane(normal, 0.3)

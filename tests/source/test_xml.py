@@ -292,6 +292,12 @@ def test_nesting_ends_at_a_limit() -> None:
         ("\n<?xml version='1.0'?><robot/>", "is not at the start of the file: an empty line precedes it", 2, 1),
         ("<!-- --><?xml version='1.0'?><robot/>", "is not at the start of the file: a comment precedes it", 1, 9),
         (
+            "<robot><link/></robot>\n\n</robot>\n",
+            "a second `</robot>` closes nothing",
+            3,
+            1,
+        ),
+        (
             "<robot>é</robot>\n<robot/>",
             "a second root element, <robot>, begins after the end of <robot> of line 1",
             2,

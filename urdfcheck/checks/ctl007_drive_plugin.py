@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import format_name_hint
+from urdfcheck.core.text import find_nearest_name, format_name_hint, join_names
 from urdfcheck.model.ground.drive_plugins import DrivePlugin, list_drive_plugins
 from urdfcheck.source.text.values import parse_number
 
@@ -23,11 +23,22 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
 def _check_plugin(model: Model, rule: Rule, plugin: DrivePlugin, rel_tol: float) -> Iterator[Finding]:
     left, right = plugin.left, plugin.right
     unknown = [element for element in (*left, *right) if element.text.strip() not in model.joint_by_name]
+    turning = {name for name, joint in model.joint_by_name.items() if joint.type != "fixed"}
     for element in unknown:
         name = element.text.strip()
-        near = format_name_hint(name, model.joint_by_name)
+        near = format_name_hint(name, turning) or _format_fixed_hint(name, set(model.joint_by_name) - turning)
         yield rule.finding("unknown", at=element, severity=Severity.ERROR, joint=name, near=near)
-    if unknown or not left or not right:
+    fixed = [element for element in (*left, *right) if element.text.strip() in set(model.joint_by_name) - turning]
+    if fixed:
+        yield rule.finding(
+            "fixed",
+            at=fixed[0],
+            related=[model.joint_by_name[element.text.strip()] for element in fixed],
+            severity=Severity.ERROR,
+            joint=fixed[0].text.strip(),
+            joints=join_names(element.text.strip() for element in fixed),
+        )
+    if unknown or fixed or not left or not right:
         return
     from urdfcheck.model.ground.drive_wheels import measure_wheel_radii, measure_wheel_separations
 
@@ -39,6 +50,11 @@ def _check_plugin(model: Model, rule: Rule, plugin: DrivePlugin, rel_tol: float)
         for element in plugin.separations:
             separations = measure_wheel_separations(model, one, other)
             yield from _compare(rule, "separation", element, separations, rel_tol, one, other)
+
+
+def _format_fixed_hint(name: str, fixed: Collection[str]) -> str:
+    near = find_nearest_name(name, fixed)
+    return f" ({near!r} is spelled like it, but is fixed)" if near else ""
 
 
 def _compare(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -12,6 +12,17 @@ from urdfcheck.model import Model
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
 
+# What Gazebo reads for a link only, and for a joint only: the other kind is not what a block with it means.
+_OF_LINKS = frozenset({
+    "mu1", "mu2", "fdir1", "kp", "kd", "minDepth", "maxVel", "maxContacts", "laserRetro", "self_collide", "material",
+    "selfCollide", "turnGravityOff", "gravity", "dampingFactor", "visual", "collision",
+})  # fmt: skip
+_OF_JOINTS = frozenset({
+    "stopCfm", "stopErp", "provideFeedback", "implicitSpringDamper", "springStiffness", "springReference", "fudgeFactor",
+    "disableFixedJointLumping", "preserveFixedJoint", "physics",
+})  # fmt: skip
+# Words that name what a part is.
+_SUFFIXES = ("_link", "_joint")
 # ``${side}`` without its dollar sign; with the dollar sign it is XML that nothing has expanded.
 _TEMPLATE = re.compile(r"(?<!\$)\{[^{}]*\}")
 
@@ -41,16 +52,33 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 content=_join_child_tags(uses),
             )
         elif not _TEMPLATE.search(name):
-            near = find_only_near_name(name, free, SLIP_LIKENESS)
+            meant = _list_meant(model, free, uses)
+            near = _find_by_suffix(name, meant) or find_only_near_name(name, meant, SLIP_LIKENESS)
             yield rule.finding(
                 "unknown",
                 at=uses[0],
                 related=[*uses[0].collect_definitions(), *uses[1:]],
                 edits=build_replacement_edits(uses, near) if near is not None else (),
                 reference=name,
-                near=format_name_hint(name, free),
+                near=f" (did you mean {near!r}?)" if near is not None else format_name_hint(name, meant),
                 content=_join_child_tags(uses),
             )
+
+
+def _list_meant(model: Model, free: set[str], uses: Sequence[Attribute]) -> set[str]:
+    """Return the links or the joints if the settings of the blocks are only read for these, else both."""
+    settings = {child.tag for use in uses for child in use.owner.children}
+    of_links, of_joints = bool(settings & _OF_LINKS), bool(settings & _OF_JOINTS)
+    if of_links != of_joints:
+        return free & set(model.link_by_name if of_links else model.joint_by_name)
+    return free
+
+
+def _find_by_suffix(name: str, known: set[str]) -> str | None:
+    """Return the known name that only has `_link` or `_joint` more or less."""
+    found = {name + suffix for suffix in _SUFFIXES} | {name.removesuffix(suffix) for suffix in _SUFFIXES}
+    found = (found & known) - {name}
+    return found.pop() if len(found) == 1 else None
 
 
 def _find_optional_part(model: Model, name: str) -> Element | None:

@@ -15,6 +15,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     measure_tensor_rounding,
 )
 from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.habits.rotor_inertias import find_rotor_inertias
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
 
 if TYPE_CHECKING:
@@ -56,6 +57,9 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             message = "fused"
         else:
             message = "violated"
+        if declared.link.name in (rotors := find_rotor_inertias(model)):
+            yield rule.finding("rotor", at=declared.element, cause="rotor", link=declared.link.name, count=len(rotors))
+            continue
         repair = propose_repair(model, declared.link)
         is_filled = repair.cause == "products_filled"
         yield rule.finding(

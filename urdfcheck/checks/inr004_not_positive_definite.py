@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
@@ -30,6 +30,8 @@ PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
 REFUSED = "refuses the model: the link has an invalid inertia (sdformat error 18)"
 MERGED = "loads it (it merges links joined by fixed joints and checks the sum)"
 NAN = "computes NaN accelerations: the point is on the joint's axis (Drake stops with an error)"
+# Bars of so many masses do not have one tensor.
+_FEWEST_MASSES = 3
 FUSED = "; merged with {} and everything else fixed to it, the body is possible"
 
 
@@ -205,6 +207,7 @@ def _check_singular_links(
 ) -> Iterator[Finding]:
     """Warn about each link whose whole body is singular, and report all others together: a warning for lines, which MuJoCo
     refuses in each link before it adds up those that fixed joints connect."""
+    placeholders = _describe_placeholders(links) if message == "line" else {}
     alone: list[DeclaredTensor] = []
     harmless: list[DeclaredTensor] = []
     for declared in links:
@@ -222,23 +225,55 @@ def _check_singular_links(
             message,
             at=declared.element,
             severity=Severity.WARNING,
+            cause="placeholder" if declared.components in placeholders else None,
             consequences={**of_point, **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
             names=declared.link.name,
+            **_collect_line_data(message, placeholders.get(declared.components)),
         )
     refused = [declared for declared in harmless if message == "line" and is_refused_by_mujoco(declared.components)]
     for group, severity in ((refused, Severity.WARNING), ([d for d in harmless if d not in refused], Severity.INFO)):
         if group:
+            described = {placeholders.get(declared.components) for declared in group}
+            shared = described.pop() if len(described) == 1 else None
             yield rule.finding(
                 f"{message}_fixed",
                 at=group[0].element,
+                cause=None if shared is None else "placeholder",
                 related=[declared.element for declared in group[1:]],
                 severity=severity,
                 consequences=_predict_mujoco(message, group),
                 links=_format_masses(group),
                 names=join_names(declared.link.name for declared in group),
                 refusal="; MuJoCo refuses it" if group is refused else "",
+                **_collect_line_data(message, shared),
             )
+
+
+def _describe_placeholders(lines: Sequence[DeclaredTensor]) -> dict[tuple[float, ...], str]:
+    """Describe the tensors of a line that links of three masses or more share, of one digit each: these are no rods."""
+    shared: dict[tuple[float, ...], list[float]] = {}
+    for declared in lines:
+        if declared.inertial.mass is not None:
+            shared.setdefault(declared.components, []).append(declared.inertial.mass)
+    described = {}
+    for components, masses in shared.items():
+        is_typed_short = all(float(f"{value:.0e}") == value for value in components)
+        if len(set(masses)) >= _FEWEST_MASSES and is_typed_short:
+            moments = ", ".join(f"{components[i]:g}" for i in DIAGONAL)
+            described[components] = (
+                f". {len(masses)} links of {min(masses):.3g} to {max(masses):.3g} kg have these numbers ({moments})"
+            )
+    return described
+
+
+def _collect_line_data(message: str, placeholder: str | None) -> dict[str, Any]:
+    if message != "line":
+        return {}
+    remedy = "write the third moment too: ½·m·r² for a bar of mass m and radius r"
+    if placeholder is not None:
+        remedy = "compute the tensor of each link from its mesh or dimensions and its mass"
+    return {"found": placeholder or "", "remedy": remedy}
 
 
 def _predict_mujoco(message: str, links: Sequence[DeclaredTensor]) -> dict[str, str]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.merging import merge_identical
+from urdfcheck.core.merging import build_group_finding, merge_identical
+from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, list_half_units
@@ -16,6 +17,8 @@ from urdfcheck.facts.inertials.materials import DENSEST_PART
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
+from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.inertials.inertial_proposals import (
@@ -23,6 +26,8 @@ from urdfcheck.model.inertials.inertial_proposals import (
     describe_drawn_inertial,
     describe_mistake,
     has_com_apart,
+    has_mistake,
+    lacks_only_com,
     propose_undo,
 )
 from urdfcheck.model.parts import TENSOR_NAMES
@@ -33,12 +38,11 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
-# kg·m² in one unit that a tensor is written in by mistake, from programs that calculate in grams or in smaller lengths.
-_TENSOR_UNITS = {"kg·cm²": 1e-4, "kg·mm²": 1e-6, "g·m²": 1e-3, "g·cm²": 1e-7, "g·mm²": 1e-9}
-# A part has a tensor like that of its uniform solid, within this factor.
-_UNIT_RANGE = 10.0
+# A part has a tensor like that of its uniform solid, and each principal moment, within these factors.
+_UNIT_RANGE, _MOMENT_RANGE = 10.0, 30.0
 # A part that is not drawn may be larger than what it is fixed to, but not ten times: variances, (10)².
 _OTHER_PART = 100.0
+_LACKS_COM = ". Mass and tensor are the drawn part's: only the COM is missing"
 
 
 def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
@@ -48,6 +52,7 @@ def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[
 
 
 def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
+    in_unit: list[tuple[DeclaredTensor, bool]] = []
     for part in enclosed_inertials(model):
         if part.moment_share < NEGLIGIBLE_SHARE:
             continue
@@ -60,11 +65,15 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             continue
         if excess < VAST and _is_stand_in(part):
             continue
+        is_vast = excess >= VAST and part.has_own_geometry
+        if find_tensor_unit(model) is not None and not has_mistake(model, part.link, "inertia_unit"):
+            in_unit.append((declared, is_vast))
+            continue
         repair, computed, explained = _propose(model, part, declared, ratio=ratio, excess=excess)
         yield rule.finding(
             "exceeds",
             at=declared.element,
-            severity=Severity.ERROR if excess >= VAST and part.has_own_geometry else None,
+            severity=Severity.ERROR if is_vast else None,
             edits=() if repair is None else repair.edits,
             computed=computed,
             explained=explained,
@@ -76,6 +85,28 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             most=float(f"{spread / excess**0.5:.3g}"),
             around=part.geometry_phrase,
         )
+    if in_unit:
+        yield _build_unit_finding(model, rule, in_unit)
+
+
+def _build_unit_finding(model: Model, rule: Rule, links: Sequence[tuple[DeclaredTensor, bool]]) -> Finding:
+    """Report together the ``links`` of a file whose tensors are in another unit, each with whether no undrawn part makes up for
+    its tensor."""
+    unit = find_tensor_unit(model)
+    assert unit is not None
+    places = [declared.element for declared, _ in links]
+    return build_group_finding(
+        rule,
+        "unit",
+        places,
+        severity=Severity.ERROR if any(is_vast for _, is_vast in links) else None,
+        links=join_names(declared.link.name for declared, _ in links),
+        first=links[0][0].link.name,
+        count=len(links),
+        unit=unit.name,
+        evidence=unit.evidence.capitalize(),
+        remedy=unit.remedy,
+    )
 
 
 def _is_stand_in(part: EnclosedInertial) -> bool:
@@ -96,36 +127,61 @@ def _propose(
         and diagnosed.diagnosis.mended_tensor_mismatch < LARGEST_SOUND_MISMATCH
     )
     if diagnosed is not None and is_explained and (undo := propose_undo(model, part.link)) is not None:
+        if diagnosed.diagnosis.cause == "com_missing" and lacks_only_com(model, part.link):
+            return undo, f"write {undo.words}", _LACKS_COM
         mistake = describe_mistake(diagnosed.diagnosis.cause or "", diagnosed.diagnosis.detail)
         return undo, f"write {undo.words} if that is the mistake", f". One mistake explains it: {mistake}"
+    is_known = has_drawn_shape(part.link) and len(part.readings) == 1
+    drawn = describe_drawn_inertial(model, part.link, with_com=has_com_apart(model, part.link)) if is_known else ""
+    computed = f"write {drawn}" if drawn else "compute them from the mesh"
+    if part.link.name in (about_root := find_root_tensors(model)):
+        root = f"the origin of {model.tree.root}, the root link"
+        return (
+            None,
+            computed,
+            f". Of {len(about_root)} links the tensor is the drawn part's about {root}, not about the COM",
+        )
     if excess >= VAST and (unit := _guess_unit(model, part, ratio)) is not None:
         name, factor = unit
         tensor = [
             f'{axis}="{factor * value:.6g}"' for axis, value in zip(TENSOR_NAMES, declared.components, strict=True)
         ]
-        fits = f". The same numbers are possible in {name}, and in no other unit"
+        fits = f". The same numbers fit the drawn part in {name}"
         return None, f"write {' '.join(tensor)} if they are in {name}", fits
-    is_known = has_drawn_shape(part.link) and len(part.readings) == 1
-    drawn = describe_drawn_inertial(model, part.link, with_com=has_com_apart(model, part.link)) if is_known else ""
-    return None, f"write {drawn}" if drawn else "compute them from the mesh", ""
+    return None, computed, _LACKS_COM if is_known and lacks_only_com(model, part.link) else ""
 
 
 def _guess_unit(model: Model, part: EnclosedInertial, ratio: float) -> tuple[str, float] | None:
-    """Return the one unit in which the author's own tensor is possible inside the geometry, and about as large as that of a
-    uniform part; None where none is, or several are, for a placeholder, and for a unit that no program writes."""
-    drawn, declared = measure_link_geometry(model, part.link), model.tensor_by_name[part.link.name]
-    if drawn is None or describe_placeholder(part.mass, declared.components) is not None:
+    """Return the one unit in which the author's own tensor is possible inside the geometry, with moments like those of a uniform
+    part; None where none is, or several are, or another link of the file does not have it, for a placeholder, and for a unit that
+    no program writes."""
+    declared = model.tensor_by_name[part.link.name]
+    if describe_placeholder(part.mass, declared.components) is not None:
         return None
-    uniform = float(np.trace(compute_solid_inertia(drawn.solid, part.mass)))
-    fitting = []
-    for name, factor in _TENSOR_UNITS.items():
-        size = factor * float(np.trace(declared.tensor)) / uniform if uniform > 0.0 else 0.0
-        if 1.0 / _UNIT_RANGE < size < _UNIT_RANGE and all(
-            compute_spread_ratios(points, part.com, factor * part.covariance, margin=0.0)[0].max() <= ratio
-            for points in part.readings
-        ):
-            fitting.append((name, factor))
-    return fitting[0] if len(fitting) == 1 and fitting[0][0] != "g·m²" else None
+    fitting = [(name, factor) for name, factor in TENSOR_UNITS.items() if _fits_unit(model, part, factor, ratio)]
+    is_one = len(fitting) == 1 and fitting[0][0] != "g·m²" and is_unit_possible(model, fitting[0][1])
+    return fitting[0] if is_one else None
+
+
+def _fits_unit(model: Model, part: EnclosedInertial, factor: float, ratio: float) -> bool:
+    """Whether a tensor in a unit of ``factor`` kg·m² is possible inside the geometry, and each moment like that of a uniform
+    part."""
+    drawn, declared = measure_link_geometry(model, part.link), model.tensor_by_name[part.link.name]
+    if drawn is None:
+        return False
+    uniform = np.linalg.eigvalsh(compute_solid_inertia(drawn.solid, part.mass))
+    if not uniform[0] > 0.0:
+        return False
+    moments = factor * np.linalg.eigvalsh(declared.tensor)
+    size, sizes = float(moments.sum() / uniform.sum()), moments / uniform
+    if not (
+        1.0 / _UNIT_RANGE < size < _UNIT_RANGE and 1.0 / _MOMENT_RANGE < sizes.min() <= sizes.max() < _MOMENT_RANGE
+    ):
+        return False
+    return all(
+        compute_spread_ratios(points, part.com, factor * part.covariance, margin=0.0)[0].max() <= ratio
+        for points in part.readings
+    )
 
 
 def _compute_excess(

@@ -18,6 +18,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
+from urdfcheck.model.motion.fixed_base import explain_fixed_base
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
 
@@ -110,9 +111,13 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
 
 
 def _is_ballast(model: Model, root: Sequence[str]) -> bool:
-    """Whether the ``root`` body outweighs the rest of the robot so far that it is a stand, whose inertia nothing depends on."""
+    """Whether the ``root`` body is the stand of a robot that it outweighs: its inertia has no effect.
+
+    The body of a mobile robot outweighs its wheels too, but it moves.
+    """
     rest = sum(declared.mass for declared in model.masses if declared.link.name not in root)
-    return sum(declared.mass for declared in model.masses) - rest > _BALLAST * rest > 0.0
+    is_heavy = sum(declared.mass for declared in model.masses) - rest > _BALLAST * rest > 0.0
+    return is_heavy and bool(explain_fixed_base(model))
 
 
 def _describe_placeholder(model: Model, link: Link) -> str | None:

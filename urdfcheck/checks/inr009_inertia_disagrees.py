@@ -11,7 +11,6 @@ from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import join_names
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis_words import (
-    FAULTY_NUMBERS,
     MILD_CAUSES,
     NOTABLE,
     SHORT_CAUSES,
@@ -19,6 +18,7 @@ from urdfcheck.model.inertials.diagnosis_words import (
     describe_median_agreement,
     describe_other_shape,
     format_ruled_out,
+    name_faulty_numbers,
 )
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import (
@@ -166,7 +166,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         first=links[0].name,
         count=len(links),
         known=len(diagnoses),
-        faulty=FAULTY_NUMBERS.get(cause, "inertia"),
+        faulty=name_faulty_numbers(cause, detail),
         why=SHORT_CAUSES.get(cause, name_mistake(cause)).format(detail=detail),
         detail=detail,
         mistake=describe_mistake(cause, detail),

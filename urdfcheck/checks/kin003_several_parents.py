@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.model import Model
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
+from urdfcheck.model.repairs.edits import edit_values
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -15,7 +16,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for link, joints in graph.map_parent_joints().items():
         # The joints of a loop are KIN004's, the second joint of a name is KIN001's.
         counted = [j for j in joints if j not in in_loops and (not j.name or model.joint_by_name[j.name] is j)]
-        if len(counted) > 1:
+        meant = graph.find_meant_child(counted) if len(counted) == 2 else None
+        if meant is not None:
+            yield _build_slip_finding(rule, graph, *meant, other=next(j for j in counted if j is not meant[0]))
+        elif len(counted) > 1:
             yield rule.finding(
                 "several",
                 at=counted[1].child_location,
@@ -24,3 +28,19 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 joints=", ".join(f"{j.name} (from {j.parent})" for j in counted),
                 parents=[j.parent for j in counted],
             )
+
+
+def _build_slip_finding(rule: Rule, graph: KinematicGraph, joint: Joint, meant: str, *, other: Joint) -> Finding:
+    """Report a joint that names the child of another joint instead of the one it was made for, which is then a second root."""
+    return rule.finding(
+        "slip",
+        at=joint.child_location,
+        related=[other.child_location],
+        edits=() if joint.child_attribute is None else edit_values([(joint.child_attribute, meant)]),
+        explains=[f"KIN005 link[{link}]" for link in graph.links] if len(graph.find_components()) == 2 else [],
+        joint=joint.name,
+        link=joint.child,
+        meant=meant,
+        other=other.name,
+        parents=[joint.parent, other.parent],
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.mesh_marks import round_significant, sample_for_drawing
 from urdfcheck.model.shapes.solids import compute_drawn_scale
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Vec3
 
 # A report draws the longest rims, each thinned to this many points.
 MAX_LOOPS, MAX_POINTS = 16, 64
@@ -87,8 +90,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _build_collision_finding(model: Model, rule: Rule, message: str, meshes: Sequence[_OpenMesh]) -> Finding:
     """Return one finding for the whole robot: one exporter made all meshes, or one program simplified them."""
-    holes = {mesh.use: _collect_boundary_loops(model, mesh) for mesh in meshes}
-    worst = max(holes, key=lambda use: holes[use][0]["length"])
+    rims = {mesh.use: _collect_boundary_loops(model, mesh) for mesh in meshes}
+    worst = max(rims, key=lambda use: rims[use][0]["length"])
     open_edges = sum(mesh.open_edges for mesh in meshes)
     several = len(meshes) > 1
     at, *related = (use.filename for mesh in meshes for use in mesh.uses)
@@ -102,29 +105,33 @@ def _build_collision_finding(model: Model, rule: Rule, message: str, meshes: Seq
         edges=format_large_count(open_edges, "open edge"),
         files=f" ({join_names(mesh.label for mesh in meshes)})" if several else "",
         open_edges=open_edges,
-        places=format_large_count(sum(map(len, holes.values())), "place"),
-        length=holes[worst][0]["length"],
-        centre=join_numbers(holes[worst][0]["centre"], digits=3, separator=" "),
+        places=format_large_count(sum(len(mesh.facts.holes) for mesh in meshes), "place"),
+        length=rims[worst][0]["length"],
+        centre=join_numbers(rims[worst][0]["centre"], digits=3, separator=" "),
         whose=f"the frame of {worst.name}" if several else "the mesh's frame",
-        loops=[loop for loops in holes.values() for loop in loops[:MAX_LOOPS]],
+        loops=[loop for loops in rims.values() for loop in loops],
     )
-    return replace(finding, subjects=tuple(dict.fromkeys(use.filename.location.subject for use in holes)))
+    return replace(finding, subjects=tuple(dict.fromkeys(use.filename.location.subject for use in rims)))
 
 
 def _collect_boundary_loops(model: Model, mesh: _OpenMesh) -> list[dict[str, Any]]:
-    """Describe the rims of a mesh, the longest first."""
-    loops = [_describe_boundary_loop(model, mesh.use, boundary) for boundary in mesh.facts.holes]
-    return sorted(loops, key=lambda loop: -loop["length"])
+    """Describe the longest rims of a mesh, the longest first; a mesh of loose triangles has thousands."""
+    scale = np.array(compute_drawn_scale(model, mesh.use.shape) or (1.0, 1.0, 1.0))
+    lengths = [_measure_boundary_length(boundary, scale) for boundary in mesh.facts.holes]
+    longest = sorted(range(len(lengths)), key=lambda i: -lengths[i])[:MAX_LOOPS]
+    return [
+        {
+            "closed": mesh.facts.holes[i].closed,
+            "length": lengths[i],
+            "centre": [round_significant(float(v), 4) for v in mesh.facts.holes[i].centre * scale],
+            "points": sample_for_drawing(model, mesh.use, mesh.facts.holes[i].points, most=MAX_POINTS),
+        }
+        for i in longest
+    ]
 
 
-def _describe_boundary_loop(model: Model, use: MeshUse, boundary: Boundary) -> dict[str, Any]:
-    """Return lengths in metres and places in the mesh's own frame after scaling."""
-    scale = np.array(compute_drawn_scale(model, use.shape) or (1.0, 1.0, 1.0))
+def _measure_boundary_length(boundary: Boundary, scale: Vec3) -> float:
+    """Measure the length of a rim in metres; ``scale`` (3,): metres per unit of the file."""
     points = boundary.points * scale
     steps = np.diff(points, axis=0, append=points[:1] if boundary.closed else points[-1:])
-    return {
-        "closed": boundary.closed,
-        "length": round_significant(float(np.linalg.norm(steps, axis=1).sum())),
-        "centre": [round_significant(float(v), 4) for v in boundary.centre * scale],
-        "points": sample_for_drawing(model, use, boundary.points, most=MAX_POINTS),
-    }
+    return round_significant(float(np.linalg.norm(steps, axis=1).sum()))

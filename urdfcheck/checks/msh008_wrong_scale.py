@@ -22,6 +22,10 @@ UNITS = {"millimetres": 0.001, "inches": 0.0254, "centimetres": 0.01}
 UNIT_TOLERANCE = 1e-3
 # A scale below this was meant to convert millimetres, centimetres or inches to metres.
 MAX_CONVERSION_SCALE = 0.03
+# Four times the largest part (m) that published robots have.
+ENLARGED = 20.0
+# A part that measures more than this in all three directions (m) is not a ground plane or a wall.
+MIN_ENLARGED = 1.0
 
 
 def check(model: Model, rule: Rule, *, largest: float, ratio: float, smallest: float) -> Iterator[Finding]:
@@ -123,7 +127,10 @@ def _check_sizes(model: Model, rule: Rule, *, sizes: _SizeLimits, meshes: Iterab
             message,
             at=use.filename,
             related=[other.filename for other in uses[1:]],
-            edits=_propose_edits(model, uses, [*units.values()], target={"small": 1.0, "twice": usual}.get(message)),
+            # Where the whole robot has the mistake, the mesh alone would be the odd part.
+            edits=[]
+            if message == "enlarged"
+            else _propose_edits(model, uses, [*units.values()], target={"small": 1.0, "twice": usual}.get(message)),
             mesh=name,
             size=size,
             in_file=_measure_size_in_file(model, use),
@@ -144,14 +151,30 @@ def _find_usual_scale(model: Model) -> float:
 
 
 def _classify_size(model: Model, mesh: _MeasuredMesh, sizes: _SizeLimits, *, usual: float) -> str | None:
-    """Return ``large`` for a mesh that was not converted to metres, ``small`` for one in metres that was, ``twice`` for one whose
-    scale is not the ``usual`` one, with which it has a plausible size, or None."""
+    """Return what is wrong with the size of a mesh, or None.
+
+    ``large``: it was not converted to metres. ``small``: it was, and is in metres. ``enlarged``: it is in metres, and the inverse
+    of a conversion makes it a building. ``twice``: its scale is not the ``usual`` one, with which it has a plausible size.
+    """
     if sizes.is_too_large(mesh.size) and sizes.list_plausible_units(mesh.size):
         return "large"
+    if _is_enlarged(model, mesh, sizes):
+        return "enlarged"
     if mesh.size >= sizes.smallest or max(map(abs, mesh.use.shape.size or (1.0,))) >= MAX_CONVERSION_SCALE:
         return None
     in_file = _measure_size_in_file(model, mesh.use)
     return "small" if sizes.is_plausible(in_file) else "twice" if sizes.is_plausible(in_file * usual) else None
+
+
+def _is_enlarged(model: Model, mesh: _MeasuredMesh, sizes: _SizeLimits) -> bool:
+    """Whether the scale of a mesh in metres makes it far larger than any part, in a robot whose joints are as far apart: the rest
+    of it has the same mistake, so its reach shows nothing."""
+    facts, scale = model.meshes.get_facts(mesh.use.shape), np.abs(mesh.use.shape.size or (1.0,))
+    if facts is None or sizes.reach == 0 or scale.min() * MAX_CONVERSION_SCALE < 1.0:
+        return False
+    least = float((np.ptp(facts.bounds, axis=0) * scale).min())
+    in_file = _measure_size_in_file(model, mesh.use)
+    return mesh.size > ENLARGED and least > MIN_ENLARGED and sizes.smallest <= in_file <= ENLARGED
 
 
 def _propose_edits(

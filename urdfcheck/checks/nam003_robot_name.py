@@ -15,6 +15,8 @@ _GENERIC_WORDS = frozenset({
     "description", "descriptions", "support", "model", "models", "robot", "robots", "urdf", "xacro", "gazebo", "ros",
     "ros2", "moveit", "config", "bringup", "resources", "sim", "simulation", "package", "pkg", "common", "data",
 })  # fmt: skip
+# Letters that are added, left out or replaced.
+_MOST_LETTERS_APART = 2
 _MIN_SIMILARITY = 0.85
 _MIN_LETTERS = 6
 
@@ -63,4 +65,13 @@ def _is_misspelt_name(name: str, stem: str) -> bool:
     if min(len(a), len(b)) < _MIN_LETTERS or _is_related_name(name, stem) or sorted(a) == sorted(b):
         return False
     same_digits = re.findall(r"\d", a) == re.findall(r"\d", b)
-    return same_digits and difflib.SequenceMatcher(None, a, b).ratio() >= _MIN_SIMILARITY
+    return same_digits and _are_letters_apart(a, b)
+
+
+def _are_letters_apart(a: str, b: str) -> bool:
+    """Whether two texts are alike, and differ in two letters at most."""
+    matcher = difflib.SequenceMatcher(None, a, b)
+    if matcher.ratio() < _MIN_SIMILARITY:
+        return False
+    changed = sum(max(i2 - i1, j2 - j1) for tag, i1, i2, j1, j2 in matcher.get_opcodes() if tag != "equal")
+    return changed <= _MOST_LETTERS_APART

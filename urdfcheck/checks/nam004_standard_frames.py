@@ -34,7 +34,7 @@ def check(model: Model, rule: Rule, *, angle_tol: float) -> Iterator[Finding]:
         yield rule.finding("footprint", at=footprint, parent=footprint.parent)
     tool = tree.parent_joint.get("tool0")
     if tool is not None and tool.parent == "flange":
-        yield from _check_tool_frame(tool, rule, angle_tol)
+        yield from _check_tool_frame(model, tool, rule, angle_tol)
     yield from _check_optical_frames(model, rule, angle_tol)
 
 
@@ -50,14 +50,61 @@ def _is_dummy_root(model: Model, joint: Joint) -> bool:
     )
 
 
-def _check_tool_frame(joint: Joint, rule: Rule, tol: float) -> Iterator[Finding]:
-    """Compare tool0 with the standard: z points away from the robot, along the x axis of the flange."""
+def _check_tool_frame(model: Model, joint: Joint, rule: Rule, tol: float) -> Iterator[Finding]:
+    """Compare tool0 with the standard: z points away from the robot, along the x axis of the flange.
+
+    The axis of the last moving joint points there too, and shows which of the two frames is wrong.
+    """
     matrix = joint.origin.matrix
     if matrix is None or joint.type != "fixed":
         return
-    off = float(np.arccos(np.clip(matrix[0, 2], -1.0, 1.0)))
-    if off > tol:
-        yield rule.finding("tool", at=locate_origin_attribute(joint, "rpy"), off=off)
+    off = _measure_angle(matrix[:3, 2], np.eye(3)[0])
+    if off <= tol:
+        return
+    last, axis = _find_last_axis(model, joint.parent)
+    message = "tool_or_flange"
+    if last is not None and _is_parallel(axis, np.eye(3)[0], tol):
+        message = "tool"
+    elif last is not None and _is_parallel(axis, matrix[:3, 2], tol):
+        message = "flange"
+        off = min(_measure_angle(sign * axis, np.eye(3)[0]) for sign in (1.0, -1.0))
+    before = model.tree.parent_joint.get(joint.parent)
+    if message == "flange" and before is not None:
+        at, related = locate_origin_attribute(before, "rpy"), [locate_origin_attribute(joint, "rpy")]
+    else:
+        at, related = locate_origin_attribute(joint, "rpy"), []
+    yield rule.finding(
+        message,
+        at=at,
+        related=related,
+        off=off,
+        last="" if last is None else last.name,
+        mount="" if before is None else before.name,
+        joint=joint.name,
+    )
+
+
+def _find_last_axis(model: Model, link: str) -> tuple[Joint | None, np.ndarray]:
+    """Find the last moving joint before a link, and its axis (3,) in the link's frame."""
+    rotation = np.eye(3)
+    for joint in reversed(model.tree.find_path_to(link)):
+        if joint.is_movable:
+            axis = np.array(joint.axis or (0.0, 0.0, 0.0), dtype=float)
+            length = float(np.linalg.norm(axis))
+            return (joint, rotation.T @ axis / length) if joint.has_axis and length > 0.0 else (None, axis)
+        if joint.origin.matrix is None:
+            break
+        rotation = joint.origin.matrix[:3, :3] @ rotation
+    return None, np.zeros(3)
+
+
+def _is_parallel(one: np.ndarray, other: np.ndarray, tol: float) -> bool:
+    return min(_measure_angle(one, other), _measure_angle(-one, other)) <= tol
+
+
+def _measure_angle(one: np.ndarray, other: np.ndarray) -> float:
+    """Return the angle (rad) between two unit vectors (3,)."""
+    return float(np.arccos(np.clip(one @ other, -1.0, 1.0)))
 
 
 def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Finding]:

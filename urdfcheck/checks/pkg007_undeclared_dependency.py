@@ -46,6 +46,8 @@ _MUTUAL = frozenset({"circle", "mutual"})
 # The default of an argument in a launch file; in Python the package may be named so many lines below the word.
 _DEFAULT = re.compile(r"\bdefault(?:_value)?\s*=")
 _DEFAULT_LINES = 4
+# A file that is part of the sources: others are made by the build.
+_PLAIN_FILE = re.compile(r"^[^$*]*\.(?:urdf|xacro|launch|xml|yaml|dae|stl|rviz)$", re.IGNORECASE)
 _VIEW_SUFFIX = ".rviz"
 _SHAPE_FOLDERS = frozenset({"mesh", "meshes", "textures", "materials"})
 # So many files of each package of the repository are compared.
@@ -82,6 +84,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     # Their own lines are missing too: each would be right alone, and together they are a cycle.
     for name in [name for name in missing if _uses_files_of(package, name)]:
         yield _build_finding(package, rule, root, file, message="mutual", missing={name: missing.pop(name)})
+    for name in [name for name, uses in missing.items() if all(_leads_nowhere(use, package) for use in uses)]:
+        yield _build_finding(package, rule, root, file, message="dangling", missing={name: missing.pop(name)})
     if missing:
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
@@ -105,12 +109,14 @@ def _build_finding(
         at=root.find_child("name") or root,
         related=[use.location for uses in missing.values() for use in uses[:3]],
         severity=Severity.INFO if message in _MUTUAL and _are_defaults(uses) else None,
-        edits=() if message in {*_MUTUAL, "unknown"} else _propose_edits(root, file, tags=tags),
+        edits=() if message in {*_MUTUAL, "unknown", "dangling"} else _propose_edits(root, file, tags=tags),
         name=names[0],
         names=names,
         listed=join_names(names),
         count=len(names),
         package=package.name,
+        file=PurePosixPath(uses[0].subpath.replace("\\", "/")).name,
+        path=uses[0].subpath.strip("/"),
         tag=tags[names[0]],
         where=", ".join(dict.fromkeys(use.location.span.file for use in missing[names[0]][:2] if use.location.span)),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
@@ -193,8 +199,12 @@ def _build_misnamed_finding(
 def _find_home(package: Package, name: str, uses: Sequence[PackageMention]) -> tuple[str, str] | None:
     """Return the only package of the repository that has all robot files for which a package that is not found is named, and
     the path of the first in it; None if there is none, or a mention is of another file than these and views of them."""
-    if package.finder is None or package.finder.find(name) is not None:
+    if package.finder is None:
         return None
+    folder = package.finder.find(name)
+    own = _find_in_package(package, name, uses, folder)
+    if own is not None or folder is not None:
+        return own
     files = dict.fromkeys(PurePosixPath(use.subpath).name for use in uses)
     wanted = [file for file in files if file.lower().endswith(_ROBOT_SUFFIXES) and "$" not in file]
     if not wanted or any(file not in wanted and not file.endswith(_VIEW_SUFFIX) for file in files):
@@ -209,6 +219,25 @@ def _find_home(package: Package, name: str, uses: Sequence[PackageMention]) -> t
                 found.setdefault(owner, {}).setdefault(path.name, path.relative_to(folder).as_posix())
     complete = [(owner, paths[wanted[0]]) for owner, paths in found.items() if len(paths) == len(wanted)]
     return complete[0] if len(complete) == 1 else None
+
+
+def _find_in_package(
+    package: Package, name: str, uses: Sequence[PackageMention], folder: Path | None
+) -> tuple[str, str] | None:
+    """Return this package and the path in it of the first file for which a name is used that is not a package: all those files
+    have the same paths in this package, or the name is that of one of its folders. None if they have not."""
+    inside = ""
+    if folder is not None:
+        # Without a manifest it is only a folder of that name, which a `package://` that lacks the package leads to by chance.
+        if folder.absolute() != package.path.absolute() / name or (folder / "package.xml").is_file():
+            return None
+        inside = f"{name}/"
+    paths = [inside + use.subpath.strip("/") for use in uses if not use.subpath.endswith(_VIEW_SUFFIX)]
+    if any(path.endswith(_LAUNCH_SUFFIXES) for path in paths):  # many packages have a launch file of that name
+        return None
+    if not paths or not all(path and "$" not in path and (package.path / path).is_file() for path in paths):
+        return None
+    return package.name, paths[0]
 
 
 def _collect_dependencies(package: Package, names: Iterable[str]) -> set[str]:
@@ -235,6 +264,15 @@ def _uses_files_of(package: Package, name: str) -> bool:
         return False
     other = load_package(folder)
     return other is not None and mentions_package(other, package.name)
+
+
+def _leads_nowhere(use: PackageMention, package: Package) -> bool:
+    """Whether a mention is of a file that the package, which is found, lacks: a line left from another robot's launch file."""
+    folder = None if package.finder is None else package.finder.find(use.package)
+    path = use.subpath.strip("/")
+    if package.finder is None or folder is None or not _PLAIN_FILE.search(path):
+        return False
+    return package.finder.can_open(folder / "package.xml") and not (folder / path).exists()
 
 
 def _are_for_tests(uses: Sequence[PackageMention], package: Package) -> bool:

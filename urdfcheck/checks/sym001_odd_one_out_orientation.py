@@ -20,16 +20,19 @@ from urdfcheck.facts.likeness.symmetry import (
     measure_rotation_angle,
 )
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.ground.wheels import rolling_wheels
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.likeness.sibling_joints import (
     find_common_base,
     is_drawn_in_place,
+    is_frame_evidence,
     sibling_joints,
     trace_fixed_chain,
 )
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
 from urdfcheck.model.repairs.rpy_text import ANGLE_TOLERANCE, ROUND_STEP, find_nearest_rpy, format_angle
+from urdfcheck.model.wheel_names import WHEEL_CARRIER_NAME, WHEEL_NAME
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
@@ -83,10 +86,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         odd = find_odd_frame(frames[:, :3, 3], frames[:, :3, :3], axes)
         if odd is not None:
             by_pattern = _build_outlier(group, odd, base)
-            if not _is_choice_of_frame(
-                model, by_pattern.joint, by_pattern.others[0], by_pattern.expected, kind=odd.kind
+            joint, others = by_pattern.joint, by_pattern.others
+            if not _is_choice_of_frame(model, joint, others[0], by_pattern.expected, kind=odd.kind) and (
+                is_frame_evidence(model, joint, others, by_pattern.expected, kind=odd.kind)
             ):
-                outliers[by_pattern.joint.name] = by_pattern
+                outliers[joint.name] = by_pattern
             continue
         suspects = find_suspect_frames(frames[:, :3, 3], frames[:, :3, :3], axes)
         if suspects is None or not _has_consistent_bases(model, group, suspects):
@@ -94,6 +98,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         suspect, like = [*suspects.members, *(i for i in range(len(group)) if i not in suspects.members)][:2]
         expected = base[:3, :3] @ suspects.expected_frames[0]
         if _is_choice_of_frame(model, group[suspect], group[like], expected, kind=suspects.kind):
+            continue
+        others = tuple(joint for joint in group if joint is not group[suspect])
+        if not is_frame_evidence(model, group[suspect], others, expected, kind=suspects.kind):
             continue
         outlier = _pick_outlier_by_angles(model, group, suspects)
         if outlier is not None:
@@ -346,11 +353,20 @@ def _choose_message(model: Model, joint: Joint, odd: _OrientationOutlier) -> tup
     axis = np.array(joint.axis or (1.0, 0.0, 0.0))
     axis = axis / np.linalg.norm(axis)
     expected, actual = odd.expected @ axis, model.frames[joint.child][:3, :3] @ axis
-    if joint.type != "continuous" or abs(expected[2]) > 0.1:
+    if not _is_wheel(model, joint) or abs(expected[2]) > 0.1:
         return "tilt", {}
     toe = math.atan2(expected[0] * actual[1] - expected[1] * actual[0], expected[:2] @ actual[:2])
     camber = math.asin(np.clip(actual[2], -1, 1)) - math.asin(np.clip(expected[2], -1, 1))
     return "wheel", {"toe": math.degrees(toe), "camber": math.degrees(camber)}
+
+
+def _is_wheel(model: Model, joint: Joint) -> bool:
+    """Whether a joint turns a wheel, by a name or by what is drawn: only wheels have toe and camber."""
+    if joint.type != "continuous":
+        return False
+    name = f"{joint.name} {joint.child}"
+    is_named = WHEEL_NAME.search(name) is not None and WHEEL_CARRIER_NAME.search(name) is None
+    return is_named or any(wheel.joint is joint for wheel in rolling_wheels(model))
 
 
 def _describe_com_offset(model: Model, joint: Joint) -> str:

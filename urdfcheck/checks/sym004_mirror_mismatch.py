@@ -123,7 +123,9 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     if cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
         return None
     links = both[0].link, both[1].link
-    if wrong is None and fit_own_drawings_alike(model, *links, threshold=note, com_threshold=_OWN_COM):
+    if wrong is None and fit_own_drawings_alike(
+        model, *links, threshold=note, com_threshold=_OWN_COM, linear=pair.linear
+    ):
         return None
     parts = (("COM", deviation.com_offset), ("inertia tensor", deviation.spread))
     differences = describe_differences(side.actual, side.expected, deviation=deviation, threshold=note)

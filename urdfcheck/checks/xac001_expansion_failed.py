@@ -6,7 +6,7 @@ import math
 import os
 import re
 import shlex
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from urdfcheck.source.package.similar_files import (
     describe_uninstalled_file,
     find_uninstalled_file,
     index_files,
+    read_defined_macros,
 )
 from urdfcheck.source.path_arguments import (
     find_missing_part,
@@ -26,10 +27,12 @@ from urdfcheck.source.path_arguments import (
     list_path_arguments,
     select_guilty,
 )
+from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.usage import (
     Condition,
+    collect_called_macros,
     collect_macros,
     collect_properties,
     find_conditions,
@@ -41,6 +44,8 @@ from urdfcheck.source.xacro.usage import (
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
 # The error of an empty file name: xacro then opens its folder as a file.
 _LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
+# So many files that define the macro that is called are named in place of a missing one.
+_MOST_PROPOSED = 3
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
 
 
@@ -259,7 +264,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     except OSError:
         beside = []
     near = (
-        format_name_hint(path.name, beside)
+        _format_file_hint(failure.source, path, beside)
         if beside
         else f", nor does its folder{_describe_sibling_folders(failure.source, path)}"
     )
@@ -271,6 +276,20 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
+
+
+def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
+    """Return `` (did you mean 'x'?)`` for a file beside the missing one: of a similar name, unless others define a macro that the
+    files call and that is not known, and it does not."""
+    unknown = collect_called_macros(source.trees) - collect_macros(source.trees).keys()
+    tops = (child.tag for tree in source.trees.values() for child in tree.children)
+    unknown |= {tag for tag in tops if tag not in CHILDREN["robot"] and ":" not in tag}
+    defined = read_defined_macros([path.parent / name for name in beside], source.finder)
+    defining = [name for name in sorted(defined) if defined[name] & unknown]
+    near = find_nearest_name(path.name, beside)
+    if defining and near not in defining:
+        return f" (did you mean {' or '.join(map(repr, defining[:_MOST_PROPOSED]))}?)"
+    return f" (did you mean {near!r}?)" if near and (near in defining or not unknown or not defined.get(near)) else ""
 
 
 def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _FailureReport | None:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.source.load import Source, select_own_trees
+from urdfcheck.source.model_role import has_unprefixed_calls
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import find_unprefixed_tags
 
@@ -18,24 +19,37 @@ _MAX_EDITED = 500
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     own_trees = select_own_trees(source)
+    left_over = _find_places_in_robot(source)
+    # The links of a robot without links are in the macros that it does not call.
+    explained = [f"KIN007 {source.root.subject}"] if source.root and has_unprefixed_calls(source, source.root) else []
     by_file: dict[str, list[Element]] = {}
     for element in find_unprefixed_tags(source.trees):
-        if element.span is not None and element.span.file in own_trees:
-            by_file.setdefault(element.span.file, []).append(element)
+        span = element.span
+        if span is not None and (span.file in own_trees or (span.file, span.start) in left_over):
+            by_file.setdefault(span.file, []).append(element)
     for name, elements in by_file.items():
         tags = list(dict.fromkeys(e.tag for e in elements))
         finding = rule.finding(
             "unprefixed" if source.is_xacro else "plain",
             at=elements[0],
             related=elements[1:_MAX_EDITED],
-            edits=_propose_edits(elements, own_trees[name], source.files[name]) if source.is_xacro else [],
+            edits=_propose_edits(elements, source.trees[name], source.files[name]) if source.is_xacro else [],
             severity=None if source.is_xacro else Severity.WARNING,
             tag=elements[0].tag,
             tags=tags,
             listed=join_names(f"<{tag}>" for tag in tags),
             times=format_repetition(len(elements)),
+            explains=explained,
         )
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
+
+
+def _find_places_in_robot(source: Source) -> set[tuple[str, int]]:
+    """Return the files and offsets of the tags that are left in the robot: the file of another package is wrong there too."""
+    if source.root is None or not source.is_xacro:
+        return set()
+    left = find_unprefixed_tags(source.trees, source.root)
+    return {(element.span.file, element.span.start) for element in left if element.span is not None}
 
 
 def _propose_edits(elements: Sequence[Element], root: Element, file: SourceFile) -> list[Edit]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.core.text import format_repetition
+from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import is_collision_part
-from urdfcheck.source.text.grammar import CHILDREN, guess_element_tag, iter_urdf_elements
+from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, guess_element_tag, iter_urdf_elements
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
@@ -56,6 +57,8 @@ _XACRO = frozenset(["macro", "property", "include", "arg", "if", "unless", "inse
 
 # The elements that a parent holds any number of.
 _REPEATED = {"robot": CHILDREN["robot"], "link": frozenset({"visual", "collision"})}
+# The parts of a joint that a fixed one does not use.
+_OF_MOVING_JOINTS = frozenset({"axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"})
 RENAMING = "write `<{near}>`, also in the end tag"
 DELETION = "delete it: <{parent}> already has a <{near}>"
 
@@ -73,11 +76,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         message, severity, data = verdict
         if message in {"misspelt", "misplaced"} and all(map(_holds_zeros, places)):
             severity = Severity.INFO
+        if message == "misspelt" and data["near"] in _OF_MOVING_JOINTS and all(map(_is_in_fixed_joint, places)):
+            severity = Severity.INFO
         edits: tuple[Edit, ...] = ()
         if message == "misspelt":
             taken = _is_taken(parent_tag, data["near"], places)
             data["repair"] = DELETION.format(parent=parent_tag, **data) if taken else RENAMING.format(**data)
-            edits = () if taken else build_rename_edits(places, data["near"], model.source.files)
+            wrong = [] if taken else _find_wrong_numbers(places, data["near"])
+            edits = () if taken or wrong else build_rename_edits(places, data["near"], model.source.files)
+            if wrong:
+                data["repair"] += ", and " + join_names(wrong)
         data = {"tag": tag, "parent": parent_tag, "times": format_repetition(len(places)), **data}
         finding = rule.finding(
             message,
@@ -114,6 +122,24 @@ def _holds_zeros(element: Element) -> bool:
         return True
     words = [word for inner in element.walk() for a in inner.attributes.values() for word in a.value.split()]
     return bool(words) and all(parse_number(word) == 0 for word in words)
+
+
+def _is_in_fixed_joint(element: Element) -> bool:
+    return element.parent is not None and element.parent.tag == "joint" and element.parent.get("type") == "fixed"
+
+
+def _find_wrong_numbers(places: list[Element], tag: str) -> list[str]:
+    """Return what must be written instead of the attributes that are not numbers: under its new name the element is read."""
+    wrong: dict[str, None] = {}
+    for place in places:
+        for name, count in NUMERIC_ATTRIBUTES.get(tag, {}).items():
+            value = place.get(name).strip()
+            words = value.split() if count > 1 else [value]
+            if name not in place.attributes or (len(words) == count and None not in map(parse_number, words)):
+                continue
+            forgotten = re.fullmatch(r"\{[A-Za-z_]\w*\}", value)
+            wrong[f"`${value}` for the {name} `{value}`" if forgotten else f"a number for the {name}"] = None
+    return list(wrong)
 
 
 def _is_taken(parent: str, tag: str, places: list[Element]) -> bool:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_gap_in_yourdfpy, describe_loss
-from urdfcheck.source.text.grammar import REQUIRED_ATTRIBUTES, is_attribute_missing, iter_urdf_elements
+from urdfcheck.source.text.grammar import CHILDREN, REQUIRED_ATTRIBUTES, is_attribute_missing, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags
 
 # Other rules check a limit's effort and velocity, a joint's type and a safety controller's k_velocity.
 _CHILDREN = {
@@ -27,7 +28,7 @@ _CHECKED_TAGS = frozenset({
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for element in iter_urdf_elements(model.robot):
-        yield from _check_children(element, rule)
+        yield from _check_children(model, element, rule)
         yield from _check_attributes(element, rule)
         if element.tag == "geometry" and not element.children:
             yield rule.finding(
@@ -52,9 +53,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding("idle-axis", at=axis, severity=Severity.INFO, owner=_describe_owner(axis))
 
 
-def _check_children(element: Element, rule: Rule) -> Iterator[Finding]:
+def _check_children(model: Model, element: Element, rule: Rule) -> Iterator[Finding]:
     missing = [tag for tag in _CHILDREN.get(element.tag, ()) if element.find_child(tag) is None]
-    if missing:
+    if missing and not _is_left_to_call(model, element, missing):
         listed = " and no ".join(f"<{tag}>" for tag in missing)
         yield rule.finding(
             "child",
@@ -64,6 +65,17 @@ def _check_children(element: Element, rule: Rule) -> Iterator[Finding]:
             missing=listed,
             owner=_describe_owner(element),
         )
+
+
+def _is_left_to_call(model: Model, element: Element, missing: Collection[str]) -> bool:
+    """Whether the element holds a macro call without its prefix that would make all that is missing (XAC007)."""
+    unknown = {child.tag for child in element.children if child.tag not in CHILDREN.get(element.tag, ())}
+    if not unknown or not model.source.is_xacro:
+        return False
+    macros = collect_macros(model.source.trees)
+    calls = find_unprefixed_tags(model.source.trees, element, only_calls=True)
+    made = {inner.tag for call in calls if call.parent is element for inner in macros[call.tag].element.walk()}
+    return made.issuperset(missing)
 
 
 def _check_attributes(element: Element, rule: Rule) -> Iterator[Finding]:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from urdfcheck.core import Location
 from urdfcheck.model import Model
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
@@ -40,7 +42,8 @@ def build_outline(model: Model) -> ModelOutline:
         if element.tag in {"link", "joint"}:
             for inner in element.walk():
                 for name, attribute in inner.attributes.items():
-                    parts[f"{inner.subject}@{name}"] = _normalize_value(attribute.value)
+                    value = _normalize_path(model, attribute.value) if name == "filename" else attribute.value
+                    parts[f"{inner.subject}@{name}"] = _normalize_value(value)
                 if not inner.attributes:
                     parts[inner.subject] = ()
         else:
@@ -63,6 +66,17 @@ def build_outline(model: Model) -> ModelOutline:
 def _locate_robot_name(robot: Element) -> Location:
     name = robot.attributes.get("name")
     return robot.location if name is None else name.location
+
+
+def _normalize_path(model: Model, value: str) -> str:
+    """Return an absolute path as one in its package: ``$(find p)/a.stl`` is ``package://p/a.stl``, on whatever machine."""
+    path = Path(value.strip().removeprefix("file://"))
+    if not path.is_absolute():
+        return value
+    package = model.source.finder.find_package_of(path)
+    if package is None or not path.is_relative_to(package.path):
+        return format_path(path)
+    return f"package://{package.name}/{path.relative_to(package.path).as_posix()}"
 
 
 def _normalize_value(value: str) -> Value:

@@ -57,6 +57,22 @@ class KinematicGraph:
             return near
         return _find_misspelt(name, self.links)
 
+    def find_meant_child(self, joints: Iterable[Joint]) -> tuple[Joint, str] | None:
+        """Return the joint of several with one child that has the name of a link that no joint carries, and that link.
+
+        ``imu_joint`` means ``imu_link``. None unless the names decide it, and the joint would then connect two pieces.
+        """
+        pieces = self.find_components()
+        carried = {joint.child for joint in (*self.edges, *self.broken)}
+        found = [
+            (joint, link)
+            for joint in joints
+            for piece in pieces
+            for link in piece
+            if link not in carried and joint.parent not in piece and _is_called_alike(joint.name, link)
+        ]
+        return found[0] if len(found) == 1 and not _is_called_alike(found[0][0].name, found[0][0].child) else None
+
     def map_parent_joints(self) -> Mapping[str, tuple[Joint, ...]]:
         """Return the joints that have each link as their child."""
         parents: dict[str, list[Joint]] = {name: [] for name in self.links}
@@ -139,6 +155,12 @@ def _is_similar(one: list[str], other: list[str]) -> bool:
         a == b or (a.isalpha() and b.isalpha() and difflib.SequenceMatcher(None, a, b).ratio() >= _ALIKE)
         for a, b in zip(one, other, strict=True)
     )
+
+
+def _is_called_alike(joint: str, link: str) -> bool:
+    """Whether a joint and a link have the same name except for the words that say what they are."""
+    words = [word for word in _split_words(joint) if word not in {"joint", "jnt"}]
+    return bool(words) and words == _split_words(link)
 
 
 def _strip_to_letters(name: str) -> str:

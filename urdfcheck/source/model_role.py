@@ -9,6 +9,7 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_parts
+from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags
 
 # A library of macros may include those of a package that is not installed here.
 _PACKAGE_MISSING = "package-not-found"
@@ -55,6 +56,8 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
     if root.tag != "robot":
         return _find_role_of_another_root(source, root, is_part=is_part)
     if not any(child.tag in {"link", "joint"} for child in root.children):
+        if not is_part and has_unprefixed_calls(source, root):
+            return MODEL
         return LIBRARY if is_part or is_tentative or _is_library(source) else MODEL
     if not is_part:
         return MODEL
@@ -84,6 +87,18 @@ def _find_unexpanded_role(source: Source, *, is_part: bool) -> ModelRole:
         ModelRole("part", "it cannot be expanded without the file that includes it", may_have_name)
         if is_part
         else MODEL
+    )
+
+
+def has_unprefixed_calls(source: Source, root: Element) -> bool:
+    """Whether a file itself calls macros that make links or joints, and only forgets the prefix: xacro copies the tags."""
+    macros = collect_macros(source.trees)
+    return source.is_xacro and any(
+        call.parent is root
+        and call.span is not None
+        and call.span.file == source.name
+        and any(inner.tag in {"link", "joint"} for inner in macros[call.tag].element.walk())
+        for call in find_unprefixed_tags(source.trees, root, only_calls=True)
     )
 
 

@@ -47,6 +47,8 @@ _SMALL_UNIT, _SMALL_UNIT_FITS = 5.0, 0.25
 # A tensor so many times that of the part is wrong whatever is inside. Where a unit is wrong by the square of it, it no longer
 # counts what is left of the mismatch, nor whether the COM is that of a uniform part.
 VAST = 1e3
+# Mistakes of signs, which show in the products; below this part of the largest moment and with one digit, these show nothing.
+_SIGNS, _NO_PRODUCT = frozenset({"products_sign", "one_sign", "unmirrored"}), 0.02
 
 
 def can_be_named(
@@ -62,6 +64,9 @@ def can_be_named(
         return False
     if ranking.best.id in _UNITS and not _shows_unit(declared, reference, ranking):
         return False
+    is_of_com = ranking.best.detail.startswith("com ")
+    if ranking.best.id in _SIGNS and not is_of_com and has_coarse_products(declared):
+        return False
     least = TWIN_LIKE if reference.twin is not None else EFFECT
     if is_of_file:
         least = min(least, EXACT)
@@ -69,6 +74,13 @@ def can_be_named(
         _is_convincing(ranking, reference, is_habit=is_of_file)
         and _measure_effect(declared, ranking.numbers[0], ranking.best.factor) > least
     )
+
+
+def has_coarse_products(declared: DeclaredInertial) -> bool:
+    """Whether all products have one digit and are next to nothing: what was rounded away is as large as they are."""
+    products = declared.tensor[np.triu_indices(3, 1)]
+    is_typed_short = all(float(f"{value:.0e}") == value for value in products.tolist())
+    return is_typed_short and float(np.abs(products).max()) < _NO_PRODUCT * float(declared.tensor.diagonal().max())
 
 
 def _is_doubtful_com_unit(ranking: Ranking) -> bool:

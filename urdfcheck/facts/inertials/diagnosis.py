@@ -142,6 +142,20 @@ def diagnose_inertial(
     return replace(by_twin, at_fault=better or (trusted and not _is_better_fit(declared, twin, geometry)))
 
 
+def find_close_match(declared: DeclaredInertial, geometry: VisualGeometry, limit: float) -> Diagnosis | None:
+    """Diagnose numbers that may be those of a geometry: None unless they are sound and both mismatches are below ``limit``. Where
+    one is not, no mistake is searched for."""
+    solid = geometry.solid
+    if not is_computable(declared) or not has_computable_size(solid.com, solid.covariance):
+        return None
+    slack = 1.0 + 1e-6  # the same numbers, computed in another order
+    if not max(measure_inertial_mismatch(declared, solid.com, solid.covariance)) < slack * limit:
+        return None
+    found = diagnose_inertial(declared, geometry)
+    is_close = found is not None and found.sound and max(found.tensor_mismatch, found.com_mismatch) < limit
+    return found if is_close else None
+
+
 def measure_evidence(declared: DeclaredInertial, geometry: VisualGeometry | None) -> Evidence | None:
     """Measure how well the mistakes of a whole file explain the numbers of a link, whether or not they need an explanation; None
     where `diagnose_inertial` returns None."""

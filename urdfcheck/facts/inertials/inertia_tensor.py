@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 _EIGEN_ROUNDING = 8 * float(np.finfo(float).eps)
 
 
+# The places of the six components in the matrix.
+_UPPER = np.triu_indices(3)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid:
     """A body of uniform density: ``volume`` (m³), ``com`` (3,) in m, ``covariance`` (3, 3) in m² about the COM."""
@@ -79,7 +83,7 @@ def build_inertia_tensor(components: Sequence[float]) -> Array:
 
 def list_inertia_components(inertia: Array) -> list[float]:
     """List URDF's ``ixx ixy ixz iyy iyz izz`` of a (3, 3) tensor: the inverse of `build_inertia_tensor`."""
-    components: list[float] = inertia[np.triu_indices(3)].tolist()
+    components: list[float] = inertia[_UPPER].tolist()
     return components
 
 

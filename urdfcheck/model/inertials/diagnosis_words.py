@@ -14,6 +14,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_principal_moments,
     compute_solid_inertia,
 )
+from urdfcheck.facts.inertials.mistakes.mixing_mistakes import ABOUT_ORIGIN, TENSOR_ALONE
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import APPROXIMATIONS, SIMILAR, measure_difference
@@ -47,6 +48,8 @@ DIGITS = 0.01
 NOTABLE = 0.1
 # Moments that are wrong by less than this are told one by one where they are wrong by different factors.
 _SAME_SIZE = 10.0
+# Moments whose factors are this near are wrong alike.
+_AS_WRONG = 0.9
 # All second moments below this part of the drawn part's are those of a smaller part.
 _MUCH_LESS = 0.25
 # Moments so many times too small are those of no shape like the drawn one.
@@ -71,6 +74,7 @@ SIZE_CAUSES = frozenset(
 # What a headline calls the numbers that are wrong; for any other cause, the inertia.
 FAULTY_NUMBERS = {
     "mass_unit": "mass",
+    "com_missing": "COM",
     "com_unit": "COM",
     "units": "units",
     "decimal_point": "number",
@@ -81,6 +85,7 @@ FAULTY_NUMBERS = {
 SHORT_CAUSES = {
     "inertia_unit": "{detail}, not kg·m²",
     "mass_unit": "{detail}, not kg",
+    "com_missing": "COM left at zero",
     "com_unit": "{detail}, not m",
     "units": "{detail}",
     "about_origin": "about the origin, not the COM",
@@ -155,7 +160,7 @@ def describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) ->
     if is_off and shows_com(judged.diagnosis.com_mismatch, drawn):
         return f"COM {format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))} from that of {source}"
     if moments.sum() > SIMILAR * uniform.sum() or uniform.sum() >= _NO_SHAPE * moments.sum():
-        return _compare_sizes(moments, uniform, "{inertia} {factor}× too {size}", digits=2)
+        return compare_sizes(moments, uniform, "{inertia} {factor}× too {size}", digits=2)
     variances, axes = np.linalg.eigh(drawn.solid.covariance)  # along the drawn part's axes, the longest last
     along = np.diag(axes.T @ compute_mass_covariance(declared.inertia, declared.mass) @ axes) / variances
     if along.max() < _MUCH_LESS:
@@ -185,7 +190,7 @@ def collect_message_data(
         expected = join_numbers(uniform, digits=3)
         mismatch = (diagnosis.tensor_mismatch, diagnosis.com_mismatch)
         measured = _describe_mismatch(declared, drawn, mismatch=mismatch, moments=moments, uniform=uniform)
-        size = _compare_sizes(moments, uniform, "{inertia} {factor}× too {size}", digits=2)
+        size = compare_sizes(moments, uniform, "{inertia} {factor}× too {size}", digits=2)
         apart = format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))
     return {
         "link": link.name,
@@ -220,8 +225,16 @@ def _describe_fault(cause: str, detail: str, *, size: str, apart: str, is_certai
         return f"COM {apart} off"
     if cause in SIZE_CAUSES and size:
         return size
-    faulty = "COM" if detail.startswith("com ") else FAULTY_NUMBERS.get(cause, "inertia")
-    return f"{'wrong' if is_certain else 'suspect'} {faulty}"
+    return f"{'wrong' if is_certain else 'suspect'} {name_faulty_numbers(cause, detail)}"
+
+
+def name_faulty_numbers(cause: str, detail: str) -> str:
+    """Name the numbers that are wrong, for a headline."""
+    if detail.endswith(TENSOR_ALONE):
+        return "inertia"
+    if detail == ABOUT_ORIGIN:
+        return "COM and inertia"
+    return "COM" if detail.startswith("com ") else FAULTY_NUMBERS.get(cause, "inertia")
 
 
 def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None) -> str:
@@ -270,7 +283,7 @@ def _describe_mismatch(
     apart = float(np.linalg.norm(numbers.com - drawn.solid.com))
     if of_com > NOTABLE and shows_com(of_com, drawn):
         differences.append(f"the COM is {format_length(apart)} off")
-    size = _compare_sizes(moments, uniform, "{moments} {factor} times too {size}", digits=3)
+    size = compare_sizes(moments, uniform, "{moments} {factor} times too {size}", digits=3)
     if size:
         differences.append(f"{size} for this mass at uniform density")
     elif of_tensor > max(NOTABLE, _ROTATED * _measure_shape_mismatch(moments, uniform)):
@@ -281,9 +294,9 @@ def _describe_mismatch(
     return " and ".join(differences) or "the inertial is only slightly off"
 
 
-def _compare_sizes(moments: Moments, uniform: Moments, template: str, *, digits: int) -> str:
+def compare_sizes(moments: Moments, uniform: Moments, template: str, *, digits: int) -> str:
     """Say how much too large or too small principal moments (3,) are; nothing if they are ``SIMILAR`` in size. If they are wrong
-    by different factors, it is the one that is wrong most."""
+    by different factors, it is the one, or the two, wrong most."""
     ratio = float(moments.sum() / uniform.sum())
     if 1 / SIMILAR < ratio < SIMILAR:
         return ""
@@ -291,9 +304,12 @@ def _compare_sizes(moments: Moments, uniform: Moments, template: str, *, digits:
     factors = moments / uniform if is_large else uniform / np.maximum(moments, 1e-300)
     is_uneven = exact < _SAME_SIZE and float(factors.max()) > SIMILAR * float(factors.min())
     factor = float(f"{float(factors.max()) if is_uneven else exact:.{digits}g}")
+    alike = int((factors > _AS_WRONG * factors.max()).sum())
+    names = ("one moment", "one moment of inertia is") if alike == 1 else ("two moments", "two moments of inertia are")
+    inertia, verb = names if is_uneven else ("inertia", "the moments of inertia are")
     return template.format(
-        inertia="one moment" if is_uneven else "inertia",
-        moments="one moment of inertia is" if is_uneven else "the moments of inertia are",
+        inertia=inertia,
+        moments=verb,
         factor=f"{factor:,.0f}" if 100 <= factor < 1e6 else f"{factor:g}",
         size="large" if is_large else "small",
     )

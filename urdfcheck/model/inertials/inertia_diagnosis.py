@@ -13,7 +13,7 @@ import numpy as np
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
-from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial, measure_evidence
+from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial, find_close_match, measure_evidence
 from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
@@ -221,8 +221,8 @@ def _diagnose_link(
     best = diagnoses[-1] if diagnoses[-1].sound else diagnoses[0]
     if not best.sound and best.judged_by == "mesh" and not drawn.closed:
         for solid in integrate_open_meshes(model, link):  # the hull is not the part; the inside of the mesh may be
-            own = diagnose_inertial(declared, VisualGeometry(solid=solid, closed=True, points=drawn.points))
-            if own is not None and own.sound and max(own.tensor_mismatch, own.com_mismatch) < EXACT:
+            inside = VisualGeometry(solid=solid, closed=True, points=drawn.points)
+            if own := find_close_match(declared, inside, EXACT):
                 return own
     if not best.sound and best.cause not in _OF_PLACE and (own := _match_collision_shape(model, link, declared)):
         return own
@@ -244,9 +244,7 @@ def _match_collision_shape(model: Model, link: Link, declared: DeclaredInertial)
     collision = measure_role_geometry(model, link, "collision")
     if collision is None or not collision.closed:
         return None
-    own = diagnose_inertial(declared, collision)
-    is_own = own is not None and own.sound and max(own.tensor_mismatch, own.com_mismatch) < _COMPUTED
-    return own if is_own else None
+    return find_close_match(declared, collision, _COMPUTED)
 
 
 def _list_geometry_readings(model: Model, link: Link) -> Iterator[VisualGeometry]:

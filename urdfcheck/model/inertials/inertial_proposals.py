@@ -28,6 +28,7 @@ from urdfcheck.facts.inertials.mistakes.tensor_slips import (
     find_wrong_signs,
 )
 from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
@@ -68,6 +69,8 @@ SMALL_EXCESS = 0.05
 _MORE_DIGITS = 2
 # A tensor that exceeds the moments of all mass at the ends of the part by this factor cannot be made right by a small change.
 _OTHER_SIZE = 10.0
+# In more links of one file, numbers that would fit with another decimal point have another cause in common.
+_MOST_SLIPS = 2
 # With the right signs the products are so near to the drawn part's, relative to these.
 _NEAR_PRODUCTS = 0.5
 
@@ -89,6 +92,7 @@ _SLIP_CONDITIONS = {
 _MISTAKE_NAMES = {
     "about_origin": "tensor about the origin",
     "axes_permuted": "axes of the tensor",
+    "com_missing": "COM left at zero",
     "com_unit": "unit of the COM",
     "diagonal_first": "order of the numbers",
     "inertia_unit": "unit of the tensor",
@@ -151,14 +155,14 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     if filled is not None:
         return _propose_slip(link, filled, "{detail}: with products 0 the tensor is possible")
     undone = _propose_diagnosed_undo(model, link)
-    if undone is not None:
+    if undone is not None and not (undone.cause == "decimal" and has_many_slips(model)):
         return undone
     typed = measure_tensor_rounding(declared.texts)
     slip = None if typed.explained_by_rounding else _find_sign_slip(model, declared)
     if slip is not None:
         return _propose_signs(model, link, slip)
     slipped = None if typed.explained_by_rounding else _find_slipped_moment(model, declared)
-    if slipped is not None:
+    if slipped is not None and not has_many_slips(model):
         claim = "with {detail} times what is written, the tensor is possible, and its moments are like the drawn part's"
         return replace(_propose_slip(link, slipped, claim), edits=())
     repeated = find_repeated_slot(declared.texts)
@@ -166,6 +170,9 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
         return InertialProposal(
             message=f"; {repeated.detail} digit for digit", cause=repeated.id, detail=repeated.detail
         )
+    unit = find_tensor_unit(model)
+    if unit is not None:
+        return InertialProposal(message=f"; {unit.evidence}", remedy=f"{unit.remedy}, or ")
     excess = _measure_size_excess(model, declared)
     if excess > _OTHER_SIZE:
         drawn = describe_drawn_inertial(model, link)
@@ -230,6 +237,20 @@ def _find_slipped_moment(model: Model, declared: DeclaredTensor) -> TensorSlip |
     )
 
 
+@fact
+def has_many_slips(model: Model) -> bool:
+    """Whether a decimal point seems to have slipped in more than `_MOST_SLIPS` links with different numbers: not by a slip."""
+    slipped = set()
+    for declared in model.tensors:
+        validity = check_inertia_validity(declared.tensor, TRIANGLE_SLACK)
+        if validity.positive_definite and validity.triangle_inequality:
+            continue
+        is_decimal = _identify_mistake(model, declared.link)[0] == "decimal_point"
+        if is_decimal or _find_slipped_moment(model, declared) is not None:
+            slipped.add(tuple(f"{value:.3g}" for value in sorted(declared.tensor.diagonal())))
+    return len(slipped) > _MOST_SLIPS
+
+
 def _compute_drawn_tensor(model: Model, declared: DeclaredTensor) -> Mat3 | None:
     """Compute the tensor (3, 3) of what the link draws, at its mass and in the axes of its inertial."""
     inertial, drawn = declared.inertial, measure_link_geometry(model, declared.link)
@@ -258,7 +279,7 @@ def _propose_signs(model: Model, link: Link, slip: TensorSlip) -> InertialPropos
 
 
 def _may_be_about_origin(model: Model, link: Link, slip: TensorSlip) -> bool:
-    """Whether the tensor may as well be one of positive notation: also about the link's origin, as CAD programs print it.
+    """Whether the tensor may also be one of positive notation: also about the link's origin, as CAD programs print it.
 
     Where the drawn part is known, it has to be nearer to that.
     """
@@ -341,13 +362,14 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
 
 
 def _leaves_com_off(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
-    """Whether a repair moves the COM to a place that is far from the drawn part's, and not much nearer than before."""
+    """Whether a repair moves the COM to a place that is far from the drawn part's and not much nearer, or farther than before."""
     drawn, mended = measure_link_geometry(model, link), diagnosed.diagnosis.mended
     if drawn is None or mended is None or diagnosed.diagnosis.judged_by != "mesh":
         return False
     before, after = (float(np.linalg.norm(com - drawn.solid.com)) for com in (diagnosed.declared.com, mended.com))
     is_moved = float(np.linalg.norm(mended.com - diagnosed.declared.com)) > 0.0
-    return is_moved and after > _FAR_COM * max(before, measure_extent(drawn.points))
+    is_worse = drawn.closed and after > before
+    return is_moved and (is_worse or after > _FAR_COM * max(before, measure_extent(drawn.points)))
 
 
 def is_evident(diagnosis: Diagnosis) -> bool:
@@ -393,6 +415,17 @@ def has_com_apart(model: Model, link: Link) -> bool:
     size = float(np.sqrt(np.trace(drawn.solid.covariance)))
     distance = float(np.linalg.norm(matrix[:3, 3] - drawn.solid.com))
     return distance > _APART * size
+
+
+def lacks_only_com(model: Model, link: Link) -> bool:
+    """Whether a tensor is that of what the link draws at its mass, and the COM was left at zero, where that part's is not."""
+    change = _compute_from_geometry(model, link, with_com=True)
+    xyz = None if link.inertial is None else link.inertial.origin.xyz
+    return change is not None and xyz is not None and not any(xyz) and _list_changed(change) == ["xyz"]
+
+
+def _list_changed(change: InertialRepair) -> list[str]:
+    return [word.partition("=")[0] for word in change.text.split('" ')]
 
 
 def _is_replaced_by_collision(model: Model, link: Link) -> bool:

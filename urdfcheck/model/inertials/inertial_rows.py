@@ -40,19 +40,23 @@ def find_row_slips(model: Model) -> Iterator[RowSlip]:
     :raises FactUnavailableError: when the tree is broken.
     """
     with_side = {name for pair in pair_by_name(link.name for link in model.links) for name in pair}
-    rows: dict[tuple[object, ...], list[tuple[Link, DeclaredInertial]]] = {}
+    rows: dict[tuple[object, ...], list[Link]] = {}
     for link in model.links:
         words = tuple(word.lower() for word in split_name_words(link.name))
         kind = tuple(word for word in words if not word.isdigit())
-        joint, numbers = model.tree.parent_joint.get(link.name), get_comparable_inertial(link)
-        if kind and kind != words and link.name not in with_side and joint is not None and numbers is not None:
-            rows.setdefault((kind, joint.type), []).append((link, numbers))
+        joint = model.tree.parent_joint.get(link.name)
+        if kind and kind != words and link.name not in with_side and joint is not None:
+            rows.setdefault((kind, joint.type), []).append(link)
     for row in rows.values():
         if len(row) > _FEWEST:
-            yield from _find_odd_one(row)
+            known = [(link, numbers) for link in row if (numbers := get_comparable_inertial(link)) is not None]
+            if len(known) > _FEWEST:
+                yield from _find_odd_one(known)
 
 
 def _find_odd_one(row: list[tuple[Link, DeclaredInertial]]) -> Iterator[RowSlip]:
+    if all(_is_same(other, row[0][1]) for _, other in row[1:]):  # as nearly always
+        return
     for i, (link, numbers) in enumerate(row):
         others = row[:i] + row[i + 1 :]
         first = others[0][1]
@@ -64,5 +68,5 @@ def _find_odd_one(row: list[tuple[Link, DeclaredInertial]]) -> Iterator[RowSlip]
 
 
 def _is_same(one: DeclaredInertial, other: DeclaredInertial) -> bool:
-    first, second = (np.array((numbers.mass, *np.linalg.eigvalsh(numbers.tensor))) for numbers in (one, other))
-    return np.allclose(first, second, rtol=_SAME, atol=0.0)
+    first, second = ((numbers.mass, *np.linalg.eigvalsh(numbers.tensor).tolist()) for numbers in (one, other))
+    return all(abs(a - b) <= _SAME * abs(b) for a, b in zip(first, second, strict=True))

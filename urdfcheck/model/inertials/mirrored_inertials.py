@@ -54,6 +54,8 @@ WORSE_FIT = 0.1
 # Two COMs are far apart beyond this share of the drawn part's radius of gyration; of the way between them, the drawn part's is at
 # the first quarter: three times as near to one as to the other.
 _FAR_COM, _NEAR_IMAGE = 0.3, 0.25
+# Two COMs are off their drawings alike if the difference is within this share of the drawn part's radius of gyration.
+_OFF_ALIKE = 0.005
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -91,16 +93,23 @@ def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] |
 
 
 def fit_own_drawings_alike(
-    model: Model, one: Link, other: Link, *, threshold: float, com_threshold: float = math.inf
+    model: Model,
+    one: Link,
+    other: Link,
+    *,
+    threshold: float,
+    com_threshold: float = math.inf,
+    linear: Array | None = None,
 ) -> bool:
     """Whether the inertials of two links relate alike to what each link draws, in density and in all second moments: then the
     parts differ as they are drawn, and no number is wrong. ``threshold``: as a share of a mass or a length.
 
     The second moments are compared along the axes in which declared and drawn ones differ most: a product of inertia with the
     wrong sign makes a difference on its side only. ``com_threshold``: how near the COM of each is to that of its drawing, in
-    radii of gyration.
+    radii of gyration; farther COMs count if they are off alike, which ``linear`` (3, 3) shows, from the frame of the first link
+    to that of the other.
     """
-    related = []
+    related, offsets, are_near = [], [], True
     for link in (one, other):
         declared, drawn = read_declared_inertial(link), measure_link_geometry(model, link)
         if declared is None or drawn is None or not drawn.solid.volume > 0.0:
@@ -109,11 +118,13 @@ def fit_own_drawings_alike(
         if not np.linalg.eigvalsh(covariance)[0] > 0.0:
             return False
         white = compute_whitening(covariance)
-        if float(np.linalg.norm(white @ (declared.com - drawn.solid.com))) > com_threshold:
-            return False
+        offsets.append((declared.com - drawn.solid.com) / math.sqrt(float(np.trace(covariance))))
+        are_near &= float(np.linalg.norm(white @ (declared.com - drawn.solid.com))) <= com_threshold
         spread = np.linalg.eigvalsh(white @ compute_mass_covariance(declared.inertia, declared.mass) @ white)
         # A variance is the square of a length.
         related.append(np.array([declared.mass / drawn.solid.volume, *np.sqrt(np.maximum(spread, 0.0))]))
+    if not are_near and (linear is None or float(np.linalg.norm(linear @ offsets[0] - offsets[1])) > _OFF_ALIKE):
+        return False
     return bool((np.abs(related[0] - related[1]) <= threshold * np.maximum(*related)).all())
 
 

@@ -144,11 +144,14 @@ def find_differing_pairs(
     for group in part_copies(model):
         if len(group) == 2 and frozenset(copy.link.name for copy in group) not in excluded:
             members = _GroupComparison(model, group, threshold)
-            both = members.expect_typed_numbers(0, 1), members.expect_typed_numbers(1, 0)
-            if all(
-                threshold < opinion.deviation.worst < math.inf for opinion in both
-            ):  # infinite where one is not a possible body
-                differing.append(both)
+            both = []
+            for index in (0, 1):  # most agree, so that the second is not asked
+                opinion = members.expect_typed_numbers(index, 1 - index)
+                if not threshold < opinion.deviation.worst < math.inf:  # infinite where one is not a possible body
+                    break
+                both.append(opinion)
+            else:
+                differing.append((both[0], both[1]))
     return tuple(differing)
 
 
@@ -226,12 +229,13 @@ class _GroupComparison:
     def expect_typed_numbers(self, index: int, by: int) -> CopyComparison:
         """Compare as `compare_members`, but those that draw the part in one place and differ expect each other's own numbers."""
         comparison = self.compare_members(index, by)
+        if not comparison.is_image or comparison.deviation.worst <= self._threshold:
+            return comparison
         member, other = self._group[index], self._group[by]
         in_one_place = np.allclose(member.linear, other.linear, atol=1e-9) and np.allclose(
             member.shift, other.shift, atol=1e-9
         )
-        is_odd = comparison.is_image and comparison.deviation.worst > self._threshold
-        return self._compare_as_drawn(index, by) if is_odd and in_one_place else comparison
+        return self._compare_as_drawn(index, by) if in_one_place else comparison
 
     def _compare_as_drawn(self, index: int, by: int) -> CopyComparison:
         member, other = self._group[index], self._group[by]

@@ -153,14 +153,24 @@ def _find_common_body(model: Model, one: str, other: str) -> str:
     return body
 
 
+def _find_common_link(model: Model, one: str, other: str) -> str:
+    """Return the last link on which both links hang."""
+    paths = [[joint.parent for joint in model.tree.find_path_to(name)] for name in (one, other)]
+    shared = [first for first, second in zip(*paths, strict=False) if first == second]
+    return shared[-1] if shared else model.tree.root
+
+
 def _match_group(model: Model, group: Sequence[tuple[str, str]]) -> Iterator[MirrorPair]:
     """Yield the pairs of a group that has a mirror plane; each link in one of them, with the partner that lies nearest."""
     counts: dict[str, int] = {}
     for name in (name for names in group for name in names):
         counts[name] = counts.get(name, 0) + 1
     single = [names for names in group if counts[names[0]] == counts[names[1]] == 1]
-    body = model.frames[_find_common_body(model, *group[0])][:3, :3]
-    fitted = _fit_mirror_plane(model, single or group, (*NORMALS, *body.T))
+    normals = list(NORMALS)
+    for link in (_find_common_body(model, *group[0]), _find_common_link(model, *group[0])):
+        # A link that is fixed to the body by angles like 1.57 has axes beside those of the body.
+        normals += [axis for axis in model.frames[link][:3, :3].T if not any((axis == n).all() for n in normals)]
+    fitted = _fit_mirror_plane(model, single or group, normals)
     if fitted is None:
         return
     plane, agreeing = fitted

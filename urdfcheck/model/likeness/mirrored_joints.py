@@ -26,6 +26,8 @@ STRAIGHT, ARRANGED = math.radians(0.25), math.radians(10)
 _SLIGHT_TILT = math.radians(1)
 # A joint is out of place beyond a careful hand measurement, and arranged otherwise beyond this share of the sides' distance.
 PLACE, APART = 1e-3, 0.25
+# Coordinates (m) that were typed alike.
+_EXACT = 1e-9
 # Limits that were typed alike agree to within the digits of a conversion.
 _DIGITS = 1e-6
 # From so many pairs of twins on, limits of which most differ in digits were measured on the machine.
@@ -175,6 +177,8 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
         distance = measure_axis_offset(model, pair)
     else:
         distance = float(np.linalg.norm(pair.shift))
+    if _is_typed_mirrored(model, pair, joints):
+        distance = 0.0
     sides = float(np.linalg.norm(model.frames[pair.one][:3, 3] - model.frames[pair.other][:3, 3]))
     displaced_by = distance if PLACE < distance < APART * sides else 0.0
     is_slip = STRAIGHT < angle < ARRANGED or (angle > ARRANGED and _is_renamed(pair, joints))
@@ -345,6 +349,18 @@ def _compute_image_place(model: Model, pair: MirrorPair, *, joint: Joint, source
     parent = model.frames[joint.parent]
     place: Array = parent[:3, :3].T @ (pair.plane.reflect_points(model.frames[source][:3, 3]) - parent[:3, 3])
     return place
+
+
+def _is_typed_mirrored(model: Model, pair: MirrorPair, joints: tuple[Joint, Joint]) -> bool:
+    """Whether both origins are mirror images, to the digit, in the coordinate plane of their parent that is the pair's plane: a
+    plane that was fitted to more joints, or in a frame rotated by 1.57 for π/2, says less."""
+    one, other = (joint.origin.xyz for joint in joints)
+    if one is None or other is None or joints[0].parent != joints[1].parent:
+        return False
+    normal = model.frames[joints[0].parent][:3, :3].T @ pair.plane.normal
+    axis = int(np.abs(normal).argmax())
+    signs = 1.0 - 2.0 * (np.arange(3) == axis)
+    return abs(float(normal[axis])) > math.cos(STRAIGHT) and bool(np.abs(signs * one - other).max() < _EXACT)
 
 
 def _is_at_one_place(joints: tuple[Joint, Joint]) -> bool:

@@ -13,12 +13,16 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.facts.likeness.mirror import measure_outline_mismatch
 from urdfcheck.facts.likeness.symmetry import LinkSignature, build_link_signature, group_by_signature
 from urdfcheck.model.fact import fact
+from urdfcheck.model.likeness.mirror_pairs import PLACE, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import ALIKE, get_outline
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
+
+# Axes have the same numbers to within those of three digits.
+_SAME_AXIS = 2e-3
 
 
 @fact
@@ -124,6 +128,40 @@ def is_drawn_in_place(model: Model, joint: Joint, like: Joint, expected: Array) 
 
     in_place = measure_best(back)
     return in_place < ALIKE and in_place < measure_best(np.eye(3)) / 2.0
+
+
+def is_frame_evidence(model: Model, joint: Joint, others: Sequence[Joint], expected: Array, *, kind: str) -> bool:
+    """Whether a frame that differs from the expected one (3, 3) puts anything elsewhere: the axis, and what the joint carries.
+
+    A tilted frame with an axis of other numbers than the siblings' may have the same axis: exporters write both from one
+    drawing. What the joints behind it put back in place would leave it with the expected frame.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    if kind == "axis_tilt" and not any(_has_like_axis(joint, other) for other in others):
+        return False
+    back = expected @ model.frames[joint.child][:3, :3].T
+    start, carried = model.frames[joint.child][:3, 3], {joint.child}
+    for link in model.tree.order:
+        before = model.tree.parent_joint.get(link)
+        if before is not None and before.parent in carried:
+            carried.add(link)
+    for pair in mirror_pairs(model):
+        inside = [name for name in (pair.one, pair.other) if name in carried and name != joint.child]
+        if len(inside) == 1 and pair.is_in_place:
+            arm = model.frames[inside[0]][:3, 3] - start
+            if float(np.linalg.norm(back @ arm - arm)) > PLACE:
+                return False
+    return True
+
+
+def _has_like_axis(one: Joint, other: Joint) -> bool:
+    """Whether the axes of two joints have the same numbers, whatever their order and signs."""
+    first, second = (
+        np.sort(np.abs(np.array(joint.axis or (1.0, 0.0, 0.0)) / np.linalg.norm(joint.axis or (1.0, 0.0, 0.0))))
+        for joint in (one, other)
+    )
+    return bool(np.abs(first - second).max() < _SAME_AXIS)
 
 
 def _list_axis_renamings() -> list[Array]:

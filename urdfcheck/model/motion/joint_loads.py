@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -275,11 +275,12 @@ def _measure_mass_matrix(model: Model, poses: JointConfigurations) -> Arrays:
     )[:, columns]
     worst = dynamics.measure_conditioning(matrices)
     light, own, moved = -1, 0.0, 0.0
-    limiting = _find_limiting_joints(model, poses.joints, matrices=matrices, columns=columns, worst=worst)
-    for i in limiting:
+    for i in _list_suspected_joints(columns, worst):
         own_inertia = dynamics.compute_own_inertia(built, poses.joints[i].name, q[worst.index])
         moved_inertia = float(matrices[worst.index, columns[i], columns[i]])
-        if own_inertia < moved_inertia * dynamics.ADDED_INERTIA_SHARE:
+        is_light = own_inertia < moved_inertia * dynamics.ADDED_INERTIA_SHARE
+        # The second question takes ten times as long as all else.
+        if is_light and _is_limiting(model, poses.joints, i, matrices=matrices, columns=columns, worst=worst):
             light, own, moved = i, own_inertia, moved_inertia
             break
     dampings = np.zeros(built.nv)
@@ -292,25 +293,28 @@ def _measure_mass_matrix(model: Model, poses: JointConfigurations) -> Arrays:
     return {"summary": summary, "felt": felt.min(axis=0)}
 
 
-def _find_limiting_joints(
+def _list_suspected_joints(columns: NDArray[np.intp], worst: dynamics.Conditioning) -> list[int]:
+    """List the joints that move most in the direction of least inertia; none where the condition number is too small for a
+    light body to be its cause."""
+    # With a body as light as that, two joints alone would make the number 4 / SHARE.
+    if worst.number * dynamics.ADDED_INERTIA_SHARE < 1:
+        return []
+    suspected: list[int] = np.argsort(-np.abs(worst.direction[columns]), kind="stable")[:3].tolist()
+    return suspected
+
+
+def _is_limiting(
     model: Model,
     joints: Sequence[Joint],
+    index: int,
     *,
     matrices: Array,
     columns: NDArray[np.intp],
     worst: dynamics.Conditioning,
-) -> Iterator[int]:
-    """Yield the joints behind which more inertia would repair the condition number.
-
-    Alone, or together with their like on other branches.
-    """
-    # With a body as light as that, two joints alone would make the number 4 / SHARE.
-    if worst.number * dynamics.ADDED_INERTIA_SHARE < 1:
-        return
-    for i in np.argsort(-np.abs(worst.direction[columns]), kind="stable")[:3].tolist():
-        alike = columns[[i, *_find_equal_mass_joints(model, joints, i)]]
-        if dynamics.measure_relieved_conditioning(matrices, alike.tolist()) * _RELIEF < worst.number:
-            yield i
+) -> bool:
+    """Whether more inertia behind a joint would repair the condition number: alone, or with its like on other branches."""
+    alike = columns[[index, *_find_equal_mass_joints(model, joints, index)]]
+    return dynamics.measure_relieved_conditioning(matrices, alike.tolist()) * _RELIEF < worst.number
 
 
 def _find_equal_mass_joints(model: Model, joints: Sequence[Joint], index: int) -> list[int]:

@@ -35,9 +35,11 @@ _LONGEST_LINE = 500
 
 _PACKAGE = r"([A-Za-z][A-Za-z0-9_.-]*)"
 _INSIDE = r"((?:/[^\s\"'<>()|;,\\]*)?)"
+# In XML a backslash is part of a path, which does not exist then on Linux; elsewhere it ends a text or quotes a character.
+_INSIDE_XML = r"((?:/[^\s\"'<>()|;,]*)?)"
 _MENTION = re.compile(
     rf"package://{_PACKAGE}(?![$\w.-]){_INSIDE}"
-    rf"|\$\(find(?:-pkg-share)?\s+['\"]?{_PACKAGE}['\"]?\s*\){_INSIDE}"
+    rf"|\$\(find(?:-pkg-share)?\s+['\"]?{_PACKAGE}['\"]?\s*\){_INSIDE_XML}"
     rf"|(?:FindPackageShare|get_package_share_directory|get_package_share_path)\(\s*(?:package\s*=\s*)?['\"]{_PACKAGE}['\"]"
 )
 # The first path that Python joins to a package's folder, and the name that it assigns the folder to before.

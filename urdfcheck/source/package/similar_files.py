@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import difflib
 import os
+import re
 from collections.abc import Iterable, Mapping
+from itertools import islice
 from pathlib import Path
 
 from urdfcheck.core.text import SLIP_LIKENESS, split_name_words
 from urdfcheck.source.package.build_files import read_build_type
-from urdfcheck.source.package.finder import Package, format_path
+from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
-from urdfcheck.system.files import walk
+from urdfcheck.system.files import read_regular, walk
 
 # Beyond this many files the search stops: a suggestion is not worth seconds.
 _MAX_FILES = 20_000
@@ -20,6 +22,10 @@ _SHORTEST_SLIP = 4
 
 # The files below some folders, by their names in lower case.
 FilesByName = Mapping[str, list[Path]]
+
+# A macro's definition as typed, also without the prefix; so many files of a folder are read, and so much of each.
+_MACRO = re.compile(r"<(?:xacro:)?macro\s[^<>]*?\bname\s*=\s*[\"'](?:xacro:)?(\w+)[\"']")
+_MOST_MACRO_FILES, _MOST_MACRO_BYTES = 200, 1_000_000
 
 
 def index_files(roots: Iterable[Path]) -> FilesByName:
@@ -50,6 +56,18 @@ def find_uninstalled_file(path: Path, package: Package | None, files: FilesByNam
     tail = plain.relative_to(package.path).parts
     found = [f for f in files.get(path.name.lower(), []) if f.parts[-len(tail) :] == tail and len(tail) > 1]
     return found[0] if len(found) == 1 else None
+
+
+def read_defined_macros(files: Iterable[Path], finder: PackageFinder) -> dict[str, set[str]]:
+    """Return the names of the macros that xacro files define, by the name of the file, as far as they may be opened."""
+    macros: dict[str, set[str]] = {}
+    for path in islice((p for p in files if p.suffix == ".xacro" and finder.can_open(p)), _MOST_MACRO_FILES):
+        try:
+            text = read_regular(path, _MOST_MACRO_BYTES).decode("utf-8", "replace")
+        except OSError:
+            continue
+        macros[path.name] = set(_MACRO.findall(text))
+    return macros
 
 
 def describe_uninstalled_file(file: Path) -> str:

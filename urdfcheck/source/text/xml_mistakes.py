@@ -18,6 +18,8 @@ _ENTITIES = frozenset({"amp", "lt", "gt", "quot", "apos"})
 _TYPOGRAPHIC = "“”„‟″‘’‚′«»"
 # How much of a name is shown.
 _MOST_SHOWN = 60
+# An end tag whose slash expat does not accept: outside of the root element no tag may begin so.
+_END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +43,7 @@ def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]
     """
     message = ErrorString(code)
     if not text.strip():
-        return XmlMistake("the file is empty", at, at)
+        return XmlMistake("the file is empty", at, at, "write its content, or delete the file and what includes it")
     describe = {
         errors.XML_ERROR_INVALID_TOKEN: _describe_token,
         errors.XML_ERROR_TAG_MISMATCH: _describe_end_tag,
@@ -97,6 +99,10 @@ def _describe_tag(text: str, at: int) -> XmlMistake | None:
     if begin < 0:
         return None
     inside, here = text[begin + 1 : at], text[at : at + 1]
+    end = None if inside.strip("/") else _END_TAG.match(text, begin)
+    if end is not None:  # after the root element: inside it, expat names the tag that does not fit
+        tag = _shorten(end[1])
+        return XmlMistake(f"a second `</{tag}>` closes nothing", *end.span(), repair="delete it")
     if not inside.strip("/!-"):
         shown = "a blank" if here.isspace() else f"`{here}`"
         message = f"`<` begins a tag, but {shown} does not begin a name"

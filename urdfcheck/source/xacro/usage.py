@@ -127,18 +127,24 @@ def collect_read_arguments(trees: Mapping[str, Element]) -> set[str]:
     return arguments
 
 
-def find_unprefixed_tags(trees: Mapping[str, Element]) -> list[Element]:
-    """Return the elements that only lack the prefix to be xacro's own or a macro call: xacro leaves them as they are."""
+def find_unprefixed_tags(
+    trees: Mapping[str, Element], robot: Element | None = None, *, only_calls: bool = False
+) -> list[Element]:
+    """Return the elements that only lack the prefix to be xacro's own or a macro call: xacro leaves them as they are.
+
+    ``robot``: the expanded root, to find what is left of them there instead of in the files as typed. ``only_calls``: leave
+    out xacro's own.
+    """
     calls = {name: macro for name, macro in collect_macros(trees).items() if name not in _URDF_TAGS}
     unprefixed: list[Element] = []
-    for tree in trees.values():
+    for tree in trees.values() if robot is None else [robot]:
         below = [tree]
         while below:
             element = below.pop()
             if element.tag in _FOREIGN_TAGS:
                 continue
             below += reversed(element.children)
-            if _is_builtin(element) or _is_call(element, calls.get(element.tag)):
+            if (not only_calls and _is_builtin(element)) or _is_call(element, calls.get(element.tag)):
                 unprefixed.append(element)
     return unprefixed
 

@@ -51,6 +51,7 @@ LOG_PRIORS = {
     # A product equals a moment to the last digit, which chance does in one part of thousands.
     "slots_shifted (a product repeats a moment)": 3.0,
     "com_missing": -2.5,  # confirmed: 5 links of 4 robots
+    "com_missing (tensor about the origin)": -3.5,  # confirmed: 21 links of 1 robot
     "unmirrored": -3.0,
     "unmirrored (has a twin)": -2.0,  # a part with a mirror image is the one whose numbers were copied
     "rpy_missing": -3.0,  # confirmed: 1

@@ -42,6 +42,10 @@ _OTHER_SIGNS = 2.0 * np.eye(3) - 1.0
 _TELLING_DIGITS = 4
 # Products below this part of the largest moment do not show on which side of a mirror a part is.
 _NO_PRODUCT = 0.02
+# Detail of a mistake that left the COM as it should be.
+TENSOR_ALONE = "the tensor alone"
+# Detail of a COM that is missing beside a tensor that is not about it.
+ABOUT_ORIGIN = "tensor about the link's origin"
 # Half a unit of the last decimal, and what tessellation adds. Rounding that changes no moment by this part is not worth saying.
 _HALF, _LOST = 0.51, 1.0 / 3.0
 # The tensor of pieces without extent is known to this share of itself: what tessellation and different densities leave.
@@ -92,8 +96,10 @@ def _list_quarter_turns() -> tuple[tuple[str, Mat3], ...]:
 
 
 def _undo_unmirrored(suspect: Suspect) -> Corrected:
-    """Without a twin, only where the tensor shows it: the sign of one coordinate of the COM is a smaller mistake."""
+    """Without a twin, only where the tensor shows it: the sign of one coordinate of the COM is a smaller mistake. The COM is kept
+    where it is nearer to the reference's than its mirror image: then only the tensor was copied from the other side."""
     declared = suspect.declared
+    expected = suspect.reference.com if suspect.reference.twin is None else suspect.reference.twin.com
     prior = "unmirrored" if suspect.reference.twin is None else "unmirrored (has a twin)"
     largest = float(np.abs(declared.tensor).max())
     for i, axis in enumerate("xyz"):
@@ -102,9 +108,15 @@ def _undo_unmirrored(suspect: Suspect) -> Corrected:
         changed = np.abs(declared.inertia - mirror @ declared.inertia @ mirror).max()
         if suspect.reference.twin is None and changed <= _NO_PRODUCT * largest:
             continue
+        image = mirror @ declared.com
+        if np.linalg.norm(declared.com - expected) < np.linalg.norm(image - expected):
+            turned = mirror @ declared.rotation
+            tensor = declared.rotation.T @ turned @ declared.tensor @ turned.T @ declared.rotation
+            yield make_mistake(prior, f"{axis}, {TENSOR_ALONE}"), replace(declared, tensor=tensor)
+            continue
         mirrored = DeclaredInertial(
             mass=declared.mass,
-            com=mirror @ declared.com,
+            com=image,
             tensor=mirror @ declared.tensor @ mirror,
             rotation=mirror @ declared.rotation @ mirror,
         )
@@ -117,13 +129,24 @@ def _undo_rpy_twice(suspect: Suspect) -> Corrected:
 
 
 def _undo_com_missing(suspect: Suspect) -> Corrected:
-    """The COM is taken from the reference."""
-    if np.abs(suspect.declared.com).any():
+    """The COM is taken from the reference. The tensor may be about the COM, or about the link's origin: CAD programs print the
+    latter with either sign of the products, of which the one nearer to the reference's is taken."""
+    declared, reference = suspect.declared, suspect.reference
+    if np.abs(declared.com).any():
         return
     twin = suspect.reference.twin
     com = suspect.reference.com if twin is None else twin.com
     com = np.where(np.abs(com) > 1e-3 * np.abs(com).max(), com, 0.0)  # what a mesh leaves of a zero
-    yield replace(make_mistake("com_missing"), borrowed=(0, 3)), replace(suspect.declared, com=com)
+    yield replace(make_mistake("com_missing"), borrowed=(0, 3)), replace(declared, com=com)
+    lever = declared.rotation.T @ com
+    shift = declared.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+    uniform = declared.mass * (np.trace(reference.covariance) * np.eye(3) - reference.covariance)
+    expected = declared.rotation.T @ uniform @ declared.rotation + shift
+    if float(np.linalg.norm(shift)) > EFFECT * float(np.linalg.norm(expected)):
+        printed = (declared.tensor, declared.tensor * _OTHER_SIGNS)
+        tensor = min(printed, key=lambda one: float(np.linalg.norm(one - expected)))
+        mistake = make_mistake("com_missing (tensor about the origin)", ABOUT_ORIGIN)
+        yield replace(mistake, borrowed=(0, 3)), replace(declared, com=com, tensor=tensor - shift)
 
 
 def _undo_rpy_missing(suspect: Suspect) -> Corrected:

@@ -31,6 +31,8 @@ _TELLING_DIGITS = 4
 _NEARER = 0.5
 # The moments of a part with a motor inside, relative to each other, are within this factor of those of its drawing.
 _ALIKE = 2.0
+# A hull, and mass at the ends of a part or in its middle, change all three by less than this factor.
+_SIZE = 5.0
 # A smallest second moment by this part of the largest survives rounding to six digits.
 THICKNESS = 1e-5
 
@@ -105,8 +107,9 @@ def find_wrong_signs(components: Sequence[float], drawn: Mat3 | None) -> TensorS
 def find_slipped_moment(components: Sequence[float], drawn: Mat3) -> TensorSlip | None:
     """Find the one moment whose decimal point or exponent makes the tensor impossible.
 
-    ``drawn`` (3, 3): the tensor of the drawn part, or of what replaces it, in the same axes: with the moment multiplied by a
-    power of ten, all three must be within `_ALIKE` of it up to one factor, and no other moment may fit too.
+    ``drawn`` (3, 3): the tensor of the drawn part, or of what replaces it, at the same mass and in the same axes: with the moment
+    multiplied by a power of ten, all three must be within `_ALIKE` of it up to one factor, and that factor itself within `_SIZE`
+    (another unit is not a slip of one number); no other moment may fit too.
     """
     slips = []
     for i in _MOMENTS:
@@ -117,7 +120,8 @@ def find_slipped_moment(components: Sequence[float], drawn: Mat3) -> TensorSlip 
             if min(moved[j] for j in _MOMENTS) <= 0.0 or not _is_possible(moved):
                 continue
             ratios = [moved[j] / float(drawn[k, k]) for k, j in enumerate(_MOMENTS)]
-            if max(ratios) < _ALIKE * min(ratios):
+            is_of_size = min(ratios) > 1.0 / _SIZE and max(ratios) < _SIZE
+            if is_of_size and max(ratios) < _ALIKE * min(ratios):
                 slips.append(TensorSlip(id="decimal", detail=f"{NAMES[i]} {10.0**power:g}", components=moved))
     return slips[0] if len(slips) == 1 else None
 

@@ -94,7 +94,9 @@ def is_tensor_of(declared: DeclaredInertial, body: Solid) -> bool:
     """Whether the typed numbers are those of a ``body`` (in the link's axes) to their last digit, and have enough of them."""
     expected = declared.rotation.T @ compute_solid_inertia(body, declared.mass) @ declared.rotation
     typed, numbers = list_inertia_components(declared.tensor), np.array(list_inertia_components(expected))
-    largest = float(np.abs(numbers).max())
+    largest, off = float(np.abs(numbers).max()), np.abs(numbers - typed)
+    if not (off <= _TELLING * largest).all():  # more than digits leave, whatever they are; most end here
+        return False
     halves = np.array(list_half_units([repr(v) for v in typed]))
     has_one_moment = float(np.ptp(np.diag(body.covariance))) <= _SAME * float(body.covariance.max())
     telling = _TELLING_OF_ONE if has_one_moment else _TELLING
@@ -102,7 +104,7 @@ def is_tensor_of(declared: DeclaredInertial, body: Solid) -> bool:
         return False
     halves[halves == 0.0] = halves[halves > 0.0].min()  # a zero was rounded like the finest of the others
     slack = np.maximum(_SAME * largest, np.minimum(1.02 * halves, telling * largest))
-    return bool((np.abs(numbers - typed) <= slack).all())
+    return bool((off <= slack).all())
 
 
 def measure_decimal(tensor: Mat3) -> float | None:

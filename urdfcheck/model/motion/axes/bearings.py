@@ -37,6 +37,8 @@ _FITS_FAR = 1.1
 # A bore beside the axis is farther away than this (m): typed digits, a mesh that is a millimetre off; and within this reach:
 # beyond it, a part has other bores.
 _BESIDE, _REACH = 2e-3, 0.035
+# A joint is not beside a bearing that is farther away than so many times the bearing's radius: it is beside a screw hole.
+_MOST_RADII = 4.0
 # Two axes are one line within this angle (rad) and distance (m).
 _SAME_ANGLE, _SAME_PLACE = 0.02, 2e-3
 # A bore may be that of another joint whose origin is so near (m): the second jaw of a gripper.
@@ -146,6 +148,8 @@ def compare_bearing(
         if amount > _BESIDE
         and (amount <= bore.radius or max(bore.radius, hub.radius) <= _FITS_FAR * min(bore.radius, hub.radius))
     ]
+    if any(distance > _MOST_RADII * max(ring.radius for ring in fit) for distance, _, fit in beside):
+        return None
     if beside and all(np.linalg.norm(line.point - beside[0][1].point) < _BESIDE for _, line, _ in beside):
         amount, line, (bore, hub) = beside[0]
         return BearingMismatch(
