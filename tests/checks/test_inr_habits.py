@@ -195,6 +195,19 @@ def test_products_of_the_other_sign_are_no_mirror_image_where_one_of_them_is_sma
     assert finding.cause.id == "products_sign"
 
 
+def test_a_cause_stays_in_a_headline_that_has_no_room_for_the_factor(tmp_path: Path) -> None:
+    numbers = replace(TRUE, tensor=TRUE.tensor + steiner(TRUE.mass, TRUE.com))
+    headlines = {}
+    for name in ("arm", "left_forearm_link"):
+        text = arm_on_base(format_inertial(numbers, 8), drawn_boxes(CASTING)).replace('"arm"', f'"{name}"')
+        (finding,) = find(tmp_path / name, text, "INR009")
+        headlines[name] = finding.headline
+    assert headlines == {
+        "arm": "arm: one moment 2.9× too large (about the origin, not the COM)",
+        "left_forearm_link": "left_forearm_link: wrong inertia (about the origin, not the COM)",
+    }
+
+
 def test_a_com_and_tensor_that_were_not_mirrored_are_both_written(tmp_path: Path) -> None:
     numbers = replace(TRUE, com=MIRROR @ TRUE.com, tensor=MIRROR @ TRUE.tensor @ MIRROR)
     (finding,) = find_disagreeing(tmp_path, numbers)
