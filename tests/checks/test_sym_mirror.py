@@ -700,6 +700,21 @@ def test_a_part_that_is_nearly_its_own_mirror_image_may_be_turned_round(tmp_path
     assert one(tmp_path / "mirrored", mirrored).code == "SYM004"
 
 
+@pytest.mark.parametrize(("y", "count"), [(0.002, 0), (0.006, 1)])
+def test_a_part_may_be_mirrored_in_its_own_axes(tmp_path: Path, y: float, count: int) -> None:
+    """The mesh of the right hand is that of the left one with a scale of -1 in z; both are their own images in y."""
+    robot = copy.deepcopy(ROBOT)
+    for side, z in (("left", 0.006), ("right", -0.006)):
+        hand = robot.find(f"link[@name='{side}_hand']")
+        assert hand is not None
+        hand[:] = make_box_link("hand", [((0.03, 0.02, 0.006), (0.02, 0.0, z)), ((0.1, 0.06, 0.04), (0.0, 0.0, 0.0))])[
+            :
+        ]
+    for side, place in (("left", "0.003 0.002 0.002"), ("right", f"0.003 {y} -0.002")):
+        robot = with_(robot, f"link[@name='{side}_hand']/inertial/origin", xyz=place)
+    assert len(find_mirror_defects(tmp_path, robot)) == count
+
+
 def test_signs_are_those_of_a_mirror_only_in_mirrored_frames(tmp_path: Path) -> None:
     wrong = numbers(ROBOT, f"{RIGHT}/inertia", "iyz")
     robot = with_(ROBOT, f"{RIGHT}/inertia", **wrong)
