@@ -5,11 +5,21 @@ from __future__ import annotations
 import re
 import string
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from urdfcheck.core import UrdfcheckError
-from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_line, cut_middle, cut_text, drop_parts, fill_headline
+from urdfcheck.core import Location, Rule, UrdfcheckError
+from urdfcheck.core.headlines import (
+    LONGEST_HEADLINE,
+    cut_line,
+    cut_middle,
+    cut_text,
+    drop_parts,
+    fill_headline,
+    shorten_headline,
+)
+from urdfcheck.core.merging import join_occurrences
 from urdfcheck.rules import find_pages_folder, load_page
 
 # Verbs of headlines.
@@ -158,6 +168,51 @@ def test_a_hint_is_left_out_rather_than_the_names_that_it_is_about() -> None:
     assert fill_headline(template, long) == "no parser reads upper, lower of <safety_controller>"
     short = {"attribute": "`uper`", "tag": "limit", "near": "upper"}
     assert fill_headline(template, short) == "no parser reads uper of <limit> (did you mean upper?)"
+
+
+CLAIM = "{link}: {fault} ({why}?)"
+VALUES = {"fault": "two moments 6.2× too large", "fault_short": "suspect inertia", "why": "at the origin, CAD signs"}
+
+
+@pytest.mark.parametrize(
+    ("link", "limit", "headline"),
+    [
+        ("base_link", 70, "base_link: two moments 6.2× too large (at the origin, CAD signs?)"),
+        ("base_link", 59, "base_link: suspect inertia (at the origin, CAD signs?)"),
+        ("a_long_name_of_a_left, b and 6 more", 70, "8 links: two moments 6.2× too large (at the origin, CAD signs?)"),
+        ("a_long_name_of_a_left, b and 6 more", 59, "8 links: suspect inertia (at the origin, CAD signs?)"),
+    ],
+)
+def test_a_shorter_value_takes_the_place_of_one_that_would_be_cut(link: str, limit: int, headline: str) -> None:
+    data = VALUES | {"link": link}
+    assert fill_headline(CLAIM, data, limit) == headline
+    assert shorten_headline(fill_headline(CLAIM, data), CLAIM, data, limit) == headline
+
+
+def test_a_headline_of_another_template_loses_its_end() -> None:
+    data = VALUES | {"link": "base_link"}
+    assert shorten_headline("base_link: so much is wrong with it", CLAIM, data, 20) == "base_link: so much…"
+    plain = {"link": "base_link", "fault": VALUES["fault"], "why": VALUES["why"]}
+    whole = fill_headline(CLAIM, plain)
+    assert shorten_headline(whole, CLAIM, plain, 50) == cut_line(whole, 50)
+
+
+def test_a_headline_of_several_places_keeps_its_cause() -> None:
+    rule = load_page(find_pages_folder() / "INR009-inertia-disagrees.md")
+    data: dict[str, Any] = dict.fromkeys(_list_values(rule), "") | VALUES | {"link": "base_link"}
+    ordered = [
+        rule.finding(message, at=Location(f"link[base_link]/inertial/{i}", None), **data)
+        for i, message in enumerate(("named", "twin"))
+    ]
+    assert ordered[0].headline == "base_link: two moments 6.2× too large (at the origin, CAD signs?)"
+    joint = join_occurrences(ordered, {rule.code: rule})
+    assert joint.headline == "base_link: suspect inertia (at the origin, CAD signs?) (+1 place)"
+
+
+def _list_values(rule: Rule) -> list[str]:
+    templates = (*rule.headlines.values(), *rule.messages.values(), *rule.fixes.values(), *rule.consumers.values())
+    texts = [text for text in templates if isinstance(text, str)]
+    return [key for text in texts for _, key, _, _ in string.Formatter().parse(text) if key]
 
 
 def test_a_count_of_what_is_left_out_stays() -> None:

@@ -496,6 +496,27 @@ def test_a_typed_mass_has_no_unit(tmp_path: Path) -> None:
     assert (finding.code, finding.cause) == ("INR010", None)
 
 
+@pytest.mark.parametrize(
+    ("mass", "limb", "reported"),
+    [
+        (400.0, "arm", False),
+        (412.5, "arm", True),  # computed, not chosen
+        (400.0, "wheel", True),  # a robot on wheels moves all of its mass
+        (100.0, "arm", True),  # too little for ballast
+        (2700.0, "arm", True),  # aluminium in grams
+    ],
+)
+def test_ballast_of_a_bolted_arm_may_be_denser_than_any_material(
+    tmp_path: Path, mass: float, limb: str, reported: bool
+) -> None:
+    size = (0.1, 0.1, 0.1) if mass > 1000.0 else (0.2, 0.2, 0.1) if mass > 200.0 else (0.1, 0.1, 0.04)
+    stand = Part(size=size, mass=mass)
+    part = Part(size=(0.2, 0.2, 0.2), mass=15.0)
+    found = find(tmp_path, make_chain(stand.xml("stand"), part.xml(f"{limb}0"), part.xml(f"{limb}1")), {"INR010"})
+    assert [f.message_id for f in found] == ["dense"] * reported
+    assert [f.cause is not None for f in found] == [mass == 2700.0] * reported
+
+
 @pytest.mark.parametrize(("mass", "light"), [(0.00024, False), (0.00023, True)])
 def test_nothing_is_lighter_than_air(tmp_path: Path, mass: float, light: bool) -> None:
     # 240 cm³ at 1 kg/m³; over the surface of 0.0248 m² that is 9.7 g/m².

@@ -184,6 +184,30 @@ def test_a_tensor_that_was_not_mirrored_keeps_its_com(tmp_path: Path) -> None:
     assert not find(tmp_path / "repaired", edited(text, finding.fix.edits), "INR009")
 
 
+def test_products_of_the_other_sign_are_no_mirror_image_where_one_of_them_is_small(tmp_path: Path) -> None:
+    """A mirror image explains the two large products as well; that it was copied without its COM is rarer."""
+    flat = (((0.2, 0.06, 0.04), (0.03, 0.01, 0.0)), ((0.04, 0.05, 0.12), (0.12, 0.016, 0.08)))
+    declared = [[2.082e-3, 1.088e-4, 1.517e-3], [1.088e-4, 5.668e-3, 9.756e-5], [1.517e-3, 9.756e-5, 4.167e-3]]
+    com = np.array((0.0625, 0.0129, 0.0251))  # 3 mm off the drawn part's
+    numbers = replace(uniform(geometry(flat).solid), tensor=np.array(declared), com=com)
+    (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers, 8), drawn_boxes(flat)), "INR009")
+    assert finding.cause is not None
+    assert finding.cause.id == "products_sign"
+
+
+def test_a_cause_stays_in_a_headline_that_has_no_room_for_the_factor(tmp_path: Path) -> None:
+    numbers = replace(TRUE, tensor=TRUE.tensor + steiner(TRUE.mass, TRUE.com))
+    headlines = {}
+    for name in ("arm", "left_forearm_link"):
+        text = arm_on_base(format_inertial(numbers, 8), drawn_boxes(CASTING)).replace('"arm"', f'"{name}"')
+        (finding,) = find(tmp_path / name, text, "INR009")
+        headlines[name] = finding.headline
+    assert headlines == {
+        "arm": "arm: one moment 2.9× too large (about the origin, not the COM)",
+        "left_forearm_link": "left_forearm_link: wrong inertia (about the origin, not the COM)",
+    }
+
+
 def test_a_com_and_tensor_that_were_not_mirrored_are_both_written(tmp_path: Path) -> None:
     numbers = replace(TRUE, com=MIRROR @ TRUE.com, tensor=MIRROR @ TRUE.tensor @ MIRROR)
     (finding,) = find_disagreeing(tmp_path, numbers)

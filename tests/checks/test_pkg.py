@@ -86,6 +86,24 @@ def test_path_without_a_package_name(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("files", "hint"),
+    [
+        (("meshes/Sonar.stl", "meshes/base.stl"), " (p has the files as meshes/Sonar.stl, meshes/base.stl)"),
+        (("meshes/Sonar.stl",), ""),
+        (("meshes/sonar.stl", "meshes/base.stl"), ""),
+        (("meshes/Sonar.stl", "spare/Sonar.stl", "meshes/base.stl"), ""),  # which one is open
+    ],
+)
+def test_files_of_an_unknown_package_are_named_where_the_own_package_has_them(
+    tmp_path: Path, files: tuple[str, ...], hint: str
+) -> None:
+    links = make_mesh_link("a", "package://old/parts/Sonar.stl"), make_mesh_link("b", "package://old/base.stl")
+    assert only(audit(package(tmp_path, *files), *links)).data["hint"] == hint
+    if hint:
+        assert only(audit(package(tmp_path, *files, depends="old"), *links)).data["hint"] == ""
+
+
+@pytest.mark.parametrize(
     ("depends", "explicit", "severity"),
     [
         ("", True, Severity.ERROR),

@@ -1055,3 +1055,12 @@ def test_one_mesh_by_its_package_and_by_its_path_is_no_difference(tmp_path: Path
     assert bool(run.findings) == found
     # Neither the message nor the data names a folder of the machine.
     assert str(tmp_path) not in str([(f.message, f.data) for f in run.findings])
+
+
+@pytest.mark.parametrize(("there", "said"), [("a/part.xacro", True), ("b/part.xacro", False)])
+def test_backslashes_of_a_path_are_the_cause_where_it_exists_with_slashes(
+    tmp_path: Path, there: str, said: bool
+) -> None:
+    write(tmp_path, {there: HEAD + "</robot>"})
+    finding = only(xacro(tmp_path, '<xacro:include filename="a\\part.xacro"/>', {"XAC001"}))
+    assert ("with `/` in place of each backslash" in finding.message) == said

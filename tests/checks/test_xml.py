@@ -573,6 +573,7 @@ class TestXML004:
         [
             '<origin xyz="0 0 1" name="up" id="3"/>',
             '<axis xyz="0 0 1" rpy="0 0 0"/>',
+            '<axis xyz="0 0 1" scale="1 1 1"/>',
             '<dynamics damping="1" drake:acceleration="3"/>',
             '<gazebo mu="3"/>',
         ],

@@ -2,39 +2,26 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, format_name_hint, join_names
+from urdfcheck.model.ground.drive_plugins import DrivePlugin, list_drive_plugins
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
     from urdfcheck.model import Model
     from urdfcheck.source.text.xml import Element
 
-_PLUGIN = re.compile(r"diff[-_]?drive|skid[-_]?steer", re.IGNORECASE)
-# The elements of gz-sim, of gazebo_ros of ROS 2 and of gazebo_ros of ROS 1.
-_LEFT = ("left_joint", "leftJoint", "leftFrontJoint", "leftRearJoint")
-_RIGHT = ("right_joint", "rightJoint", "rightFrontJoint", "rightRearJoint")
-_SEPARATION = ("wheel_separation", "wheelSeparation")
-# What each is divided by to be a radius.
-_RADIUS = {"wheel_radius": 1.0, "wheelRadius": 1.0, "wheel_diameter": 2.0, "wheelDiameter": 2.0}
-
 
 def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
-    for block in model.robot.find_children("gazebo"):
-        for plugin in block.find_children("plugin"):
-            if _PLUGIN.search(plugin.get("filename")):
-                yield from _check_plugin(model, rule, plugin, rel_tol)
+    for plugin in list_drive_plugins(model):
+        yield from _check_plugin(model, rule, plugin, rel_tol)
 
 
-def _check_plugin(model: Model, rule: Rule, plugin: Element, rel_tol: float) -> Iterator[Finding]:
-    left, right = (
-        [element for tag in tags for element in plugin.find_children(tag) if element.text.strip()]
-        for tags in (_LEFT, _RIGHT)
-    )
+def _check_plugin(model: Model, rule: Rule, plugin: DrivePlugin, rel_tol: float) -> Iterator[Finding]:
+    left, right = plugin.left, plugin.right
     unknown = [element for element in (*left, *right) if element.text.strip() not in model.joint_by_name]
     turning = {name for name, joint in model.joint_by_name.items() if joint.type != "fixed"}
     for element in unknown:
@@ -56,26 +43,18 @@ def _check_plugin(model: Model, rule: Rule, plugin: Element, rel_tol: float) -> 
     from urdfcheck.model.ground.drive_wheels import measure_wheel_radii, measure_wheel_separations
 
     one, other = left[0].text.strip(), right[0].text.strip()
-    for element, divisor in _list_radii(plugin):
+    for element, divisor in plugin.radii:
         radii = [radius for name in (one, other) for radius in measure_wheel_radii(model, name)]
         yield from _compare(rule, "radius", element, [divisor * radius for radius in radii], rel_tol, one, other)
     if len(left) == len(right) == 1:  # the track of a skid steer is tuned to the ground
-        for tag in _SEPARATION:
-            for element in plugin.find_children(tag):
-                separations = measure_wheel_separations(model, one, other)
-                yield from _compare(rule, "separation", element, separations, rel_tol, one, other)
+        for element in plugin.separations:
+            separations = measure_wheel_separations(model, one, other)
+            yield from _compare(rule, "separation", element, separations, rel_tol, one, other)
 
 
 def _format_fixed_hint(name: str, fixed: Collection[str]) -> str:
     near = find_nearest_name(name, fixed)
     return f" ({near!r} is spelled like it, but is fixed)" if near else ""
-
-
-def _list_radii(plugin: Element) -> Iterator[tuple[Element, float]]:
-    """Yield the one radius or diameter of a plugin; none where it has one for each of several pairs."""
-    elements = [(element, divisor) for tag, divisor in _RADIUS.items() for element in plugin.find_children(tag)]
-    if len(elements) == 1:
-        yield elements[0]
 
 
 def _compare(

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
+from urdfcheck.model.ground.drive_plugins import read_friction
 from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
-from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
     from urdfcheck.model import Model
@@ -23,7 +23,7 @@ _PUSHES = re.compile(r"move|velocity[-_]control|mecanum|omni", re.IGNORECASE)
 
 def check(model: Model, rule: Rule, *, slippery: float, rough: float) -> Iterator[Finding]:
     blocks = [block for block in model.robot.find_children("gazebo") if block.get("reference") in model.link_by_name]
-    frictions = [(block, friction) for block in blocks if (friction := _read_friction(block)) is not None]
+    frictions = [(block, friction) for block in blocks if (friction := read_friction(block)) is not None]
     if not frictions:
         return
     smooth = [block for block, friction in frictions if max(friction) <= slippery]
@@ -42,7 +42,7 @@ def check(model: Model, rule: Rule, *, slippery: float, rough: float) -> Iterato
 
 def _build_finding(rule: Rule, message: str, blocks: list[Element]) -> Finding:
     first = next(element for element in blocks[0].children if element.tag in _KEYS)
-    friction = _read_friction(blocks[0])
+    friction = read_friction(blocks[0])
     return rule.finding(
         message,
         at=first,
@@ -50,18 +50,6 @@ def _build_finding(rule: Rule, message: str, blocks: list[Element]) -> Finding:
         links=join_names(block.get("reference") for block in blocks),
         friction=max(friction or (0.0,)),
     )
-
-
-def _read_friction(block: Element) -> tuple[float, float] | None:
-    """Read mu1 and mu2 of a block; None where one is absent, so that the default of 1 counts, or is not a number."""
-    values = []
-    for key in _KEYS:
-        element = block.find_child(key)
-        value = None if element is None else parse_number(element.get("value") or element.text.strip())
-        if value is None:
-            return None
-        values.append(value)
-    return values[0], values[1]
 
 
 def _turns_wheels(model: Model) -> bool:

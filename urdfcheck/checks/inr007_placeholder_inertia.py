@@ -18,7 +18,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
-from urdfcheck.model.motion.fixed_base import explain_fixed_base
+from urdfcheck.model.motion.fixed_base import is_ballast
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
 
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 _FEWEST = 4
 # A tensor that links of this many different masses share belongs to none of them, whatever they look like.
 _FEWEST_MASSES = 3
-# A root that weighs so many times what the rest of the robot does is ballast: a stand that is not to move.
-_BALLAST = 10.0
 # Cosine: a joint's axis is along a rod where the angle between the two is below 25°.
 _ALONG = 0.9
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
@@ -99,7 +97,7 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
             for name in body.links
             if (what := _describe_placeholder(model, model.link_by_name[name])) is not None
         }
-        if model.tree.root in body.links and _is_ballast(model, body.links):
+        if is_ballast(model, body.links):
             continue
         shares = compute_body_shares(model, body.links) if descriptions else {}
         for name, description in descriptions.items():
@@ -108,16 +106,6 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
                 yield _PlaceholderInertial(
                     declared, mass, description, shares[name][1], misfit=_measure_misfit(model, declared, mass, factor)
                 )
-
-
-def _is_ballast(model: Model, root: Sequence[str]) -> bool:
-    """Whether the ``root`` body is the stand of a robot that it outweighs: its inertia has no effect.
-
-    The body of a mobile robot outweighs its wheels too, but it moves.
-    """
-    rest = sum(declared.mass for declared in model.masses if declared.link.name not in root)
-    is_heavy = sum(declared.mass for declared in model.masses) - rest > _BALLAST * rest > 0.0
-    return is_heavy and bool(explain_fixed_base(model))
 
 
 def _describe_placeholder(model: Model, link: Link) -> str | None:

@@ -19,6 +19,7 @@ from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
+from urdfcheck.model.motion.fixed_base import is_ballast
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_rigid_bodies
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import (
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 _LIKE_TENSOR = 2.0
 # A mass that is a thousand times too large is in grams rather than a slip.
 _GRAMS = 3
+# A mass of so few significant digits was chosen, not computed.
+_TYPED_DIGITS = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +76,13 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin
     )
     if not 0.0 < DENSEST * volume < part.mass:
         return
+    slip = _find_slipped_mass(model, part.link, part.mass) or _guess_mass_unit(
+        part.mass, (filled or volume) if len(part.readings) == 1 else 0.0
+    )
+    # A mass that was typed to keep a stand in its place is a choice, unless a slip explains it.
+    is_typed = float(f"{part.mass:.{_TYPED_DIGITS}g}") == part.mass
+    if slip["cause"] is None and is_typed and is_ballast(model, model.tree.list_body_links(part.link.name)):
+        return
     yield rule.finding(
         "dense",
         at=model.mass_by_name[part.link.name].attribute,
@@ -81,10 +91,7 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin
         volume=float(f"{volume * 1e6:.3g}"),
         around=part.geometry_phrase,
         density=describe_density(part.mass / volume),
-        **(
-            _find_slipped_mass(model, part.link, part.mass)
-            or _guess_mass_unit(part.mass, (filled or volume) if len(part.readings) == 1 else 0.0)
-        ),
+        **slip,
     )
 
 

@@ -10,7 +10,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
 
 
-def check(model: Model, rule: Rule, *, few: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for uses, facts in model.meshes.list_measured():
         if uses[0].shape.role != "collision" or not facts.non_manifold_edges:
             continue
@@ -21,9 +21,7 @@ def check(model: Model, rule: Rule, *, few: float) -> Iterator[Finding]:
             "collision",
             at=uses[0].filename,
             related=[use.filename for use in uses[1:]],
-            severity=Severity.INFO
-            if model.meshes.is_drawn(uses[0]) or facts.non_manifold_edges < few * facts.n_triangles
-            else None,
+            severity=Severity.INFO,
             mesh=uses[0].filename.value,
             count=facts.non_manifold_edges,
             edges=format_large_count(facts.non_manifold_edges, "edge"),

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.path_arguments import list_path_arguments
 from urdfcheck.source.resources import ResourceUse, is_misspelt, list_resource_uses
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
@@ -68,7 +69,14 @@ def _build_finding(
         looked=source.finder.describe_search_places(),
         places="; ".join(source.finder.describe_search_places()),
         near=near,
-        hint=(f" (did you mean {join_names(near)}{evidence}?)" if near else "") + named_by,
+        hint=(
+            f" (did you mean {join_names(near)}{evidence}?)"
+            if near
+            else ""
+            if declared
+            else _describe_own_files(source, files)
+        )
+        + named_by,
     )
 
 
@@ -107,6 +115,20 @@ def _find_package_with_files(uses: Sequence[ResourceUse], source: Source) -> lis
 
 def _has_all_files(folder: Path, files: list[str], source: Source) -> bool:
     return all(source.finder.can_open(folder / name) and (folder / name).is_file() for name in files)
+
+
+def _describe_own_files(source: Source, files: Sequence[str]) -> str:
+    """Say where the model's own package has a file of the same name as each of these, if each is there once."""
+    if not files or source.package is None:
+        return ""
+    index = index_files([source.package.path])
+    found = [
+        [p for p in index.get(PurePosixPath(f).name.lower(), []) if p.name == PurePosixPath(f).name] for f in files
+    ]
+    if any(len(paths) != 1 for paths in found):
+        return ""
+    places = [paths[0].relative_to(source.package.path).as_posix() for paths in found]
+    return f" ({source.package.name} has {'the file' if len(files) == 1 else 'the files'} as {join_names(places, 3)})"
 
 
 def _propose_edits(uses: Sequence[ResourceUse], package: str, near: Sequence[str]) -> list[Edit]:

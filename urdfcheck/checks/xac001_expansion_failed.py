@@ -270,6 +270,8 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     )
     package = failure.source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
     elsewhere = None if package is None else find_uninstalled_file(path, package, index_files([package.path]))
+    if "\\" in path.name and Path(str(path).replace("\\", "/")).is_file():
+        near = "; with `/` in place of each backslash, which only Windows reads as a separator, it exists"
     near = near if elsewhere is None else describe_uninstalled_file(elsewhere)
     install = "" if elsewhere is None else "install its folder (CMakeLists.txt or setup.py), or "
     data: dict[str, Any] = {"file": format_path(path), "hint": near, "install": install}

@@ -113,8 +113,9 @@ def _classify_attribute(element: Element, attribute: Attribute) -> _UnreadAttrib
     )
     if not homes:
         return _UnreadAttribute(attribute, "ignored", {})
-    if all(parse_number(word) == 0 for word in attribute.value.split()):
-        return None  # rpy="0 0 0" of an axis: nothing is lost
+    neutral = 1.0 if name == "scale" else 0.0
+    if all(parse_number(word) == neutral for word in attribute.value.split()):
+        return None  # rpy="0 0 0" of an axis, scale="1 1 1" of a box: nothing is lost
     return _UnreadAttribute(attribute, "misplaced", {"homes": " or ".join(f"<{home}>" for home in homes)})
 
 

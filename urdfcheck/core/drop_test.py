@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from urdfcheck.core.drive_test import DriveTest
+
 # s that a robot is watched, and between two steps: 1 ms is Gazebo's default; MuJoCo's is 2 ms.
 SECONDS, STEP = 2.0, 1e-3
 # s after which a robot that is held and has not come to rest is looked at again: what leans has fallen by then, and what swings
@@ -155,3 +157,7 @@ class DropTest:
     later: ReleaseResult | None
     """Held for ten seconds, where the robot did not settle in two."""
     curves: tuple[StabilityCurve, ...]
+    drive: DriveTest | None
+    """How the robot drives with its differential drive; None where it was not driven."""
+    undriven: str
+    """Why it was not driven; empty where it was, and where its root cannot move."""

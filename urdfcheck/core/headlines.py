@@ -28,6 +28,8 @@ _BRACKETS = re.compile(r" \([^()]*\)")
 _ENDING_VERB = re.compile(r" (?:is|are|has|have|declares?|refers?)$")
 # What a headline leaves out, counted: ` (+7 joints)`.
 _COUNTED = re.compile(r" \(\+\d+ \w+\)")
+# A value that has a shorter one beside it, such as `fault_short` beside `fault`, is replaced by it before any text is cut.
+_SHORT = "_short"
 # A hint in brackets at the end that is left out rather than that the names before it lose so many letters.
 _MOST_LOST = 20
 _NAMES = re.compile(rf"{_NAME.pattern}(?:(?:, {_NAME.pattern})+(?:{_MORE.pattern})?|{_MORE.pattern})")
@@ -36,8 +38,9 @@ _NAMES = re.compile(rf"{_NAME.pattern}(?:(?:, {_NAME.pattern})+(?:{_MORE.pattern
 def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_HEADLINE) -> str:
     """Fill a template of ``[headlines]``, and shorten its longest texts until the whole has at most ``limit`` characters.
 
-    Lists lose names and paths lose folders (`drop_parts`); if that is not enough, texts are cut (`cut_text`). The words of the
-    template stay, and the verb at the end of a value.
+    Lists lose names and paths lose folders (`drop_parts`); if that is not enough, a value with a shorter one beside it (`fault`
+    and `fault_short`) gives way to it, and then texts are cut (`cut_text`). The words of the template stay, and the verb at the
+    end of a value.
 
     :raises KeyError: if ``data`` lacks a value of the template.
     """
@@ -46,6 +49,12 @@ def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_H
     headline = _fill_line(template, values | texts)
     for shorten in (drop_parts, cut_text):
         if shorten is cut_text and len(headline) > limit:
+            if brief := _list_shorter_values(texts, data):
+                # Where the names are only counted, there may be room for all of the claim.
+                counted = _count_first_list(template, texts)
+                if counted != template and len(line := _fill_line(counted, values | texts)) <= limit:
+                    return line
+                return fill_headline(template, values | brief, limit)
             # A name in pieces and a number without its end say less than a claim without them.
             shorter = _leave_out(template, texts, limit - len(headline))
             if shorter != template:
@@ -59,6 +68,22 @@ def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_H
                 texts = _tell_apart(whole, most)
             headline = _fill_line(template, values | texts)
     return cut_line(headline, limit)
+
+
+def shorten_headline(headline: str, template: str, data: Mapping[str, Any], limit: int) -> str:
+    """Return at most ``limit`` characters of a headline: with shorter values where it was filled from ``template`` and ``data``
+    has them, otherwise without its end.
+
+    :raises KeyError: if ``data`` lacks a value of the template.
+    """
+    has_shorter = _list_shorter_values((key for _, key, _, _ in string.Formatter().parse(template) if key), data)
+    if len(headline) > limit and has_shorter and fill_headline(template, data) == headline:
+        return fill_headline(template, data, limit)
+    return cut_line(headline, limit)
+
+
+def _list_shorter_values(keys: Iterable[str], data: Mapping[str, Any]) -> dict[str, str]:
+    return {key: data[f"{key}{_SHORT}"] for key in keys if f"{key}{_SHORT}" in data}
 
 
 def cut_line(line: str, most: int) -> str:
@@ -86,6 +111,11 @@ def _leave_out(template: str, texts: Mapping[str, str], missing: int) -> str:
         # The first name may be followed by what happens to it, which may be cut.
         least = len(_PART.split(names[: more.start()])[0]) + len(more[0])
         return template if least <= len(names) + missing else template[: found.start()]
+    return _count_first_list(template, texts)
+
+
+def _count_first_list(template: str, texts: Mapping[str, str]) -> str:
+    """Count in a template the list at its beginning if it leaves out names; any other template stays."""
     found = _FIRST_LIST.match(template)
     names = texts.get(found[1], "") if found is not None else ""
     more = _MORE.search(names)

@@ -10,7 +10,13 @@ from typing import Any
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Located, Rule, Verdict
 from urdfcheck.core.findings import iter_occurrences
-from urdfcheck.core.headlines import LONGEST_HEADLINE, cut_line, fill_joint_headline, format_more_places
+from urdfcheck.core.headlines import (
+    LONGEST_HEADLINE,
+    cut_line,
+    fill_joint_headline,
+    format_more_places,
+    shorten_headline,
+)
 from urdfcheck.core.text import join_names
 
 _NAMED = re.compile(r"\w+\[(.*?)\](?=[/@]|$)", re.DOTALL)
@@ -180,15 +186,15 @@ def _join_headlines(ordered: Sequence[Finding], rules: Mapping[str, Rule]) -> st
     first = ordered[0]
     names = [[match[1] for s in own.subjects if (match := _NAMED.match(s)) is not None] for own in ordered]
     rule = rules.get(first.code)
-    is_of_page = rule is not None and len({own.message_id for own in ordered}) == 1
-    try:
-        template = rule.headlines[first.message_id] if rule is not None and is_of_page else ""
-        if template:
-            return fill_joint_headline(template, [own.data for own in ordered], names, _name_kind(ordered))
-    except (KeyError, ValueError, TypeError):  # a finding that the page did not make
-        pass
     rest = format_more_places(len(ordered) - 1)
-    return cut_line(first.headline, LONGEST_HEADLINE - len(rest)) + rest
+    room = LONGEST_HEADLINE - len(rest)
+    try:
+        template = rule.headlines[first.message_id] if rule is not None else ""
+        if template and len({own.message_id for own in ordered}) == 1:
+            return fill_joint_headline(template, [own.data for own in ordered], names, _name_kind(ordered))
+        return shorten_headline(first.headline, template, first.data, room) + rest
+    except (KeyError, ValueError, TypeError):  # a finding that the page did not make
+        return cut_line(first.headline, room) + rest
 
 
 def _name_kind(findings: Iterable[Finding]) -> str:

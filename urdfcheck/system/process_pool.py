@@ -110,6 +110,7 @@ class _PlainUnpickler(pickle.Unpickler):
     _OWN_MODULES = frozenset(
         f"urdfcheck.{module}"
         for module in (
+            "core.drive_test",
             "core.drop_test",
             "core.findings",
             "core.rule",

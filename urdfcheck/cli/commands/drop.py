@@ -17,15 +17,16 @@ from urdfcheck.run.preload import start_warm_worker
 if TYPE_CHECKING:
     from urdfcheck.core import Run
 
-RULE = "DYN005"
+# The fall, and the drive of a robot that stands.
+RULE, DRIVE_RULE = "DYN005", "DYN007"
 
 
 def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck drop``."""
     p = CommandParser(
         prog="urdfcheck drop",
-        description="Set a robot on the ground in MuJoCo, let go for two seconds, and report how it moves.",
-        epilog="exit codes: 0 nothing at or above --fail-on, 1 findings (DYN005 is a warning), 2 the robot could not be dropped",
+        description="Set a robot on the ground in MuJoCo, let go for two seconds, drive it, and report how it moves.",
+        epilog="exit codes: 0 nothing at or above --fail-on, 1 findings (warnings), 2 the robot could not be dropped",
     )
     p.add_argument(
         "paths", nargs=1, metavar="MODEL", help="a model, or a launch file, package or folder that has models"
@@ -71,7 +72,7 @@ def main(words: Sequence[str]) -> int:
 
     first = start_warm_worker()
     # The findings about the file explain why there is no model.
-    wanted = {RULE, *(code for code, rule in load_rules().items() if "file" in rule.scopes)}
+    wanted = {RULE, DRIVE_RULE, *(code for code, rule in load_rules().items() if "file" in rule.scopes)}
     formats = {options.format, *(name for name, _ in outputs)}
     if "html" not in formats:
         options.select = [",".join(sorted(wanted))]
@@ -86,7 +87,11 @@ def main(words: Sequence[str]) -> int:
         say(f"urdfcheck: {reason} (accepted)", sys.stderr)
         return OK
     # Whatever reports are written, the command prints the same: findings of the drop, and errors of the file.
-    findings = (f for f in outcome.findings if f.code == RULE or (f.code in wanted and f.severity == Severity.ERROR))
+    findings = (
+        f
+        for f in outcome.findings
+        if f.code in {RULE, DRIVE_RULE} or (f.code in wanted and f.severity == Severity.ERROR)
+    )
     drop_outcome = replace(outcome, findings=tuple(findings), scenes=())
     print_run(outcome if options.format == "html" else drop_outcome, options.format, options.color)
     checked = CheckedFolders.around(options.paths)

@@ -197,7 +197,9 @@ class Simulation:
         self.mechanism = mechanism
         self._mujoco = _import_mujoco()
         try:
-            self._model = _build_spec(self._mujoco, mechanism, ground).compile()
+            spec = _build_spec(self._mujoco, mechanism, ground)
+            self._adjust_spec(spec)
+            self._model = spec.compile()
         except (ValueError, RuntimeError, self._mujoco.FatalError) as error:
             reason, _, element = str(error).partition("\n")
             raise SimulationRefusedError(reason.removeprefix("Error: "), element) from None
@@ -279,6 +281,9 @@ class Simulation:
             raise SimulationRefusedError(str(error).partition("\n")[0], "") from None
 
     # -- before -------------------------------------------------------------------------------------------------------
+
+    def _adjust_spec(self, spec: Any) -> None:
+        """Change what is compiled; a subclass may."""
 
     def _reset_state(self) -> None:
         mujoco, model, data = self._mujoco, self._model, self._data

@@ -77,7 +77,9 @@ def _iter_defects(
     if carries and release.settled is not None and tilt > lean:
         yield StandingDefect("leans", model.tree.root, {"tilt": tilt, **data})
     free = test.free
-    if carries and free.burst is None and free.settled is None and free.rolls and not free.has_tipped:
+    # The parts of a caster that is a chain of joints may spin while the robot stays where it is.
+    moves = free.moving in rolling or free.moving in model.tree.list_body_links(model.tree.root)
+    if carries and moves and free.burst is None and free.settled is None and free.rolls and not free.has_tipped:
         cause = _describe_heavy_side(model)
         yield StandingDefect("rolls", model.tree.root, {**data, "speed": 1e3 * (free.speed or 0.0), "reason": cause})
 

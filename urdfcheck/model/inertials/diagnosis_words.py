@@ -192,14 +192,15 @@ def collect_message_data(
         measured = _describe_mismatch(declared, drawn, mismatch=mismatch, moments=moments, uniform=uniform)
         size = compare_sizes(moments, uniform, "{inertia} {factor}× too {size}", digits=2)
         apart = format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))
+    cause = diagnosis.cause or ""
+    doubted = f"{'wrong' if is_certain else 'suspect'} {name_faulty_numbers(cause, diagnosis.detail)}"
     return {
         "link": link.name,
         "detail": diagnosis.detail,
-        "mistake": describe_mistake(diagnosis.cause or "", diagnosis.detail),
-        "why": SHORT_CAUSES.get(diagnosis.cause or "", "").format(detail=diagnosis.detail),
-        "fault": _describe_fault(
-            diagnosis.cause or "", diagnosis.detail, size=size, apart=apart, is_certain=is_certain
-        ),
+        "mistake": describe_mistake(cause, diagnosis.detail),
+        "why": SHORT_CAUSES.get(cause, "").format(detail=diagnosis.detail),
+        "fault": _describe_fault(cause, size=size, apart=apart) or doubted,
+        "fault_short": doubted,  # the cause says more than how far off the numbers are
         "source": source,
         "off": f", {apart} from {'the drawn part' if source == 'the drawn part' else 'the shape'}'s" if apart else "",
         "twins": join_names(judged.twins),
@@ -219,13 +220,12 @@ def collect_message_data(
     }
 
 
-def _describe_fault(cause: str, detail: str, *, size: str, apart: str, is_certain: bool) -> str:
-    """Say for a headline what is wrong, with the number that shows it; ``apart``: how far the COM is from the drawn part's."""
+def _describe_fault(cause: str, *, size: str, apart: str) -> str:
+    """Say for a headline what is wrong by the number that shows it, empty where none does; ``apart``: how far the COM is from the
+    drawn part's."""
     if cause == "com_unit" and apart:
         return f"COM {apart} off"
-    if cause in SIZE_CAUSES and size:
-        return size
-    return f"{'wrong' if is_certain else 'suspect'} {name_faulty_numbers(cause, detail)}"
+    return size if cause in SIZE_CAUSES else ""
 
 
 def name_faulty_numbers(cause: str, detail: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
@@ -26,6 +27,8 @@ _HANDLING_NAME = re.compile(
 )
 # What fingers are on.
 _PALM_NAME = re.compile(r"hand|palm|gripper", re.IGNORECASE)
+# A root that weighs so many times what the rest of the robot does is ballast: a stand that is not to move.
+_BALLAST = 10.0
 # A single joint may be the lid of a box.
 _FEWEST_CHAIN_JOINTS = 2
 
@@ -56,6 +59,21 @@ def explain_fixed_base(model: Model) -> str:
     if kinds:
         return f"the SRDF fixes {root} to the world" if kinds == {"fixed"} else ""
     return _explain_manipulator(model)
+
+
+def is_ballast(model: Model, links: Sequence[str]) -> bool:
+    """Whether the body of these ``links`` is the stand of a robot that it outweighs: what it weighs is a choice and has no
+    effect.
+
+    The body of a mobile robot outweighs its wheels too, but it moves.
+
+    :raises FactUnavailableError: when the tree is broken or the mass of the root is malformed or negative.
+    """
+    if model.tree.root not in links:
+        return False
+    own = sum(declared.mass for declared in model.masses if declared.link.name in links)
+    rest = sum(declared.mass for declared in model.masses if declared.link.name not in links)
+    return own > _BALLAST * rest > 0.0 and bool(explain_fixed_base(model))
 
 
 def _list_virtual_joint_types(model: Model) -> set[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from urdfcheck.facts.motion.simulation import (
     compute_rest_depth,
 )
 from urdfcheck.model.fact import fact
+from urdfcheck.model.motion.driving.simulated_drive import run_drive_test
 from urdfcheck.model.motion.mechanism import StandingRobot, build_standing_robot
 from urdfcheck.model.robot import Model
 
@@ -36,13 +38,24 @@ def run_drop_test(model: Model) -> DropTest:
     """
     robot = build_standing_robot(model)
     try:
-        return _simulate_drop(robot, Simulation(robot.mechanism, robot.ground))
+        test = _simulate_drop(robot, Simulation(robot.mechanism, robot.ground))
     except ImportError:
         raise FactUnavailableError("MuJoCo is not installed: pip install 'urdfcheck[engines]'") from None
     except SimulationRefusedError as reason:
         named = _BODY.search(reason.element)
         link = f", link {robot.heads[int(named[1])]!r}" if named is not None else ""
         raise FactUnavailableError(f"MuJoCo refuses the model: {reason}{link}") from None
+    return test if test.fixed else _add_drive(model, test)
+
+
+def _add_drive(model: Model, test: DropTest) -> DropTest:
+    """Drive a robot that stands."""
+    if test.free.burst is not None or test.held.burst is not None or test.held.has_tipped:
+        return replace(test, undriven="it does not stand")
+    try:
+        return replace(test, drive=run_drive_test(model))
+    except FactUnavailableError as reason:
+        return replace(test, undriven=str(reason))
 
 
 def _simulate_drop(robot: StandingRobot, simulation: Simulation) -> DropTest:
@@ -77,6 +90,8 @@ def _simulate_drop(robot: StandingRobot, simulation: Simulation) -> DropTest:
             _measure_step_curve(robot, simulation, implicit=implicit)
             for implicit in ((True, False) if damped else (True,))
         ),
+        drive=None,
+        undriven="",
     )
 
 

@@ -156,4 +156,9 @@ def build_drop_test_object(drop_test: DropTest) -> dict[str, Any]:
     curves = [
         {**asdict(curve), "largest": curve.largest_step, "all_stable": curve.all_stable} for curve in drop_test.curves
     ]
-    return {**asdict(drop_test), "seconds": SECONDS, "step": STEP, "curves": curves}
+    drive = drop_test.drive and {
+        **asdict(drop_test.drive),
+        "expected_distance": drop_test.drive.expected_distance,
+        "expected_turn": drop_test.drive.expected_turn,
+    }
+    return {**asdict(drop_test), "seconds": SECONDS, "step": STEP, "curves": curves, "drive": drive}

@@ -112,7 +112,8 @@ def _undo_unmirrored(suspect: Suspect) -> Corrected:
         if np.linalg.norm(declared.com - expected) < np.linalg.norm(image - expected):
             turned = mirror @ declared.rotation
             tensor = declared.rotation.T @ turned @ declared.tensor @ turned.T @ declared.rotation
-            yield make_mistake(prior, f"{axis}, {TENSOR_ALONE}"), replace(declared, tensor=tensor)
+            alone = prior if suspect.reference.twin is not None else f"unmirrored ({TENSOR_ALONE})"
+            yield make_mistake(alone, f"{axis}, {TENSOR_ALONE}"), replace(declared, tensor=tensor)
             continue
         mirrored = DeclaredInertial(
             mass=declared.mass,

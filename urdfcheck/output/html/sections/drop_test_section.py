@@ -4,10 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from urdfcheck.core.drive_test import DriveTest
 from urdfcheck.core.drop_test import SECONDS, STEP, DropTest, ReleaseResult, StabilityCurve
 from urdfcheck.output.html.html_text import escape_html, format_number
 from urdfcheck.output.html.svg.stability_chart import draw_stability_chart, get_curve_class
 from urdfcheck.output.html.tables.html_table import render_table
+from urdfcheck.output.shared.drop_test.drive_wording import (
+    DRIVE_HEAD,
+    DRIVE_TITLE,
+    WHEEL_HEAD,
+    describe_drive_setup,
+    format_drive_rows,
+    format_wheel_cells,
+)
 from urdfcheck.output.shared.drop_test.wording import (
     CONTACT_HEAD,
     OUTCOMES,
@@ -31,7 +40,8 @@ def render_drop_test(drop_test: DropTest) -> str:
     )
     return (
         f"<p>Let go for {SECONDS:g} s at a time step of {1e3 * STEP:g} ms in "
-        f"{escape_html(drop_test.simulator)}.</p>{setup}{_render_outcomes_table(drop_test)}{contacts}{_render_stability_figure(drop_test.curves)}"
+        f"{escape_html(drop_test.simulator)}.</p>{setup}{_render_outcomes_table(drop_test)}{contacts}"
+        f"{'' if drop_test.drive is None else _render_drive(drop_test.drive)}{_render_stability_figure(drop_test.curves)}"
     )
 
 
@@ -61,6 +71,24 @@ def _render_contacts_table(drop_test: DropTest, release: ReleaseResult, is_share
     how = "with and without torques" if is_shared else format_release_heading(release)
     head = f'<tr><th scope="col">Link</th>{heads}</tr>'
     return render_table(f"On the ground at the end, {how}; places in the root link’s frame", head, rows, foot=foot)
+
+
+def _render_drive(drive: DriveTest) -> str:
+    setup = "".join(f"<p>{escape_html(line)}.</p>" for line in describe_drive_setup(drive))
+    heads = "".join(f'<th scope="col" class="num">{name}</th>' for name in DRIVE_HEAD)
+    rows = []
+    for name, *cells in format_drive_rows(drive):
+        values = "".join(f'<td class="num">{escape_html(_replace_minus_sign(cell))}</td>' for cell in cells)
+        rows.append(f'<tr><th scope="row">{name}</th>{values}</tr>')
+    title = DRIVE_TITLE.capitalize()
+    runs = render_table(title, f"<tr><td></td>{heads}</tr>", rows)
+    heads = "".join(f'<th scope="col" class="num">{name}</th>' for name in WHEEL_HEAD)
+    rows = []
+    for wheel in drive.wheels:
+        values = "".join(f'<td class="num">{_replace_minus_sign(cell)}</td>' for cell in format_wheel_cells(wheel))
+        rows.append(f'<tr><th scope="row"><code>{escape_html(wheel.joint)}</code></th>{values}</tr>')
+    wheels = render_table("The wheels, all ahead", f'<tr><th scope="col">Joint</th>{heads}</tr>', rows)
+    return f"{setup}{runs}{wheels}"
 
 
 def _replace_minus_sign(text: str) -> str:

@@ -12,7 +12,14 @@ from urdfcheck.output.html.html_text import escape_html, render_prose
 from urdfcheck.output.html.program_outcomes import is_affected, list_affected_programs, mark_effect
 from urdfcheck.output.html.sections.code_listing import render_code_frame, render_diff
 from urdfcheck.output.shared.anchors import FindingCard, parse_element_key
-from urdfcheck.output.shared.verdict.effects import describe_verdict, has_own_subject, join_programs, list_effects
+from urdfcheck.output.shared.verdict.effects import (
+    describe_verdict,
+    drops_only_data,
+    generalize_effect,
+    has_own_subject,
+    join_programs,
+    list_effects,
+)
 from urdfcheck.output.shared.verdict.not_checked import explain_block
 from urdfcheck.output.shared.wording import (
     describe_models,
@@ -138,15 +145,23 @@ def _render_minds(run: Run, finding: Finding) -> str:
         if is_affected(finding, program):
             verdict = get_verdict(finding.consequences, program)
             kind = mark_effect(finding, program, run.rules)
-            own = finding.consequences[program] if verdict is Verdict.LOADS else ""
+            effect = finding.consequences[program]
+            own = effect if verdict is Verdict.LOADS or drops_only_data(effect) else ""
             groups.setdefault((-verdict, kind, own), []).append(program)
     phrases = [
         f'<span class="{kind}">{render_glyph(kind) if kind != "ok" else "·"} <b>{escape_html(join_programs(names))}'
         f"{':' if own and has_own_subject(own) else ''}</b> "
-        f"{render_prose(own or describe_verdict(Verdict(-rank), len(names)))}</span>"
+        f"{render_prose(_describe_effect(own, Verdict(-rank), len(names)))}</span>"
         for (rank, kind, own), names in sorted(groups.items())
     ]
     return f'<p class="minds">{"".join(phrases)}</p>' if phrases else ""
+
+
+def _describe_effect(own: str, verdict: Verdict, count: int) -> str:
+    """Say what programs do, in a sentence of their own where there is one."""
+    if not own:
+        return describe_verdict(verdict, count)
+    return generalize_effect(own, count) if drops_only_data(own) else own
 
 
 def _render_evidence(run: Run, card: FindingCard) -> str:

@@ -7,7 +7,16 @@ from collections.abc import Iterator
 
 from rich.text import Text
 
+from urdfcheck.core.drive_test import DriveTest
 from urdfcheck.core.drop_test import SECONDS, STEP, DropTest, ReleaseResult, StabilityCurve
+from urdfcheck.output.shared.drop_test.drive_wording import (
+    DRIVE_HEAD,
+    DRIVE_TITLE,
+    WHEEL_HEAD,
+    describe_drive_setup,
+    format_drive_rows,
+    format_wheel_cells,
+)
 from urdfcheck.output.shared.drop_test.wording import (
     CONTACT_HEAD,
     OUTCOMES,
@@ -47,6 +56,8 @@ def iter_drop_test_lines(drop_test: DropTest) -> Iterator[Text]:
     both = has_equal_contacts(drop_test)
     for release in (drop_test.held,) if both else runs:
         yield from _iter_contact_lines(drop_test, release, both)
+    if drop_test.drive is not None:
+        yield from _iter_drive_lines(drop_test.drive)
     for curve in drop_test.curves:
         yield from _iter_stability_lines(curve)
     yield Text()
@@ -71,6 +82,23 @@ def _iter_contact_lines(drop_test: DropTest, release: ReleaseResult, is_shared: 
     yield Text(
         f"together {sum(t.load for t in release.touching):.4g} N of {drop_test.mass * 9.81:.4g} N, the robot's weight"
     )
+
+
+def _iter_drive_lines(drive: DriveTest) -> Iterator[Text]:
+    yield Text()
+    yield Text(DRIVE_TITLE, "bold")
+    for line in describe_drive_setup(drive):
+        yield Text(line)
+    shown = drive.wheels[:MOST_LINKS]
+    tables = (
+        (("", *DRIVE_HEAD), *format_drive_rows(drive)),
+        (("joint", *WHEEL_HEAD), *((escape_one_line(w.joint), *format_wheel_cells(w)) for w in shown)),
+    )
+    for rows in tables:
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        for number, row in enumerate(rows):
+            cells = [row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))]
+            yield Text("  ".join(cells), "dim" if not number else "")
 
 
 def _iter_stability_lines(curve: StabilityCurve) -> Iterator[Text]:

@@ -28,6 +28,8 @@ def describe_drop_setup(drop_test: DropTest) -> list[str]:
         sentences.append(f"held for {LATE_SECONDS:g} s: {_describe_outcome(drop_test.later)}")
     if drop_test.held.saturated:
         sentences.append(f"at their effort limit at the end: {_join_names(drop_test.held.saturated)}")
+    if drop_test.undriven:
+        sentences.append(f"not driven: {escape_one_line(drop_test.undriven)}")
     return sentences
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from urdfcheck.core import Finding, Run, Severity, Verdict
 from urdfcheck.core.text import join_names
+from urdfcheck.output.shared.verdict.effects import drops_only_data
 from urdfcheck.output.shared.verdict.engine_answers import list_answers
 from urdfcheck.output.shared.verdict.not_checked import describe_not_checked, explain_unchecked, is_accepted
 from urdfcheck.output.shared.verdict.verdict import summarize_verdict
@@ -14,8 +15,6 @@ from urdfcheck.policy.consumers import get_verdict, predict_outcomes
 
 # Models that were not checked and programs that a claim names.
 _MOST_NAMED = 3
-# How the effect of a sensor's wrong frame begins, which changes nothing of the model.
-_DATA = "drops the data"
 
 
 def state_claim(run: Run) -> tuple[str, str]:
@@ -85,7 +84,7 @@ def describe_losses(run: Run) -> str:
 def _loses_only_data(findings: Sequence[Finding], program: str) -> bool:
     """Whether what a program drops is never a part of the model, but what a sensor measures."""
     dropped = [f for f in findings if get_verdict(f.consequences, program) is Verdict.DROPS]
-    return all(f.consequences.get(program, "").startswith(_DATA) for f in dropped)
+    return all(drops_only_data(f.consequences.get(program, "")) for f in dropped)
 
 
 def _name_unchecked(run: Run) -> str:

@@ -23,6 +23,8 @@ _LEAD = re.compile(r'(?:(?:and )?(?:in|with|where|when|if|for|at)\b[^,:;]*[,:;]\
 _VERB = re.compile(r"(?!(?:contacts|motors|paths|torques|wheels)\b)(?:[a-z]+s|refused)(?=[ :;]|$)")
 # What follows the object of a verb: ``replaces the inertia by that of its box``.
 _COMPLEMENT = re.compile(r" (?:by|with|from|of|in|to|because|where|when|if|after|so that|unless)\b.*", re.DOTALL)
+# How the effect of a sensor's wrong frame begins, which changes nothing of the model; and what it is in general.
+_DATA, _DATA_DROPPED = "drops the data", "drops the data of a sensor"
 _PLURALS = {"is": "are", "has": "have", "does": "do", "goes": "go"}
 # What a program does something to, by its verdict, which is a verb.
 _OBJECTS = {
@@ -67,7 +69,7 @@ def describe_hits(run: Run, finding: Finding, room: int) -> str:
     worst = [item for item in news if Verdict.from_sentence(item[0]) > Verdict.LOADS]
     news.sort(key=lambda item: item[1] == ["rviz"])  # what is drawn matters less than what moves
     effects = dict(news if has_targets else worst or news[:1])
-    lines = [_join_hits(effects, shorten) for shorten in (_shorten_effect, _name_object, _generalize_effect)]
+    lines = [_join_hits(effects, shorten) for shorten in (_shorten_effect, _name_object, _generalize_or_cut)]
     return next((line for line in lines if len(line) <= room), lines[-1])
 
 
@@ -90,10 +92,22 @@ def has_own_subject(effect: str) -> bool:
     return _VERB.match(effect) is None
 
 
+def drops_only_data(effect: str) -> bool:
+    """Whether what a program drops is not a part of the model, but what a sensor measures."""
+    return effect.startswith(_DATA)
+
+
 def describe_verdict(verdict: Verdict, count: int = 1) -> str:
     """Say what one program, or several, do to a model in general: ``replaces values``, ``replace values``."""
     effect = f"{verdict} {_OBJECTS.get(verdict, '')}".rstrip()
     return effect if count == 1 else _use_plural(effect)
+
+
+def generalize_effect(effect: str, count: int = 1) -> str:
+    """Say what a sentence about one program, or several, does to the model in general: ``replaces values``."""
+    if drops_only_data(effect):
+        return _DATA_DROPPED if count == 1 else _use_plural(_DATA_DROPPED)
+    return describe_verdict(Verdict.from_sentence(effect), count)
 
 
 def join_programs(names: Sequence[str]) -> str:
@@ -133,7 +147,7 @@ def _matters(name: str, effect: str, targets: Sequence[str]) -> bool:
 def _shorten_effect(effect: str) -> str:
     """Cut a sentence at its first clause, unless that leaves its verb alone."""
     short = _cut_clause(effect)
-    return short if " " in short else _generalize_effect(effect)
+    return short if " " in short else _generalize_or_cut(effect)
 
 
 def _name_object(effect: str) -> str:
@@ -141,13 +155,12 @@ def _name_object(effect: str) -> str:
     if Verdict.from_sentence(effect) is Verdict.LOADS:
         return _shorten_effect(effect)
     short = _COMPLEMENT.sub("", _shorten_effect(effect))
-    return short if " " in short else _generalize_effect(effect)
+    return short if " " in short else _generalize_or_cut(effect)
 
 
-def _generalize_effect(effect: str) -> str:
+def _generalize_or_cut(effect: str) -> str:
     """Say what a sentence does to the model in general: ``replaces values``."""
-    verdict = Verdict.from_sentence(effect)
-    return describe_verdict(verdict) if verdict in _OBJECTS else _cut_clause(effect)
+    return generalize_effect(effect) if Verdict.from_sentence(effect) in _OBJECTS else _cut_clause(effect)
 
 
 def _cut_clause(effect: str) -> str:
