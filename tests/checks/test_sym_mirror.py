@@ -229,7 +229,7 @@ DEFECTS: dict[str, Callable[[Robot], Robot]] = {
 TOLD = {
     "mass": ("pair", None, "link[right_arm]/inertial/mass@value"),
     "centre of mass copied": ("inertial", "copied", "link[right_arm]/inertial/origin@xyz"),
-    "inertia copied": ("pair", "copied", "link[right_arm]/inertial/inertia"),
+    "inertia copied": ("inertial", "copied", "link[right_arm]/inertial/inertia"),
     "inertial copied": ("inertial", "copied", "link[right_arm]/inertial"),
     "limits copied": ("limits_pair", "limits_copied", "joint[right_hand_joint]/limit"),
     "limit": ("limits_pair", None, "joint[right_arm_joint]/limit"),
@@ -343,7 +343,7 @@ def test_a_pair_that_nothing_names_may_be_meant_to_differ(tmp_path: Path) -> Non
 
 
 def test_the_headline_says_that_the_inertials_of_mirrored_parts_are_not(tmp_path: Path) -> None:
-    assert one(tmp_path, DEFECTS["inertia copied"](ROBOT)).headline == "left_arm and right_arm: inertials not mirrored"
+    assert one(tmp_path, DEFECTS["mass"](ROBOT)).headline == "left_arm and right_arm: inertials not mirrored"
 
 
 def test_the_axes_of_an_arm_may_be_called_l_and_r(tmp_path: Path) -> None:
@@ -700,6 +700,21 @@ def test_a_part_that_is_nearly_its_own_mirror_image_may_be_turned_round(tmp_path
     assert one(tmp_path / "mirrored", mirrored).code == "SYM004"
 
 
+@pytest.mark.parametrize(("y", "count"), [(0.002, 0), (0.006, 1)])
+def test_a_part_may_be_mirrored_in_its_own_axes(tmp_path: Path, y: float, count: int) -> None:
+    """The mesh of the right hand is that of the left one with a scale of -1 in z; both are their own images in y."""
+    robot = copy.deepcopy(ROBOT)
+    for side, z in (("left", 0.006), ("right", -0.006)):
+        hand = robot.find(f"link[@name='{side}_hand']")
+        assert hand is not None
+        hand[:] = make_box_link("hand", [((0.03, 0.02, 0.006), (0.02, 0.0, z)), ((0.1, 0.06, 0.04), (0.0, 0.0, 0.0))])[
+            :
+        ]
+    for side, place in (("left", "0.003 0.002 0.002"), ("right", f"0.003 {y} -0.002")):
+        robot = with_(robot, f"link[@name='{side}_hand']/inertial/origin", xyz=place)
+    assert len(find_mirror_defects(tmp_path, robot)) == count
+
+
 def test_signs_are_those_of_a_mirror_only_in_mirrored_frames(tmp_path: Path) -> None:
     wrong = numbers(ROBOT, f"{RIGHT}/inertia", "iyz")
     robot = with_(ROBOT, f"{RIGHT}/inertia", **wrong)
@@ -808,6 +823,40 @@ def test_the_com_that_is_on_the_other_side_of_the_drawn_part_is_wrong(
         assert finding.fix is not None
         (edit,) = finding.fix.edits
         assert float(edit.replacement.split()[1]) == pytest.approx(-y)
+
+
+@pytest.mark.parametrize("cad_signs", [False, True])
+def test_a_tensor_that_contradicts_the_twins_drawing_is_not_copied(tmp_path: Path, cad_signs: bool) -> None:
+    """The right inertial is the left one, unmirrored: with the signs of CAD programs, two of its products are correct."""
+    flipped_names = ("ixy", "ixz", "iyz") if cad_signs else ()
+    robot = with_(ROBOT, f"{LEFT}/inertia", **numbers(ROBOT, f"{LEFT}/inertia", *flipped_names))
+    robot = com_copied(inertia_copied(robot))
+    (finding,) = find(tmp_path, ET.tostring(robot, encoding="unicode"), "SYM004")
+    assert finding.message_id == "inertial"
+    assert finding.fix is not None
+    assert [edit.expected for edit in finding.fix.edits if " " in edit.expected] == [
+        numbers(robot, f"{RIGHT}/origin")["xyz"]
+    ]
+    assert (len(finding.fix.edits) == 1) is cad_signs
+    assert ("inertia tensors of both from the CAD model" in finding.fix.title) is cad_signs
+    assert ("ixy" in finding.message) is not cad_signs
+    assert ("fits the COM of" in finding.message) is cad_signs
+
+
+def test_no_side_gets_a_tensor_that_contradicts_the_drawing(tmp_path: Path) -> None:
+    """All products of both have the signs of CAD programs, and the moments differ by 20 %."""
+    robot = ROBOT
+    for path in (LEFT, RIGHT):
+        robot = with_(robot, f"{path}/inertia", **numbers(ROBOT, f"{path}/inertia", "ixy", "ixz", "iyz"))
+    six = numbers(robot, f"{RIGHT}/inertia")
+    robot = with_(robot, f"{RIGHT}/inertia", **{name: repr(1.2 * float(value)) for name, value in six.items()})
+    (finding,) = find(tmp_path, ET.tostring(robot, encoding="unicode"), "SYM004")
+    assert finding.message_id == "pair"
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert finding.fix.title == (
+        "take the inertia tensors of both from the CAD model: neither has products of inertia with the signs of its drawing"
+    )
 
 
 def test_neither_side_is_mirrored_where_both_coms_are_elsewhere(tmp_path: Path) -> None:

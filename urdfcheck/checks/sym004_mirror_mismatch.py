@@ -25,6 +25,8 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     find_cause,
     find_wrong_side,
     fit_own_drawings_alike,
+    is_tensor_against_drawing,
+    limit_to_com,
     list_inertial_changes,
 )
 from urdfcheck.model.inertials.unrelated_sides import compare_unrelated_sides, describe_slip
@@ -51,6 +53,7 @@ _SAME_MASS = 0.2
 _OWN_COM = 0.02
 # A coordinate of a COM that is smaller than this share of its distance may have been rounded to zero.
 _SAME_COM = 0.01
+_COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
@@ -127,8 +130,13 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         model, *links, threshold=note, com_threshold=_OWN_COM, linear=pair.linear
     ):
         return None
+    # The twin's tensor is wrong too if its products contradict the drawing: then the COM alone can be written.
+    barred = [one for one in both if deviation.spread > note and is_tensor_against_drawing(model, one)]
+    is_barred = wrong is not None and side in barred
+    written = limit_to_com(model, side, note) if is_barred else side
+    shown = written or side
     parts = (("COM", deviation.com_offset), ("inertia tensor", deviation.spread))
-    differences = describe_differences(side.actual, side.expected, deviation=deviation, threshold=note)
+    differences = describe_differences(shown.actual, shown.expected, deviation=shown.deviation, threshold=note)
     data: dict[str, Any] = {
         "one": both[0].link.name,
         "other": both[1].link.name,
@@ -139,14 +147,15 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         ),
         "lack": LACKS[pair.drawn_as or ""],
         "differences": ", ".join(differences),
+        "fitting": "inertial" if written is side else "COM",
         "what": " and ".join(word for word, share in parts if share > note),
         "signs": join_names(find_wrong_signs(side.actual, side.expected, note), 9),
         "share": deviation.worst,
         "between": _list_subjects(both[0].link, both[1].link),
     }
     place: dict[str, Any] = {
-        "at": _locate_difference(model, side.link, deviation, note=note),
-        "related": [_locate_difference(model, side.twin, deviation, note=note)],
+        "at": _locate_difference(model, side.link, shown.deviation, note=note),
+        "related": [_locate_difference(model, side.twin, shown.deviation, note=note)],
         "cause": cause,
         "severity": shares.choose_severity(deviation.worst, pair, cause),
     }
@@ -156,11 +165,18 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         if deviation.com_offset <= note or not all(_has_com_elsewhere(model, one.link) for one in both):
             other_way = "the other way round" if shared else _describe_remedy(both[0], note)
             repair = f"correct the wrong one: {_describe_remedy(both[1], note)}, or {other_way}"
+        if len(barred) == len(both):
+            repair = f"{_COMPUTE_TENSOR}: neither has products of inertia with the signs of its drawing"
         # Several numbers that are off by a few percent are two exports of one assembly; one that was lost is a slip.
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
-    edits = () if shared else make_attribute_edits(list_inertial_changes(side, note))
-    message, remedy = "like" if like else "inertial", _describe_remedy(side, note)
+    edits = () if shared or written is None else make_attribute_edits(list_inertial_changes(written, note))
+    remedies = [] if written is None else [_describe_remedy(written, note)]
+    if is_barred:
+        remedies.append(
+            f"{_COMPUTE_TENSOR}: {side.twin.name} has products of inertia with other signs than those of its drawing"
+        )
+    message, remedy = "like" if like else "inertial", "; ".join(remedies)
     return rule.finding(message, **place, edits=edits, remedy=remedy, like=join_names(like), **data)
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
@@ -56,6 +56,8 @@ WORSE_FIT = 0.1
 _FAR_COM, _NEAR_IMAGE = 0.3, 0.25
 # Two COMs are off their drawings alike if the difference is within this share of the drawn part's radius of gyration.
 _OFF_ALIKE = 0.005
+# A product of inertia below this share of the greatest moment has the sign of what is not drawn: cables, screws, a motor.
+_CLEAR_PRODUCT = 0.05
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -209,11 +211,43 @@ def _has_com_on_the_other_side(model: Model, pair: MirrorPair, side: PairSide, *
     is_whole = deviation.spread <= threshold or find_cause(pair, side, threshold) == "copied"
     if drawn is None or deviation.mass > threshold or deviation.com_offset <= threshold or not is_whole:
         return False
+    return _is_com_of_image(side, drawn)
+
+
+def _is_com_of_image(side: PairSide, drawn: VisualGeometry) -> bool:
+    """Whether the COM of the side's drawing is near that of the twin's image, in the direction in which the side's own is far."""
     away = side.actual.com - side.expected.com
     is_far = float(np.linalg.norm(compute_whitening(drawn.solid.covariance) @ away)) > _FAR_COM
     # 0 at the twin's image, 1 at the side's own COM.
     place = float((drawn.solid.com - side.expected.com) @ away) / float(away @ away)
     return is_far and -1.0 < place < _NEAR_IMAGE
+
+
+def is_tensor_against_drawing(model: Model, side: PairSide) -> bool:
+    """Whether the twin's products of inertia have other signs than those of its drawing, or their image than those of the side's:
+    then the twin's tensor, which has the signs of CAD programs perhaps, repairs nothing."""
+    twin = read_declared_inertial(side.twin)
+    known = [(side.link, side.expected), *([] if twin is None else [(side.twin, twin)])]
+    return any(_has_opposite_products(model, link, numbers) for link, numbers in known)
+
+
+def _has_opposite_products(model: Model, link: Link, numbers: DeclaredInertial) -> bool:
+    """Whether a product of inertia that is clear in the numbers and in the drawing has opposite signs in them."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None:
+        return False
+    tensors = (numbers.inertia, np.trace(drawn.solid.covariance) * np.eye(3) - drawn.solid.covariance)
+    declared, expected = (tensor[np.triu_indices(3, 1)] / np.abs(np.diag(tensor)).max() for tensor in tensors)
+    is_clear = np.minimum(np.abs(declared), np.abs(expected)) > _CLEAR_PRODUCT
+    return bool((is_clear & (declared * expected < 0.0)).any())
+
+
+def limit_to_com(model: Model, side: PairSide, threshold: float) -> PairSide | None:
+    """Return a wrong side with its own tensor, so that only its COM is to be written; None unless the drawing proves the COM."""
+    drawn, actual, deviation = measure_link_geometry(model, side.link), side.actual, side.deviation
+    if drawn is None or deviation.mass > threshold or deviation.com_offset <= threshold:
+        return None
+    return replace(side, expected=replace(actual, com=side.expected.com)) if _is_com_of_image(side, drawn) else None
 
 
 def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None:

@@ -34,6 +34,8 @@ PLACE, PLACE_SHARE = 1e-3, 2e-3
 NORMALS = tuple(np.eye(3)[[1, 0, 2]])
 # Of two ways to bring a part to the other side, both within the tolerance, one is proven by a mismatch so many times smaller.
 _MUCH_BETTER = 3.0
+# Mismatches below this are what products of rotation matrices leave.
+_ROUNDING = 1e-9
 # More joints of one kind than this that no name distinguishes are a chain or a ring, without left and right.
 _MOST_ALIKE = 32
 
@@ -220,7 +222,7 @@ def _make_pair(model: Model, plane: MirrorPlane, names: tuple[str, str], *, agre
             for turn, move in propose_motions(model, *names)
         )
         if mirror_mismatch < ALIKE:
-            copies += _find_better_turns(one, other, linear, mirror_mismatch=mirror_mismatch)
+            copies += _find_better_images(one, other, linear, mirror_mismatch=mirror_mismatch)
     first, second = (frozenset((name, *(joint.child for joint in model.tree.find_path_to(name)))) for name in names)
     return MirrorPair(
         one=names[0],
@@ -238,17 +240,22 @@ def _make_pair(model: Model, plane: MirrorPlane, names: tuple[str, str], *, agre
     )
 
 
-def _find_better_turns(
+def _find_better_images(
     one: PartOutline, other: PartOutline, linear: Array, *, mirror_mismatch: float
 ) -> tuple[CopyTransform, ...]:
-    """Find the half turn that carries what one link draws onto what the other draws, in frames at one point of the part, much
-    better than the mirror does: a part that is nearly its own mirror image may be on the other side by a half turn."""
-    turns = [linear @ np.diag(signs) for signs in 1.0 - 2.0 * np.eye(3)]
-    copies = [
-        CopyTransform(t, np.zeros(3), measure_outline_mismatch(one, other, linear=t, shift=np.zeros(3))) for t in turns
-    ]
-    best = min(copies, key=lambda copy: copy.mismatch)
-    return (best,) if best.mismatch < mirror_mismatch / _MUCH_BETTER else ()
+    """Find the images that carry what one link draws onto what the other draws, in frames at one point of the part, much better
+    than the mirror does: the best half turn, and other mirrors. A part that is nearly its own mirror image may be on the other
+    side by a half turn, or its mesh be mirrored by a scale in its own axes."""
+    found: list[CopyTransform] = []
+    for signs in (1.0 - 2.0 * np.eye(3), 2.0 * np.eye(3) - 1.0):
+        images = [linear @ np.diag(row) for row in signs]
+        copies = [
+            CopyTransform(t, np.zeros(3), measure_outline_mismatch(one, other, linear=t, shift=np.zeros(3)))
+            for t in images
+        ]
+        found.append(min(copies, key=lambda copy: copy.mismatch))
+    limit = mirror_mismatch / _MUCH_BETTER
+    return tuple(copy for copy in found if mirror_mismatch > _ROUNDING and copy.mismatch < limit)
 
 
 def _pair_by_geometry(model: Model, names: Sequence[str]) -> list[MirrorPair]:
