@@ -126,8 +126,8 @@ def test_it_leaves_the_process_of_its_caller_as_it_was(tmp_path: Path, monkeypat
 
 
 def test_an_interrupt_is_the_callers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    run = api.run_request
-    monkeypatch.setattr(api, "run_request", lambda *words: replace(run(*words), partial=True))
+    run = api.run_and_ask
+    monkeypatch.setattr(api, "run_and_ask", lambda *words: replace(run(*words), partial=True))
     with pytest.raises(KeyboardInterrupt):
         urdfcheck.check(tmp_path)
 

@@ -8,9 +8,9 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 
 from urdfcheck.core import Run, UrdfcheckError
-from urdfcheck.run.jobs import SAMPLES
-from urdfcheck.run.pipeline import Execution
-from urdfcheck.run.pipeline import run as run_request
+from urdfcheck.policy.consumers import ASKED_ENGINES
+from urdfcheck.run.jobs import SAMPLES, Request
+from urdfcheck.run.pipeline import Execution, run_audit
 from urdfcheck.run.preload import start_warm_worker
 from urdfcheck.run.request import AnyPath, RunOptions, make_request, split_words
 from urdfcheck.system import libraries
@@ -115,6 +115,18 @@ def check(
     return _run(options, scene=scene)
 
 
+def run_and_ask(request: Request, execution: Execution) -> Run:
+    """Check what the request's paths lead to, and ask the engines that are targets, which no other run does."""
+    audited = run_audit(request, execution)
+    outcome = audited.outcome
+    targets = {*outcome.targets, *(name for names in outcome.targets_by_unit.values() for name in names)}
+    if targets.isdisjoint(ASKED_ENGINES) or outcome.partial:
+        return outcome
+    from urdfcheck.simulators.target_answers import ask_targets
+
+    return ask_targets(audited)
+
+
 def _run(options: RunOptions, *, scene: bool) -> Run:
     """Check the options, then run what they describe.
 
@@ -131,7 +143,7 @@ def _run(options: RunOptions, *, scene: bool) -> Run:
     with _worker_surroundings():
         warm_worker = start_warm_worker()
         try:
-            outcome = run_request(request, Execution(warm_worker=warm_worker))
+            outcome = run_and_ask(request, Execution(warm_worker=warm_worker))
         finally:
             if warm_worker is not None:
                 warm_worker.end()

@@ -16,6 +16,14 @@ from urdfcheck.source.xacro.usage import find_unprefixed_tags
 # At most so many tags of one file are listed, and renamed by one fix.
 _MAX_EDITED = 500
 
+# What programs do with a robot whose links are all in macros that it does not call (KIN007).
+WITHOUT_LINKS = {
+    "urdfdom": "refuses the file: no link elements found",
+    "bullet": "refuses the file: no links found",
+    "mujoco": "creates an empty model",
+    "drake": "creates an empty model",
+}
+
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     own_trees = select_own_trees(source)
@@ -40,6 +48,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             listed=join_names(f"<{tag}>" for tag in tags),
             times=format_repetition(len(elements)),
             explains=explained,
+            consequences=WITHOUT_LINKS if explained and source.root and not source.root.find_children("link") else {},
         )
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
 

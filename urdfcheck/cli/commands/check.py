@@ -137,28 +137,15 @@ def main(words: Sequence[str]) -> int:
         return _watch(options, reports, asked=(request, settings), warm_worker=warm_worker)
     execution = Execution(warm_worker=warm_worker, on_idle=reports.import_formats, on_progress=make_progress_printer())
     if not (options.fix or options.diff):
-        return _report(_run_and_ask(request, execution), options, reports=reports, settings=settings)
+        from urdfcheck.api import run_and_ask
+
+        return _report(run_and_ask(request, execution), options, reports=reports, settings=settings)
     fixes = _compute_fixes(request, execution, include_unsafe=options.unsafe_fixes, are_only_shown=options.diff)
     if options.diff:
         fail_on = options.fail_on or settings.fail_on
         return _print_diff(fixes, fail_on=fail_on, allow_empty=options.allow_empty)
     _write_fixes(fixes)
     return _report(fixes.outcome, options, reports=reports, settings=settings)
-
-
-def _run_and_ask(request: Request, execution: Execution) -> Run:
-    """Check what the request's paths lead to, and ask the engines that are targets, which no other run does."""
-    from urdfcheck.policy.consumers import ASKED_ENGINES
-    from urdfcheck.run.pipeline import run_audit
-
-    audited = run_audit(request, execution)
-    outcome = audited.outcome
-    targets = {*outcome.targets, *(name for names in outcome.targets_by_unit.values() for name in names)}
-    if targets.isdisjoint(ASKED_ENGINES) or outcome.partial:
-        return outcome
-    from urdfcheck.simulators.target_answers import ask_targets
-
-    return ask_targets(audited)
 
 
 def _validate_options(options: argparse.Namespace) -> None:

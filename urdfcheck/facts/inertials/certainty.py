@@ -64,8 +64,8 @@ def can_be_named(
         return False
     if ranking.best.id in _UNITS and not _shows_unit(declared, reference, ranking):
         return False
-    is_of_com = ranking.best.detail.startswith("com ")
-    if ranking.best.id in _SIGNS and not is_of_com and has_coarse_products(declared):
+    is_of_products = ranking.best.id in _SIGNS and _changes_only_products(declared, ranking.numbers[0])
+    if is_of_products and has_coarse_products(declared):
         return False
     least = TWIN_LIKE if reference.twin is not None else EFFECT
     if is_of_file:
@@ -74,6 +74,12 @@ def can_be_named(
         _is_convincing(ranking, reference, is_habit=is_of_file)
         and _measure_effect(declared, ranking.numbers[0], ranking.best.factor) > least
     )
+
+
+def _changes_only_products(declared: DeclaredInertial, corrected: DeclaredInertial) -> bool:
+    """Whether a correction leaves COM and moments as they are."""
+    moments = declared.inertia.diagonal(), corrected.inertia.diagonal()
+    return bool(np.allclose(declared.com, corrected.com) and np.allclose(*moments, atol=0.0))
 
 
 def has_coarse_products(declared: DeclaredInertial) -> bool:
