@@ -11,6 +11,7 @@ import pytest
 from builders import inertial, joint, limit, link, robot
 
 from urdfcheck.cli import main
+from urdfcheck.simulators import target_answers
 from urdfcheck.simulators.target_answers import _cut_folders
 
 pytestmark = pytest.mark.slow
@@ -100,6 +101,17 @@ def test_a_refusal_that_nothing_predicts_is_an_error(ask) -> None:  # type: igno
     assert f"✖ XML015 MuJoCo {mujoco.__version__} refused the model here" in told
     assert "inertia must satisfy A + B >= C" in told
     assert ask(arm(IMPOSSIBLE), "--target", "mujoco", "--ignore", "INR003,XML015")[0] == 0
+
+
+@pytest.mark.usefixtures("one_process")
+def test_a_model_that_cannot_be_handed_over_is_told(ask, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
+    mujoco = pytest.importorskip("mujoco")
+    died = [(0, RuntimeError("the process that reads the model died"))]
+    monkeypatch.setattr(target_answers, "map_in_processes", lambda *_: died)
+    _, told = ask(arm(SOUND), "--target", "mujoco")
+    assert f"MuJoCo {mujoco.__version__} was not asked: the model cannot be handed over" in told
+    _, document = ask(arm(SOUND), "--target", "mujoco", "--format", "json")
+    assert answers(document) == [("mujoco", None)]
 
 
 @pytest.mark.usefixtures("one_process")

@@ -1042,7 +1042,10 @@ def test_proposed_file_defines_the_macro_that_is_called(
         ("$(find arm)/a.stl", True),
     ],
 )
-def test_one_mesh_by_its_package_and_by_its_path_is_no_difference(tmp_path: Path, path: str, found: bool) -> None:
+def test_one_mesh_by_its_package_and_by_its_path_is_no_difference(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str, found: bool
+) -> None:
+    monkeypatch.chdir(tmp_path)  # files are named as they are reached from here
     body = '<link name="a"><visual><geometry><mesh filename="{}"/></geometry></visual></link><link name="b"/>'
     body += '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>'
     files = {

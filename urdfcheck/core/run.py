@@ -89,11 +89,11 @@ class EngineAnswer:
     """Id of the model."""
     engine: str
     version: str
-    """Empty if it is not installed, so that it was not asked."""
+    """Empty if it is not installed."""
     verdict: Verdict | None
     """None if it was not asked."""
     reasons: tuple[str, ...]
-    """What it did, in its own words where it refused; how to install it if it was not asked."""
+    """What it did, in its own words where it refused; how to install it, or why it was not asked."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -103,6 +103,8 @@ def compute_body_inertia(model: Model, links: tuple[str, ...]) -> tuple[float, A
     """
     import numpy as np
 
+    from urdfcheck.facts.inertials.inertia_tensor import compute_parallel_axis_term
+
     inertials = [(model.frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None]
     parts: list[tuple[float, Array, Array]] = []
     for frame, inertial in inertials:
@@ -118,7 +120,7 @@ def compute_body_inertia(model: Model, links: tuple[str, ...]) -> tuple[float, A
     summed = np.zeros((3, 3))
     for mass, place, tensor in parts:
         lever = place - com
-        summed += tensor + mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+        summed += tensor + compute_parallel_axis_term(mass, lever)
     return total, com, summed
 
 

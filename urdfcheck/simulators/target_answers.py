@@ -71,6 +71,11 @@ def _iter_answers(
     with audit_session(request, units, audited.plan) as settings:
         read = map_in_processes(read_engine_input, [(unit, settings) for unit in units], at_once)
         robots = {units[place].id: robot for place, robot in read if isinstance(robot, EngineInput)}
+        for unit, engine in asked:
+            if unit.id not in robots:
+                reason = ("the model cannot be handed over",)
+                version = versions[engine] or ""
+                yield EngineAnswer(model=unit.id, engine=engine, version=version, verdict=None, reasons=reason)
         jobs = [(unit.id, engine, robots[unit.id]) for unit, engine in asked if unit.id in robots]
         for place, answer in iter_outcomes(
             [(engine, robot) for _, engine, robot in jobs],

@@ -17,7 +17,7 @@ import numpy as np
 
 from urdfcheck.facts.inertials.certainty import EXACT, FAR, TWIN_LIKE, UNIFORM, can_be_named
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
-from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
+from urdfcheck.facts.inertials.inertia_tensor import compute_covariance_inertia, compute_mass_covariance
 from urdfcheck.facts.inertials.inertial_fit import (
     CLOSED_MIXTURE,
     TWIN_MIXTURE,
@@ -178,8 +178,8 @@ def _diagnose_by_mesh(declared: DeclaredInertial, geometry: VisualGeometry, habi
 def _join_flipped_products(found: Diagnosis, declared: DeclaredInertial, reference: Reference) -> Diagnosis:
     """Return the verdict on a link of a file whose products have flipped signs: its own products may be too small to matter, but
     they show their signs where they are the drawn part's and point the other way."""
-    uniform = np.trace(reference.covariance) * np.eye(3) - reference.covariance
-    drawn = declared.mass * (declared.rotation.T @ uniform @ declared.rotation)
+    uniform = compute_covariance_inertia(reference.covariance, declared.mass)
+    drawn = declared.rotation.T @ uniform @ declared.rotation
     products, expected = declared.tensor[_PRODUCTS], drawn[_PRODUCTS]
     size = float(np.linalg.norm(expected))
     if not size > _SHOWN_PRODUCTS * float(drawn.diagonal().max()):

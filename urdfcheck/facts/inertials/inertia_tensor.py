@@ -231,12 +231,26 @@ def _can_be_valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
 
 def compute_solid_inertia(solid: Solid, mass: float) -> Array:
     """Compute the inertia tensor (3, 3) in kg m² about the COM of a uniform solid of this mass (kg), in the solid's axes."""
-    result: Array = mass * (np.trace(solid.covariance) * np.eye(3) - solid.covariance)
+    return compute_covariance_inertia(solid.covariance, mass)
+
+
+def compute_covariance_inertia(covariance: ArrayLike, mass: float) -> Array:
+    """Compute the inertia tensor (3, 3) in kg m² of a mass (kg) with this covariance (3, 3) in m², about its COM."""
+    second = np.asarray(covariance, dtype=float)
+    result: Array = mass * (np.trace(second) * np.eye(3) - second)
     return result
 
 
+def compute_parallel_axis_term(mass: float, lever: ArrayLike) -> Array:
+    """Compute what the parallel-axis theorem adds to an inertia tensor (3, 3) in kg m² about a point that is ``lever`` (3,) in m
+    away from the COM."""
+    arm = np.asarray(lever, dtype=float)
+    term: Array = mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return term
+
+
 def compute_mass_covariance(inertia: ArrayLike, mass: float) -> Array:
-    """Compute the covariance (3, 3) in m² of a body's mass: the inverse of `compute_solid_inertia`."""
+    """Compute the covariance (3, 3) in m² of a body's mass: the inverse of `compute_covariance_inertia`."""
     specific = np.asarray(inertia, dtype=float) / mass
     result: Array = 0.5 * np.trace(specific) * np.eye(3) - specific
     return result

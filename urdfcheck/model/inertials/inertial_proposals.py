@@ -15,6 +15,7 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import (
     build_inertia_tensor,
     check_inertia_validity,
+    compute_parallel_axis_term,
     compute_solid_inertia,
     measure_tensor_rounding,
 )
@@ -172,7 +173,9 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
         )
     unit = find_tensor_unit(model)
     if unit is not None:
-        return InertialProposal(message=f"; {unit.evidence}", remedy=f"{unit.remedy}, or ")
+        # The unit does not make it possible: its proportions are wrong too.
+        remedy = f"{unit.remedy}; that leaves this tensor impossible: "
+        return InertialProposal(message=f"; {unit.evidence}", remedy=remedy)
     excess = _measure_size_excess(model, declared)
     if excess > _OTHER_SIZE:
         drawn = describe_drawn_inertial(model, link)
@@ -288,7 +291,7 @@ def _may_be_about_origin(model: Model, link: Link, slip: TensorSlip) -> bool:
     if inertial is None or inertial.mass is None or matrix is None or slip.components is None:
         return False
     flipped, lever = build_inertia_tensor(slip.components), matrix[:3, :3].T @ matrix[:3, 3]
-    shift = inertial.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+    shift = compute_parallel_axis_term(inertial.mass, lever)
     if float(np.linalg.norm(shift)) < SMALL_EXCESS * float(np.linalg.norm(flipped)):
         return False
     possible = check_inertia_validity(flipped - shift, TRIANGLE_SLACK)

@@ -15,6 +15,7 @@ from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
     compute_mass_covariance,
+    compute_solid_inertia,
     list_inertia_components,
 )
 from urdfcheck.facts.inertials.inertial_fit import compute_whitening, measure_inertial_mismatch
@@ -236,7 +237,7 @@ def _has_opposite_products(model: Model, link: Link, numbers: DeclaredInertial) 
     drawn = measure_link_geometry(model, link)
     if drawn is None:
         return False
-    tensors = (numbers.inertia, np.trace(drawn.solid.covariance) * np.eye(3) - drawn.solid.covariance)
+    tensors = (numbers.inertia, compute_solid_inertia(drawn.solid, 1.0))
     declared, expected = (tensor[np.triu_indices(3, 1)] / np.abs(np.diag(tensor)).max() for tensor in tensors)
     is_clear = np.minimum(np.abs(declared), np.abs(expected)) > _CLEAR_PRODUCT
     return bool((is_clear & (declared * expected < 0.0)).any())

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.facts.inertials.inertia_tensor import compute_parallel_axis_term
+
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Mat3
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
@@ -119,8 +121,7 @@ class Suspect:
     def parallel_axis_shift(self) -> Mat3:
         """What the parallel-axis theorem adds from the COM to the link's origin, in the inertial frame's axes."""
         mass, lever = self.declared.mass, self.declared.rotation.T @ self.declared.com
-        shift: Mat3 = mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-        return shift
+        return compute_parallel_axis_term(mass, lever)
 
 
 def make_mistake(prior: str, detail: str = "", *, penalty: float = 0.0) -> Mistake:

@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
-from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_mass_covariance, compute_solid_inertia
+from urdfcheck.facts.inertials.inertia_tensor import (
+    Solid,
+    compute_covariance_inertia,
+    compute_mass_covariance,
+    compute_parallel_axis_term,
+    compute_solid_inertia,
+)
 from urdfcheck.facts.inertials.inertial_fit import LOG_SQRT_2PI, InertialBatch, Reference, compute_whitening
 from urdfcheck.facts.inertials.materials import CAD_DEFAULT
 from urdfcheck.facts.inertials.mistakes.mistake import (
@@ -140,8 +146,8 @@ def _undo_com_missing(suspect: Suspect) -> Corrected:
     com = np.where(np.abs(com) > 1e-3 * np.abs(com).max(), com, 0.0)  # what a mesh leaves of a zero
     yield replace(make_mistake("com_missing"), borrowed=(0, 3)), replace(declared, com=com)
     lever = declared.rotation.T @ com
-    shift = declared.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-    uniform = declared.mass * (np.trace(reference.covariance) * np.eye(3) - reference.covariance)
+    shift = compute_parallel_axis_term(declared.mass, lever)
+    uniform = compute_covariance_inertia(reference.covariance, declared.mass)
     expected = declared.rotation.T @ uniform @ declared.rotation + shift
     if float(np.linalg.norm(shift)) > EFFECT * float(np.linalg.norm(expected)):
         printed = (declared.tensor, declared.tensor * _OTHER_SIGNS)
@@ -210,7 +216,7 @@ def _undo_rounded(suspect: Suspect) -> Corrected:
     least = float(declared.tensor.diagonal().min())
     if float(f"{least:.0e}") != least:  # a moment of which rounding took a third has no more than one digit
         return
-    uniform = declared.mass * (np.trace(reference.covariance) * np.eye(3) - reference.covariance)
+    uniform = compute_covariance_inertia(reference.covariance, declared.mass)
     typed_axes = declared.rotation.T @ uniform @ declared.rotation
     off = np.abs(typed_axes - declared.tensor)
     if not (np.diag(off) > _LOST * np.diag(typed_axes)).any():
@@ -271,17 +277,15 @@ def _compute_tensor_scale(declared: DeclaredInertial, reference: Reference) -> f
 def _undo_steiner_missing(suspect: Suspect) -> Corrected:
     geometry, declared = suspect.geometry, suspect.declared
     if geometry is not None and len(geometry.pieces) > 1:
-        term = _compute_parallel_axis_term(geometry, declared.mass, declared.rotation)
+        term = _compute_term_of_pieces(geometry, declared.mass, declared.rotation)
         yield make_mistake("steiner_missing"), replace(declared, tensor=declared.tensor + term)
 
 
-def _compute_parallel_axis_term(geometry: VisualGeometry, mass: float, rotation: Mat3) -> Mat3:
+def _compute_term_of_pieces(geometry: VisualGeometry, mass: float, rotation: Mat3) -> Mat3:
     """Compute what the parallel-axis theorem adds for the pieces of a part of uniform density, in the inertial frame's axes."""
     volumes = np.array([piece.volume for piece in geometry.pieces])
     levers = (np.array([piece.com for piece in geometry.pieces]) - geometry.solid.com) @ rotation
-    second = (levers.T * (mass * volumes / volumes.sum())) @ levers
-    added: Mat3 = np.trace(second) * np.eye(3) - second
-    return added
+    return compute_covariance_inertia((levers.T * (volumes / volumes.sum())) @ levers, mass)
 
 
 def _undo_own_missing(suspect: Suspect) -> Corrected:
@@ -290,7 +294,7 @@ def _undo_own_missing(suspect: Suspect) -> Corrected:
     geometry, declared = suspect.geometry, suspect.declared
     if geometry is None or len(geometry.pieces) < 2:
         return
-    term = _compute_parallel_axis_term(geometry, declared.mass, declared.rotation)
+    term = _compute_term_of_pieces(geometry, declared.mass, declared.rotation)
     own = declared.rotation.T @ compute_solid_inertia(geometry.solid, declared.mass) @ declared.rotation
     off = float(np.linalg.norm(declared.tensor - term))
     if off < _SAME_TERM * float(np.linalg.norm(term)) and np.linalg.norm(own - term) > EFFECT * np.linalg.norm(own):

@@ -15,6 +15,7 @@ import numpy as np
 from urdfcheck.facts.inertials.inertia_tensor import (
     build_inertia_tensor,
     check_inertia_validity,
+    compute_covariance_inertia,
     compute_mass_covariance,
     compute_triangle_excess,
     list_inertia_components,
@@ -141,7 +142,7 @@ def find_nearest_tensor(
     second, axes = np.linalg.eigh(compute_mass_covariance(typed, 1.0))
     kept: Vec3 = np.maximum(second, thickness * float(np.abs(second).max()))
     covariance = (axes * kept) @ axes.T
-    nearest = np.trace(covariance) * np.eye(3) - covariance
+    nearest = compute_covariance_inertia(covariance, 1.0)
     largest = float(np.abs(nearest).max())
     nearest[np.abs(nearest) < 1e-12 * largest] = 0.0
     return tuple(list_inertia_components(nearest)), float(np.abs(nearest - typed).max()) / largest

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.facts.inertials.inertia_tensor import compute_parallel_axis_term
 from urdfcheck.model.fact import fact
-from urdfcheck.model.inertials.habits.measured_tensors import MeasuredTensor, measure_tensors
+from urdfcheck.model.inertials.habits.measured_tensors import measure_tensors
 from urdfcheck.model.robot import Model
-
-if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Mat3, Vec3
 
 # A tensor agrees with the drawn part's about the root where it differs by this share of its norm. The parallel-axis term is so
 # many times the part's own tensor there, that no other mistake has the same six numbers. So many links that differ prove it.
@@ -37,7 +34,7 @@ def find_root_tensors(model: Model) -> Mapping[str, float]:
     for one in measure_tensors(model):
         frame = frames[one.link.name]
         lever = frame[:3, :3].T @ (frame[:3, :3] @ one.com + frame[:3, 3])
-        term = _compute_term(one, lever)
+        term = compute_parallel_axis_term(one.mass, lever)
         off = float(np.linalg.norm(one.inertia - one.uniform - term) / np.linalg.norm(one.inertia))
         size = float(np.linalg.norm(term) / np.linalg.norm(one.uniform))
         if off < _LIKE and size > _NOTABLE:
@@ -45,9 +42,3 @@ def find_root_tensors(model: Model) -> Mapping[str, float]:
         if off < _SAME and size > _LARGE and float(np.linalg.norm(lever - one.com)) > _APART * np.linalg.norm(lever):
             proofs.add(one.key)
     return found if len(proofs) >= _FEWEST else {}
-
-
-def _compute_term(one: MeasuredTensor, lever: Vec3) -> Mat3:
-    """Compute what the parallel-axis theorem adds (3, 3) over a ``lever`` (3,) in m."""
-    term: Mat3 = one.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-    return term

@@ -31,7 +31,8 @@ def list_answers(run: Run, model: str) -> dict[str, EngineAnswer]:
 def _describe_outcome(answer: EngineAnswer) -> str:
     reasons = "; ".join(answer.reasons[:_MOST_REASONS])
     if answer.verdict is None:
-        return f"was not asked, because it is not installed: {reasons}"
+        why = "" if answer.version else ", because it is not installed"
+        return f"was not asked{why}: {reasons}"
     if answer.verdict is Verdict.REFUSES:
         return f"refused {{it}} here: {reasons}"
     return "loaded {it} here" + (f": {reasons}" if reasons else "")
