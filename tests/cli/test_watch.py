@@ -14,7 +14,7 @@ import pytest
 from conftest import command, make_request
 
 from urdfcheck import cli
-from urdfcheck.cli.commands import watch
+from urdfcheck.cli import watch
 
 pytestmark = pytest.mark.slow
 
