@@ -143,6 +143,16 @@ def find(robot: Robot, path: str) -> ET.Element:
     return found
 
 
+def list_origins(robot: Robot) -> list[tuple[ET.Element, ET.Element]]:
+    """Return the origins that place something, each with what it places; other formats have elements of this name too."""
+    placed = [*robot.findall("joint"), *(part for link in robot.findall("link") for part in link)]
+    return [
+        (part, origin)
+        for part in placed
+        if part.tag in {"joint", "inertial", "visual", "collision"} and (origin := part.find("origin")) is not None
+    ]
+
+
 def commented(robot: Robot) -> Robot:
     """Comments everywhere."""
     changed = copy.deepcopy(robot)
@@ -154,7 +164,7 @@ def commented(robot: Robot) -> Robot:
 def with_other_angles(robot: Robot) -> Robot:
     """Every rotation in other angles: π more of roll and yaw, and the supplement of the pitch."""
     changed = copy.deepcopy(robot)
-    for origin in changed.iter("origin"):
+    for _, origin in list_origins(changed):
         roll, pitch, yaw = (float(word) for word in origin.get("rpy", "0 0 0").split())
         origin.set("rpy", f"{roll + np.pi!r} {np.pi - pitch!r} {yaw + np.pi!r}")
     return changed
@@ -180,12 +190,11 @@ def with_longer_axes(robot: Robot) -> Robot:
 def with_defaults_left_out(robot: Robot) -> Robot:
     """Origins at zero and their angles at zero are not written."""
     changed = copy.deepcopy(robot)
-    for parent in list(changed.iter()):
-        for origin in parent.findall("origin"):
-            if not any(float(word) for word in origin.get("rpy", "0").split()):
-                origin.attrib.pop("rpy", None)
-            if not origin.get("rpy") and not any(float(word) for word in origin.get("xyz", "0").split()):
-                parent.remove(origin)
+    for parent, origin in list_origins(changed):
+        if not any(float(word) for word in origin.get("rpy", "0").split()):
+            origin.attrib.pop("rpy", None)
+        if not origin.attrib.keys() & {"rpy", "quat_xyzw"} and not any(map(float, origin.get("xyz", "0").split())):
+            parent.remove(origin)
     return changed
 
 
@@ -263,14 +272,18 @@ def with_turned_inertials(robot: Robot) -> Robot:
     return robot
 
 
+def _has_contents(link: ET.Element) -> bool:
+    mass = link.find("inertial/mass")
+    return any(link.findall(tag) for tag in ("visual", "collision")) or (
+        mass is not None and float(mass.get("value", "0")) > 0.0
+    )
+
+
 def _list_inner_links(robot: Robot) -> list[str]:
     """Return the links with mass or shapes that are not the root: a bare frame is what others use."""
     children = {find(joint, "child").get("link", "") for joint in robot.findall("joint")}
     return [
-        name
-        for link in robot.findall("link")
-        if (name := link.get("name", "")) in children
-        and (link.find("inertial") is not None or link.find("visual") is not None)
+        name for link in robot.findall("link") if (name := link.get("name", "")) in children and _has_contents(link)
     ]
 
 

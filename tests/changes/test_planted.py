@@ -108,7 +108,7 @@ CHANGES: Mapping[str, Planted] = {
         subject="joint[elbow]",
         numbers={"before": 1.8, "after": 2.1},
         backwards={"before": 2.1, "after": 1.8},
-        headline="kinematically identical within the limits; joint elbow upper limit 1.8 → 2.1 rad",
+        headline="kinematically identical; joint elbow upper limit 1.8 → 2.1 rad",
     ),
     "an effort": Planted(
         old='effort="40"',

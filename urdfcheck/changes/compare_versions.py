@@ -9,7 +9,7 @@ from pathlib import Path
 
 from urdfcheck.changes.finding_changes import compare_findings
 from urdfcheck.changes.model_pairs import ModelPair, VersionedModel, pair_models
-from urdfcheck.changes.text_changes import SideTexts, find_causes, find_edited_lines
+from urdfcheck.changes.text_changes import SideTexts, find_causes
 from urdfcheck.changes.wording import describe_change, judge_change
 from urdfcheck.core import ModelInfo, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
@@ -181,10 +181,7 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelD
         SideTexts.of_model(after, second.texts, new_folder),
     )
     found = replace(found, causes=find_causes(found.changes, *texts))
-    edited = find_edited_lines(*texts)
-    is_equal = sorted(before.digests.values()) == sorted(after.digests.values()) and not any(
-        (*edited.before.values(), *edited.after.values())
-    )
+    is_equal = sorted(before.digests.values()) == sorted(after.digests.values())
     verdict, headline = judge_change(found, has_equal_texts=is_equal)
     return ModelDiff(
         before=first.info.id,

@@ -112,17 +112,19 @@ def _compare_lines(before: str, after: str) -> tuple[frozenset[int], frozenset[i
 def find_causes(changes: Sequence[MechanismChange], before: SideTexts, after: SideTexts) -> tuple[ChangeCause, ...]:
     """Group changes by the lines that caused them, in the order of the changes.
 
-    Of the lines that a value was computed from those count that were edited. Where none was, the value is shown where it is
-    typed: a mesh file or an argument changed.
+    Of the lines that a value was computed from those count that were edited, and the calls that brought it in only where none of
+    those was. Where nothing was edited, the value is shown where it is typed: a mesh file or an argument changed.
     """
     edited = find_edited_lines(before, after)
     groups: dict[tuple[tuple[Line, ...], tuple[Line, ...], bool], list[int]] = {}
     for index, change in enumerate(changes):
-        old = _select_edited(change.before, edited.before)
-        new = _select_edited(change.after, edited.after)
+        sides = ((change.before, edited.before), (change.after, edited.after))
+        old, new = (_select_edited(trace.places, lines) for trace, lines in sides)
+        if not old and not new:
+            old, new = (_select_edited(trace.calls, lines) for trace, lines in sides)
         is_edited = bool(old or new)
         if not is_edited:
-            old, new = (_list_lines(trace[:1])[:1] for trace in (change.before, change.after))
+            old, new = (_list_lines(trace.places[:1])[:1] for trace, _ in sides)
         groups.setdefault((tuple(old), tuple(new), is_edited), []).append(index)
     return tuple(
         ChangeCause(
@@ -136,12 +138,12 @@ def find_causes(changes: Sequence[MechanismChange], before: SideTexts, after: Si
     )
 
 
-def _select_edited(trace: Iterable[Span], edited: Mapping[str, frozenset[int]]) -> list[Line]:
-    return [line for line in _list_lines(trace) if line[1] in edited.get(line[0], ())]
+def _select_edited(spans: Iterable[Span], edited: Mapping[str, frozenset[int]]) -> list[Line]:
+    return [line for line in _list_lines(spans) if line[1] in edited.get(line[0], ())]
 
 
-def _list_lines(trace: Iterable[Span]) -> list[Line]:
-    lines = ((span.file, number) for span in trace for number in range(span.line, span.end_line + 1))
+def _list_lines(spans: Iterable[Span]) -> list[Line]:
+    lines = ((span.file, number) for span in spans for number in range(span.line, span.end_line + 1))
     return list(dict.fromkeys(lines))
 
 

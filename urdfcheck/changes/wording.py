@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping
 
 from urdfcheck.core.model_diff import CATEGORIES, COSMETIC, IDENTICAL, LinkShift, MechanismChange, MechanismDiff
@@ -10,6 +11,7 @@ from urdfcheck.core.text import format_count, format_length, join_names
 
 # Shares and directions below these are rounding.
 _LEAST_COMPONENT = 0.02
+_PART = re.compile(r"(link|joint)\[([^\]]*)\]", re.DOTALL)
 
 
 def describe_change(change: MechanismChange) -> str:
@@ -18,8 +20,8 @@ def describe_change(change: MechanismChange) -> str:
 
 
 def _name_part(change: MechanismChange) -> str:
-    kind, bracket, rest = change.subject.partition("[")
-    return f"{kind} {rest.removesuffix(']')}" if bracket and kind in {"link", "joint"} else change.subject
+    match = _PART.fullmatch(change.subject)
+    return change.subject if match is None else f"{match[1]} {match[2]}"
 
 
 def format_angle(radians: float) -> str:
@@ -223,6 +225,7 @@ _WORDS: Mapping[str, Callable[[MechanismChange], str]] = {
     "shape-pose": _describe_shape("has an origin that came or went malformed"),
     "shape-resized": _describe_shape("has another size"),
     "shape-replaced": _describe_shape("is replaced"),
+    "mesh-changed": _describe_shape("has another content"),
     "material": _describe_shape("has another colour or texture"),
     "frame-moved": _describe_pair("has its frame elsewhere; its mass, shapes and children stay"),
     "extra-added": _describe_pair("is new"),
@@ -253,7 +256,7 @@ def judge_change(found: MechanismDiff, *, has_equal_texts: bool) -> tuple[str, s
         return verdict, f"{same}; {_describe_dynamics(found)}"
     own = [change for change in found.changes if change.category == verdict]
     if verdict == "limits":
-        return verdict, f"{same} within the limits; {_describe_first(own)}"
+        return verdict, f"{same}; {_describe_first(own)}"
     if verdict == "extension":
         return verdict, f"links, joints and shapes are identical; {_describe_first(own)}"
     return verdict, f"kinematically and dynamically identical; {_describe_first(own)}"

@@ -10,8 +10,23 @@ from dataclasses import dataclass, field
 
 from urdfcheck.core.findings import Span
 
-# Where a value comes from: its own text first, then the definitions that it was computed from, then the calls that brought it in.
-Trace = tuple[Span, ...]
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """Where a value comes from."""
+
+    places: tuple[Span, ...] = ()
+    """Its own text first, then the definitions that it was computed from, nearest first."""
+    calls: tuple[Span, ...] = ()
+    """The macro calls and includes that brought it in, innermost first."""
+
+    @property
+    def start(self) -> Span | None:
+        """Where it is typed."""
+        return self.places[0] if self.places else None
+
+
+NO_TRACE = Trace()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +116,7 @@ class MechanismExtra:
     """What it is: ``gazebo[base]``, ``transmission[t]``."""
     content: str
     """Its elements, attributes and texts in one notation."""
-    trace: Trace = ()
+    trace: Trace = NO_TRACE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,4 +147,4 @@ class RobotMechanism:
         shapes = (shape for link in self.links for shape in link.shapes)
         parts = [part.traces for part in self.links] + [part.traces for part in self.joints]
         traces = [trace for part in (*parts, *(shape.traces for shape in shapes)) for trace in part.values()]
-        return {span.file for trace in (*traces, *(extra.trace for extra in self.extras)) for span in trace}
+        return {span.file for t in (*traces, *(e.trace for e in self.extras)) for span in (*t.places, *t.calls)}

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from urdfcheck.core.findings import Finding
-from urdfcheck.core.mechanism import Trace
+from urdfcheck.core.mechanism import NO_TRACE, Trace
 
 # What a change is about, the most important first. The first that a model has is its verdict.
 CATEGORIES = ("structure", "kinematic", "limits", "dynamic", "collision", "visual", "extension")
@@ -33,9 +33,9 @@ class MechanismChange:
     """The sizes, by name: lengths in m, angles in rad, masses in kg; ``before`` and ``after`` in the unit of the value."""
     words: Mapping[str, str] = field(default_factory=dict)
     """Names that belong to it, such as the parent before and after."""
-    before: Trace = ()
+    before: Trace = NO_TRACE
     """Where the first version has it."""
-    after: Trace = ()
+    after: Trace = NO_TRACE
     """Where the second version has it."""
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import FactUnavailableError, Span
@@ -116,14 +118,14 @@ def _build_shape(model: Model, shape: Shape) -> MechanismShape:
         kind=shape.kind or "",
         size=tuple(map(float, size)),
         pose=() if pose is None else _flatten(pose),
-        mesh="" if shape.mesh_filename is None else normalize_path(model, shape.mesh_filename.value),
+        mesh="" if shape.mesh_filename is None else _name_file(model, shape.mesh_filename.value),
         digest="" if path is None else model.meshes.digests.get(path, ""),
         low=low,
         high=high,
         volume=None if solid is None else _scale_volume(solid.volume, shape, size),
         closed=None if facts is None else bool(facts.closed),
         color=find_color(model, shape) or (),
-        texture="" if texture is None else normalize_path(model, texture.get("filename")),
+        texture="" if texture is None else _name_file(model, texture.get("filename")),
         traces={
             "shape": whole,
             "pose": _trace_pose(shape.origin) or whole,
@@ -229,12 +231,30 @@ def _iter_extras(model: Model) -> Iterator[MechanismExtra]:
             yield _build_extra(model, element, f"{element.tag}[{number}]" if number else element.tag)
 
 
+def _name_file(model: Model, value: str) -> str:
+    """Return the name of a file as other copies of the package would call it."""
+    path = Path(value.strip().removeprefix("file://"))
+    name = normalize_path(model, value)
+    if "://" in name or not path.is_absolute():
+        return name
+    try:
+        return Path(os.path.relpath(path, model.source.path.absolute().parent)).as_posix()
+    except ValueError:  # another drive
+        return name
+
+
+def _normalize_words(model: Model, text: str) -> tuple[str, ...]:
+    """Return the words of a text, numbers and the names of files each in one notation."""
+    named = (_name_file(model, word) if word.startswith(("/", "file://")) else word for word in text.split())
+    return normalize_value(" ".join(named))
+
+
 def _build_extra(model: Model, element: Element, label: str) -> MechanismExtra:
     spans = [part.span for part in element.walk() if part.span is not None]
     return MechanismExtra(
         label=label,
         content="".join(_iter_content(model, element)),
-        trace=tuple(dict.fromkeys((*spans, *_list_definitions(element), *element.via))),
+        trace=Trace(tuple(dict.fromkeys((*spans, *_list_definitions(element)))), tuple(reversed(element.via))),
     )
 
 
@@ -246,9 +266,8 @@ def _iter_content(model: Model, element: Element) -> Iterator[str]:
     """Yield a description of an element in which notation, comments and the order of attributes do not count."""
     yield f"<{element.tag}"
     for name, attribute in sorted(element.attributes.items()):
-        value = normalize_path(model, attribute.value) if name == "filename" else attribute.value
-        yield f" {name}={normalize_value(value)}"
-    yield f">{normalize_value(element.text)}"
+        yield f" {name}={_normalize_words(model, attribute.value)}"
+    yield f">{_normalize_words(model, element.text)}"
     for child in element.children:
         yield from _iter_content(model, child)
     yield "</>"
@@ -258,22 +277,23 @@ def _iter_content(model: Model, element: Element) -> Iterator[str]:
 
 
 def _trace_element(element: Element) -> Trace:
-    return (*(() if element.span is None else (element.span,)), *reversed(element.via))
+    return Trace(() if element.span is None else (element.span,), tuple(reversed(element.via)))
 
 
-def _trace_attributes(attributes: Iterable[Attribute | None]) -> Trace:
-    """Return the places of attributes: what is typed, then what it was computed from, then the calls."""
-    known = [attribute for attribute in attributes if attribute is not None]
+def _trace_attributes(attributes: Iterable[Attribute | None]) -> Trace | None:
+    """Return where attributes come from; None without any."""
+    known = [attribute for attribute in attributes if attribute is not None and attribute.span is not None]
+    if not known:
+        return None
     typed = [attribute.span for attribute in known if attribute.span is not None]
     definitions = [d.span for attribute in known for d in attribute.collect_definitions() if d.span is not None]
     calls = [span for attribute in known for span in reversed(attribute.owner.via)]
-    return tuple(dict.fromkeys((*typed, *definitions, *calls)))
+    return Trace(tuple(dict.fromkeys((*typed, *definitions))), tuple(dict.fromkeys(calls)))
 
 
-def _trace_pose(pose: Pose) -> Trace:
-    names = ("xyz", "rpy", "quat_xyzw")
-    found = _trace_attributes(pose.get_attribute(name) for name in names)
-    return found if found or pose.element is None else _trace_element(pose.element)
+def _trace_pose(pose: Pose) -> Trace | None:
+    found = _trace_attributes(pose.get_attribute(name) for name in ("xyz", "rpy", "quat_xyzw"))
+    return found if found is not None or pose.element is None else _trace_element(pose.element)
 
 
 def _flatten(matrix: Array) -> tuple[float, ...]:

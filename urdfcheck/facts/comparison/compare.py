@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from urdfcheck.core.mechanism import MechanismExtra, RobotMechanism
+from urdfcheck.core.mechanism import MechanismExtra, RobotMechanism, Trace
 from urdfcheck.core.model_diff import CATEGORIES, MechanismChange, MechanismDiff
 from urdfcheck.facts.arrays import Vec3
 from urdfcheck.facts.comparison.alignment import PlacedPair, align_links
@@ -25,8 +25,12 @@ _MOVING, _LOADING = frozenset({"structure", "kinematic"}), frozenset({"structure
 
 def compare_mechanisms(before: RobotMechanism, after: RobotMechanism) -> MechanismDiff:
     """Compare two versions of a robot. Without changes they move and weigh alike, which is proven, not sampled."""
-    match = match_mechanisms(before, after)
-    pair = _place_pair(before, after, match)
+    with np.errstate(all="ignore"):  # numbers that overflow are findings, not warnings of numpy
+        return _compare_placed(_place_pair(before, after, match_mechanisms(before, after)))
+
+
+def _compare_placed(pair: PlacedPair) -> MechanismDiff:
+    before, after = pair.before.mechanism, pair.after.mechanism
     bodies = pair_bodies(pair)
     found = [
         *compare_structure(pair, bodies),
@@ -92,9 +96,16 @@ def _compare_extras(before: RobotMechanism, after: RobotMechanism) -> Iterator[M
             category="extension",
             id=what,
             subject=label,
-            before=tuple(span for extra in one if extra.content in gone for span in extra.trace),
-            after=tuple(span for extra in two if extra.content in came for span in extra.trace),
+            before=_join_traces(extra.trace for extra in one if extra.content in gone),
+            after=_join_traces(extra.trace for extra in two if extra.content in came),
         )
+
+
+def _join_traces(traces: Iterable[Trace]) -> Trace:
+    known = list(traces)
+    places = dict.fromkeys(span for trace in known for span in trace.places)
+    calls = dict.fromkeys(span for trace in known for span in trace.calls)
+    return Trace(tuple(places), tuple(calls))
 
 
 def _group_extras(extras: tuple[MechanismExtra, ...]) -> dict[str, list[MechanismExtra]]:

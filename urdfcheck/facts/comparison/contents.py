@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from urdfcheck.core.mechanism import MechanismLink, MechanismShape, Trace
+from urdfcheck.core.mechanism import NO_TRACE, MechanismLink, MechanismShape, Trace
 from urdfcheck.core.model_diff import MechanismChange
 from urdfcheck.facts.arrays import Mat3, Mat4, Vec3
 from urdfcheck.facts.comparison.alignment import (
@@ -82,8 +82,8 @@ def _compare_link_inertials(
             subject=f"link[{first.name}]",
             new_name="" if first.name == second.name else second.name,
             numbers=numbers,
-            before=first.traces.get(name, first.traces.get(fallback, ())),
-            after=second.traces.get(name, second.traces.get("link", ())),
+            before=first.traces.get(name, first.traces.get(fallback, NO_TRACE)),
+            after=second.traces.get(name, second.traces.get("link", NO_TRACE)),
         )
 
     if not is_same_number(first.mass or 0.0, second.mass or 0.0):
@@ -159,21 +159,34 @@ def list_lost_shapes(pair: PlacedPair, bodies: Sequence[BodyPair]) -> tuple[set[
 
 def _set_aside(pair: PlacedPair, olds: list[_Placed], news: list[_Placed]) -> Iterator[MechanismChange]:
     """Remove from both lists what is the same in them; yield the changes of its materials."""
-    for old in list(olds):
-        name, shape, frame = old
+    places = np.array([_locate_shape(shape, frame) for _, shape, frame in news]).reshape(-1, 3)
+    taken: set[int] = set()
+    matched: set[int] = set()
+    for number, (name, shape, frame) in enumerate(olds):
+        apart = np.linalg.norm(places - _locate_shape(shape, frame), axis=1)
+        near = [int(index) for index in np.flatnonzero(apart <= LENGTH_TOLERANCE) if int(index) not in taken]
         # Of equal shapes the one of the same link, for its colour.
-        order = sorted(range(len(news)), key=lambda index: news[index][0] != pair.match.links.get(name))
-        for index in order:
+        for index in sorted(near, key=lambda index: news[index][0] != pair.match.links.get(name)):
             _, other, there = news[index]
             if (
                 other.role == shape.role
                 and is_same_geometry(shape, other)
                 and is_same_placement(shape, frame, other, there)
             ):
-                del news[index]
-                olds.remove(old)
+                taken.add(index)
+                matched.add(number)
                 yield from _compare_materials(name, shape, other)
                 break
+    olds[:] = [placed for number, placed in enumerate(olds) if number not in matched]
+    news[:] = [placed for index, placed in enumerate(news) if index not in taken]
+
+
+def _locate_shape(shape: MechanismShape, frame: Mat4) -> Vec3:
+    """Return where the origin of a shape is; that of its link where its own is malformed."""
+    if not shape.pose:
+        return frame[:3, 3]
+    place: Vec3 = frame[:3, :3] @ np.array((shape.pose[3], shape.pose[7], shape.pose[11])) + frame[:3, 3]
+    return place
 
 
 def _compare_pair(
@@ -198,9 +211,14 @@ def _compare_geometries(link: str, first: MechanismShape, second: MechanismShape
         numbers |= {"volume_before": abs(first.volume), "volume_after": abs(second.volume)}
     words = {"before": _describe_shape(first), "after": _describe_shape(second)}
     what = "shape-replaced"
-    if first.kind == second.kind != "mesh" or (first.kind == second.kind == "mesh" and _has_one_content(first, second)):
+    if first.kind == second.kind == "mesh" and first.mesh == second.mesh and first.digest != second.digest:
+        what = "mesh-changed"
+        words = {"shape": _describe_shape(second)}
+    elif first.kind == second.kind != "mesh" or (
+        first.kind == second.kind == "mesh" and _has_one_content(first, second)
+    ):
         what = "shape-resized"
-    elif first.low and second.low and first.kind == second.kind:
+    if what != "shape-resized" and first.low and second.low and first.kind == second.kind:
         bounds = np.array((first.low, first.high)), np.array((second.low, second.high))
         numbers["bounds"] = float(np.abs(bounds[1] - bounds[0]).max())
         if first.closed != second.closed:
@@ -242,7 +260,7 @@ def _change_shape(
     trace: str = "shape",
 ) -> MechanismChange:
     def find_trace(shape: MechanismShape | None) -> Trace:
-        return () if shape is None else shape.traces.get(trace, ())
+        return NO_TRACE if shape is None else shape.traces.get(trace, NO_TRACE)
 
     only = after or before
     shown = {} if words or only is None else {"shape": _describe_shape(only)}

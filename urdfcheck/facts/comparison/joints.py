@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from urdfcheck.core.mechanism import MechanismJoint
+from urdfcheck.core.mechanism import NO_TRACE, MechanismJoint
 from urdfcheck.core.model_diff import MechanismChange
 from urdfcheck.facts.comparison.alignment import PlacedPair, carry_screw, find_zero_offset
 from urdfcheck.facts.comparison.home_pose import (
@@ -50,8 +50,8 @@ def _make_change(
         new_name="" if first.name == second.name else second.name,
         numbers=numbers or {},
         words=words or {},
-        before=first.traces.get(trace, ()),
-        after=second.traces.get(trace, ()),
+        before=first.traces.get(trace, NO_TRACE),
+        after=second.traces.get(trace, NO_TRACE),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,8 @@ from urdfcheck.facts.comparison.home_pose import HomePose, compute_home_pose, is
 LEAST_CONFIDENCE, LEAST_WEIGHT = 0.6, 0.35
 # By how much the best candidate must exceed the next one.
 LEAST_LEAD = 0.05
+# Of more pairs of candidates under one parent none is matched: published robots have up to a dozen children of one link.
+MOST_CANDIDATES = 10_000
 # A frame that is nearer than this, in m and rad, to where the other one is: the same place, to the accuracy of a drawing.
 _NEAR = 1e-3
 
@@ -61,7 +64,9 @@ def _select_pairs(
     """Match those of the candidates that are clearly alike; note them in ``links`` and ``taken``."""
     olds = [name for name in candidates[0] if name not in links]
     news = [name for name in candidates[1] if name not in taken]
-    scores = {(old, new): _weigh_evidence(first, second, links, old, new) for old in olds for new in news}
+    if len(olds) * len(news) > MOST_CANDIDATES:
+        return
+    scores = {(old, new): _weigh_evidence(first, second, links, taken, (old, new)) for old in olds for new in news}
     for (old, new), (confidence, weight) in sorted(scores.items(), key=lambda item: -item[1][0]):
         if confidence < LEAST_CONFIDENCE or weight < LEAST_WEIGHT or old in links or new in taken:
             continue
@@ -77,9 +82,10 @@ def _select_pairs(
 
 
 def _weigh_evidence(
-    first: HomePose, second: HomePose, links: Mapping[str, str], old: str, new: str
+    first: HomePose, second: HomePose, links: Mapping[str, str], taken: AbstractSet[str], names: tuple[str, str]
 ) -> tuple[float, float]:
     """Return the share of the evidence that agrees for two links at the same place of the tree, and its weight."""
+    old, new = names
     one, two = first.links[old], second.links[new]
     upper, lower = first.joint_above.get(old), second.joint_above.get(new)
     evidence: list[tuple[float, bool]] = []
@@ -94,7 +100,7 @@ def _weigh_evidence(
         same = is_same_number(one.mass, two.mass) and len(one.tensor) == len(two.tensor)
         evidence.append((0.2, same and np.allclose(one.tensor, two.tensor, rtol=1e-5, atol=1e-12)))
     children = {links[j.child] for j in first.joints_below[old] if j.child in links}
-    others = {j.child for j in second.joints_below[new] if j.child in set(links.values())}
+    others = {j.child for j in second.joints_below[new] if j.child in taken}
     if children or others:
         evidence.append((0.2, children == others))
     elif not first.joints_below[old] and not second.joints_below[new]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from urdfcheck.core.mechanism import MechanismLink, RobotMechanism, Trace
+from urdfcheck.core.mechanism import NO_TRACE, MechanismLink, RobotMechanism, Trace
 from urdfcheck.core.model_diff import MechanismChange
 from urdfcheck.facts.comparison.alignment import PlacedPair
 from urdfcheck.facts.comparison.bodies import BodyPair
@@ -45,7 +45,7 @@ def _compare_roots(pair: PlacedPair) -> Iterator[MechanismChange]:
 
 
 def _trace_root(mechanism: RobotMechanism) -> Trace:
-    return next(link.traces.get("link", ()) for link in mechanism.links if link.name == mechanism.root)
+    return next(link.traces.get("link", NO_TRACE) for link in mechanism.links if link.name == mechanism.root)
 
 
 # -- names -------------------------------------------------------------------------------------------------------------
@@ -61,8 +61,8 @@ def _compare_names(pair: PlacedPair) -> Iterator[MechanismChange]:
                 new_name=new,
                 numbers={"confidence": pair.match.confidences.get(old, 1.0)},
                 words={"users": ", ".join(_list_users(pair.after.mechanism, old))},
-                before=pair.before.links[old].traces.get("link", ()),
-                after=pair.after.links[new].traces.get("link", ()),
+                before=pair.before.links[old].traces.get("link", NO_TRACE),
+                after=pair.after.links[new].traces.get("link", NO_TRACE),
             )
     for old, new in pair.match.joints.items():
         if old != new:
@@ -72,8 +72,8 @@ def _compare_names(pair: PlacedPair) -> Iterator[MechanismChange]:
                 subject=f"joint[{old}]",
                 new_name=new,
                 words={"users": ", ".join(_list_users(pair.after.mechanism, old))},
-                before=pair.before.joints[old].traces.get("joint", ()),
-                after=pair.after.joints[new].traces.get("joint", ()),
+                before=pair.before.joints[old].traces.get("joint", NO_TRACE),
+                after=pair.after.joints[new].traces.get("joint", NO_TRACE),
             )
 
 
@@ -131,7 +131,8 @@ def _list_lone_links(
         joint = home.joint_above.get(name)
         if joint is None:
             continue  # the root is reported as the root
-        trace = (*home.links[name].traces.get("link", ()), *joint.traces.get("joint", ()))
+        own, upper = home.links[name].traces.get("link", NO_TRACE), joint.traces.get("joint", NO_TRACE)
+        trace = Trace((*own.places, *upper.places), tuple(dict.fromkeys((*own.calls, *upper.calls))))
         what = "added" if is_new else "removed"
         yield MechanismChange(
             category=NOTE if name in regrouped else "structure",
@@ -144,8 +145,8 @@ def _list_lone_links(
                 "type": joint.type,
                 "links": ", ".join(link.name for link in links),
             },
-            before=() if is_new else trace,
-            after=trace if is_new else (),
+            before=NO_TRACE if is_new else trace,
+            after=trace if is_new else NO_TRACE,
         )
 
 
@@ -166,8 +167,8 @@ def _compare_parents(pair: PlacedPair, bodies: Sequence[BodyPair]) -> Iterator[M
                 subject=f"link[{old}]",
                 new_name="" if old == new else new,
                 words={"before": upper.parent, "after": lower.parent},
-                before=upper.traces.get("parent", ()),
-                after=lower.traces.get("parent", ()),
+                before=upper.traces.get("parent", NO_TRACE),
+                after=lower.traces.get("parent", NO_TRACE),
             )
         elif pair.match.joints.get(upper.name) != lower.name and {upper.type, lower.type} != {"fixed"}:
             yield MechanismChange(
@@ -176,8 +177,8 @@ def _compare_parents(pair: PlacedPair, bodies: Sequence[BodyPair]) -> Iterator[M
                 subject=f"joint[{upper.name}]",
                 new_name=lower.name,
                 words={"link": old, "before": upper.type, "after": lower.type},
-                before=upper.traces.get("joint", ()),
-                after=lower.traces.get("joint", ()),
+                before=upper.traces.get("joint", NO_TRACE),
+                after=lower.traces.get("joint", NO_TRACE),
             )
 
 
@@ -198,6 +199,6 @@ def list_frame_notes(pair: PlacedPair) -> Iterator[MechanismChange]:
                 id="frame-moved",
                 subject=f"link[{old}]",
                 new_name="" if old == new else new,
-                before=() if upper is None else upper.traces.get("pose", ()),
-                after=() if lower is None else lower.traces.get("pose", ()),
+                before=NO_TRACE if upper is None else upper.traces.get("pose", NO_TRACE),
+                after=NO_TRACE if lower is None else lower.traces.get("pose", NO_TRACE),
             )

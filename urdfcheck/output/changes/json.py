@@ -58,13 +58,13 @@ def _build_change(change: MechanismChange, text: str) -> dict[str, Any]:
         "text": text,
         "numbers": to_json_value(change.numbers),
         "words": to_json_value(change.words),
-        "before": _build_place(change.before[0]) if change.before else None,
-        "after": _build_place(change.after[0]) if change.after else None,
+        "before": _build_place(change.before.start),
+        "after": _build_place(change.after.start),
     }
 
 
-def _build_place(span: Span) -> dict[str, Any]:
-    return {"file": span.file, "line": span.line, "column": span.col}
+def _build_place(span: Span | None) -> dict[str, Any] | None:
+    return None if span is None else {"file": span.file, "line": span.line, "column": span.col}
 
 
 def _build_cause(cause: ChangeCause) -> dict[str, Any]:
@@ -81,8 +81,8 @@ def _build_motion(found: MechanismDiff) -> dict[str, Any]:
         "shifts": [
             {
                 "link": shift.link,
-                "distance": shift.distance,
-                "angle": shift.angle,
+                "distance": to_json_value(shift.distance),
+                "angle": to_json_value(shift.angle),
                 "configuration": to_json_value(shift.configuration),
             }
             for shift in found.shifts
