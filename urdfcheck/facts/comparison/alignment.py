@@ -117,7 +117,25 @@ class _Contents:
         return all(stays) or sum(stays) > sum(self._compare(name, by_frame))
 
     def _compare(self, name: str, taken: Mat4) -> Iterator[bool]:
-        """Yield for the mass, each shape and each child of a link whether it is where ``taken`` takes it."""
+        """Yield for the mass, each shape and each child of a link whether it is where ``taken`` takes it.
+
+        For a child whose frame is elsewhere, and which is fixed, the same of its own contents.
+        """
+        waiting = [name]
+        while waiting:
+            link = waiting.pop()
+            yield from self._compare_own(link, taken)
+            for joint in self.before.joints_below[link]:
+                child = self.match.links.get(joint.child)
+                if child is None:
+                    continue
+                is_kept = self._is_child_kept(joint, child, taken)
+                if not is_kept and joint.type == "fixed" and self._has_contents(joint.child):
+                    waiting.append(joint.child)
+                else:
+                    yield is_kept
+
+    def _compare_own(self, name: str, taken: Mat4) -> Iterator[bool]:
         new = self.match.links[name]
         old_link, new_link = self.before.links[name], self.after.links[new]
         frame = taken @ self.before.frames[name]
@@ -125,20 +143,20 @@ class _Contents:
             if is_same_number(old_link.mass, new_link.mass):
                 yield is_same_inertial(old_link, new_link, frame, self.after.frames[new])
             elif _measure_com_distance(old_link, new_link, frame, self.after.frames[new]) <= LENGTH_TOLERANCE:
-                yield True  # of another mass nobody can say more
+                yield True  # of another mass nothing more is known
         for shape in old_link.shapes:
             yield any(
                 is_same_geometry(shape, other) and is_same_placement(shape, frame, other, there)
                 for other, there in self.shapes[new]
                 if other.role == shape.role
             )
-        for joint in self.before.joints_below[name]:
-            child = self.match.links.get(joint.child)
-            if child is not None:
-                yield self._is_child_kept(joint, child, taken)
+
+    def _has_contents(self, name: str) -> bool:
+        link = self.before.links[name]
+        return bool(link.mass or link.shapes or self.before.joints_below[name])
 
     def _is_child_kept(self, joint: MechanismJoint, child: str, taken: Mat4) -> bool:
-        """Whether the joint of a child is where ``taken`` takes it: its frame, or at least the axis that it turns about."""
+        """Whether a child is where ``taken`` takes it: its frame, or the axis that it moves about."""
         if is_same_pose(taken @ self.before.frames[joint.child], self.after.frames[child]):
             return True
         other = self.after.joint_above.get(child)

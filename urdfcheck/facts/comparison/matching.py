@@ -94,6 +94,8 @@ def _weigh_evidence(
         poses = (np.array(joint.pose).reshape(4, 4) for joint in (upper, lower))
         evidence.append((0.2, max(measure_shift(*poses)) < _NEAR))
         evidence.append((0.2, upper.name == lower.name))
+    if old in new or new in old:  # a prefix came or went; other names prove nothing
+        evidence.append((0.15, True))
     if one.shapes or two.shapes:
         evidence.append((0.25, _list_geometries(one) == _list_geometries(two)))
     if one.has_inertial or two.has_inertial:
