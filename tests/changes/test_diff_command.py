@@ -182,7 +182,7 @@ def test_models_of_folders_are_matched_by_path_then_name_then_structure(tmp_path
     assert names == [
         ("arm.urdf", "arm.urdf", "path", "dynamic"),
         ("cart.urdf", "cart.urdf", "name", "identical"),
-        ("left.urdf", "right.urdf", "structure", "cosmetic"),
+        ("left.urdf", "right.urdf", "structure", "extension"),
         ("same.urdf", "", "path", "structure"),
         ("", "extra.urdf", "path", "structure"),
     ]

@@ -194,6 +194,14 @@ CHANGES: Mapping[str, Planted] = {
         numbers={"distance": 0.01, "angle": 0.0},
         line='<origin xyz="0.15 0 0" rpy="0 0 0"/>',
     ),
+    "a name of the robot": Planted(
+        old='<robot name="arm">',
+        new='<robot name="arm_2">',
+        ids=("robot-renamed",),
+        verdict="extension",
+        subject="robot",
+        text="robot name arm → arm_2",
+    ),
     "a plugin": Planted(
         old="<mu1>0.8</mu1>",
         new="<mu1>0.9</mu1>",
@@ -250,6 +258,35 @@ def _find_new_line(changed: str, old_line: str) -> str:
     """Return the line of the changed text at the place of a line of the arm that is no longer there."""
     pairs = zip(ARM.splitlines(), changed.splitlines(), strict=True)
     return next(new.strip() for old, new in pairs if old.strip() == old_line and new != old)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "label", "line"),
+    [
+        (
+            '<limit effort="10" velocity="3"/>',
+            '<limit effort="10" velocity="3" acceleration="5"/>',
+            "joint[wrist]/limit@acceleration",
+            '<axis xyz="1 0 0"/><limit effort="10" velocity="3" acceleration="5"/>',
+        ),
+        ("<collision>", '<collision name="bumper">', "collision[bumper]", '<collision name="bumper">'),
+        ("<geometry>", "<contact/><geometry>", "link[base]/visual/contact", None),
+        ("</robot>", "<gazebo><static/></gazebo></robot>", "gazebo", "<gazebo><static/></gazebo></robot>"),
+        ('<link name="tool0"/>', '<link name="tool0"><sensor/></link>', "link[tool0]/sensor", None),
+    ],
+)
+def test_what_is_not_physics_is_no_less_a_change(
+    tmp_path: Path, old: str, new: str, label: str, line: str | None
+) -> None:
+    changed = ARM.replace(old, new, 1)
+    for before, after, what in ((ARM, changed, "extra-added"), (changed, ARM, "extra-removed")):
+        found = compare_texts(tmp_path, before, after)
+        assert found.verdict == "extension"
+        assert [(c.id, c.subject) for c in get_mechanism(found).changes] == [(what, label)]
+        (cause,) = get_mechanism(found).causes
+        shown = [text for _, _, text in (*cause.before, *cause.after)]
+        assert shown == ([line] if line else shown)
+        assert len(shown) == 1
 
 
 def test_the_worst_configuration_is_named(tmp_path: Path) -> None:

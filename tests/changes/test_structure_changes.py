@@ -44,7 +44,7 @@ def test_a_renamed_link_is_matched_and_its_old_name_found(tmp_path: Path) -> Non
 
 
 def test_a_prefix_renames_everything_and_moves_nothing(tmp_path: Path) -> None:
-    changed = re.sub(r'(name|link|joint|reference)="(\w+)"', r'\1="left_\2"', ARM)
+    changed = re.sub(r'(name|link|joint|reference)="(\w+)"', r'\1="left_\2"', ARM).replace("left_arm", "arm")
     found = compare_texts(tmp_path, ARM, changed)
     names = set(re.findall(r'<link name="(\w+)"', ARM))
     renamed = {subject for what, subject in list_changes(found) if what == "link-renamed"}

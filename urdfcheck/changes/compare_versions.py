@@ -200,6 +200,8 @@ def _describe_lone(pair: ModelPair) -> ModelDiff:
     first, second = pair.before, pair.after
     if first is not None and second is not None:
         unread = [(name, m.problem) for name, m in (("before", first), ("after", second)) if m.mechanism is None]
+        if len(unread) == 2 and first.problem == second.problem:
+            unread = [("both versions", first.problem)]
         return _make_unknown(pair, "; ".join(f"{name}: {problem}" for name, problem in unread))
     return ModelDiff(
         before="" if first is None else first.info.id,

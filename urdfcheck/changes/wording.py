@@ -40,8 +40,9 @@ def format_share(before: float, after: float) -> str:
 
 
 def format_configuration(positions: Mapping[str, float], most: int = 4) -> str:
-    """Return joint positions, those that matter first in the chain."""
-    return join_names((f"{name} {value:.3g}" for name, value in positions.items()), most)
+    """Return the joint positions that are not zero, in the order of the chain."""
+    moved = [f"{name} {value:.3g}" for name, value in positions.items() if abs(value) > 1e-9]
+    return join_names(moved, most) or "zero"
 
 
 # -- sentences of the changes ------------------------------------------------------------------------------------------
@@ -228,6 +229,7 @@ _WORDS: Mapping[str, Callable[[MechanismChange], str]] = {
     "mesh-changed": _describe_shape("has another content"),
     "material": _describe_shape("has another colour or texture"),
     "frame-moved": _describe_pair("has its frame elsewhere; its mass, shapes and children stay"),
+    "robot-renamed": _describe_pair("name {before} → {after}"),
     "extra-added": _describe_pair("is new"),
     "extra-removed": _describe_pair("is gone"),
     "extra-changed": _describe_pair("changes"),

@@ -129,6 +129,8 @@ class RobotMechanism:
     """Name of the robot."""
     root: str
     """Name of the root link."""
+    name_trace: Trace = NO_TRACE
+    """Where the name of the robot is typed."""
     links: tuple[MechanismLink, ...]
     """From the root outwards."""
     joints: tuple[MechanismJoint, ...]
@@ -146,5 +148,7 @@ class RobotMechanism:
         """The names of the files that the traces point into."""
         shapes = (shape for link in self.links for shape in link.shapes)
         parts = [part.traces for part in self.links] + [part.traces for part in self.joints]
-        traces = [trace for part in (*parts, *(shape.traces for shape in shapes)) for trace in part.values()]
+        traces = [self.name_trace] + [
+            trace for part in (*parts, *(shape.traces for shape in shapes)) for trace in part.values()
+        ]
         return {span.file for t in (*traces, *(e.trace for e in self.extras)) for span in (*t.places, *t.calls)}

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.core import FactUnavailableError, Span
 from urdfcheck.core.mechanism import (
+    NO_TRACE,
     MechanismExtra,
     MechanismJoint,
     MechanismLink,
@@ -29,8 +30,17 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 # What a link and a joint hold that is compared as physics; anything else in them is compared as it is written.
-_LINK_TAGS = frozenset({"inertial", "visual", "collision"})
-_JOINT_TAGS = frozenset({"origin", "parent", "child", "axis", "limit", "mimic", "dynamics"})
+_KNOWN_TAGS = {
+    "link": frozenset({"inertial", "visual", "collision"}),
+    "joint": frozenset({"origin", "parent", "child", "axis", "limit", "mimic", "dynamics"}),
+    "inertial": frozenset({"origin", "mass", "inertia"}),
+    **dict.fromkeys(("visual", "collision"), frozenset({"origin", "geometry", "material"})),
+}
+_KNOWN_ATTRIBUTES = {
+    "limit": frozenset({"lower", "upper", "effort", "velocity"}),
+    "dynamics": frozenset({"damping", "friction"}),
+    "mimic": frozenset({"joint", "multiplier", "offset"}),
+}
 _LIMITED = frozenset({"revolute", "prismatic"})
 _KNOWN_TYPES = frozenset({"fixed", "revolute", "continuous", "prismatic", "planar", "floating"})
 
@@ -45,6 +55,7 @@ def build_mechanism(model: Model, model_id: str) -> RobotMechanism:
         model=model_id,
         name=model.name,
         root=tree.root,
+        name_trace=_trace_attributes([model.robot.attributes.get("name")]) or _trace_element(model.robot),
         links=tuple(_build_link(model, model.link_by_name[name]) for name in tree.order),
         joints=tuple(_build_joint(tree.parent_joint[name]) for name in tree.order[1:]),
         is_grounded=tree.root in GROUND_NAMES,
@@ -222,13 +233,28 @@ def _trace_joint(joint: Joint) -> dict[str, Trace]:
 def _iter_extras(model: Model) -> Iterator[MechanismExtra]:
     for element in model.robot.children:
         if element.tag in {"link", "joint"}:
-            known = _LINK_TAGS if element.tag == "link" else _JOINT_TAGS
-            for child in element.children:
-                if child.tag not in known:
-                    yield _build_extra(model, child, f"{element.label}/{child.tag}")
+            yield from _iter_unknown_parts(model, element)
         elif element.tag != "material":  # the shapes that use it have its colour
             number = element.get("reference") or element.get("name")
             yield _build_extra(model, element, f"{element.tag}[{number}]" if number else element.tag)
+
+
+def _iter_unknown_parts(model: Model, element: Element) -> Iterator[MechanismExtra]:
+    """Yield what a link or joint holds that is not compared as physics, and the names of its shapes, which sensors refer to."""
+    for child in element.children:
+        if child.tag not in _KNOWN_TAGS[element.tag]:
+            yield _build_extra(model, child, f"{element.label}/{child.tag}")
+            continue
+        for inner in child.children if child.tag in _KNOWN_TAGS else ():
+            if inner.tag not in _KNOWN_TAGS[child.tag]:
+                yield _build_extra(model, inner, f"{element.label}/{child.tag}/{inner.tag}")
+        for name, attribute in child.attributes.items():
+            if name not in _KNOWN_ATTRIBUTES.get(child.tag, child.attributes):
+                label, content = f"{element.label}/{child.tag}@{name}", f"{_normalize_words(model, attribute.value)}"
+                yield MechanismExtra(label=label, content=content, trace=_trace_attributes([attribute]) or NO_TRACE)
+        if child.tag in {"visual", "collision"} and child.get("name"):
+            named = _trace_attributes([child.attributes["name"]]) or NO_TRACE
+            yield MechanismExtra(label=f"{child.tag}[{child.get('name')}]", content="", trace=named)
 
 
 def _name_file(model: Model, value: str) -> str:

@@ -37,6 +37,7 @@ def _compare_placed(pair: PlacedPair) -> MechanismDiff:
         *compare_joints(pair),
         *(change for body in bodies for change in compare_masses(pair, body)),
         *compare_shapes(pair, bodies),
+        *_compare_robot_names(before, after),
         *_compare_extras(before, after),
     ]
     notes = [*(change for change in found if change.category == NOTE), *list_frame_notes(pair)]
@@ -80,6 +81,15 @@ def _compute_com(home: HomePose) -> Vec3:
     places = ((mass, frame[:3, :3] @ np.array(com) + frame[:3, 3]) for mass, frame, com in weights)
     com: Vec3 = sum((mass * place for mass, place in places), np.zeros(3)) / (total or 1.0)
     return com
+
+
+def _compare_robot_names(before: RobotMechanism, after: RobotMechanism) -> Iterator[MechanismChange]:
+    if before.name != after.name:
+        words = {"before": before.name, "after": after.name}
+        traces = before.name_trace, after.name_trace
+        yield MechanismChange(
+            category="extension", id="robot-renamed", subject="robot", words=words, before=traces[0], after=traces[1]
+        )
 
 
 def _compare_extras(before: RobotMechanism, after: RobotMechanism) -> Iterator[MechanismChange]:
