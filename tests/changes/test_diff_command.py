@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from importlib.resources import files
 from pathlib import Path
 
@@ -222,3 +224,16 @@ def test_names_of_files_cannot_act_on_a_terminal(tmp_path: Path) -> None:
     shown = text_output.render(compare(tmp_path / "a/arm.urdf", tmp_path / "b/arm.urdf"), show_all=True)
     assert "\x7f" not in shown
     assert "\\x7f" in shown
+
+
+# -- the start ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_the_process_of_the_command_loads_nothing_heavy(folder: Path) -> None:
+    """Models are read and compared in workers."""
+    words = ["diff", "a.urdf", "longer.urdf", *QUICK]
+    script = f"import sys\nfrom urdfcheck.cli import main\nmain({words!r})\nprint(' '.join(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=True)
+    loaded = {name.split(".")[0] for name in done.stdout.splitlines()[-1].split()}
+    assert not loaded & {"numpy", "scipy", "pinocchio", "coal", "trimesh", "rich", "yaml", "xacro"}
