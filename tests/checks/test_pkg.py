@@ -906,6 +906,27 @@ def find_duplicates(*paths: Path) -> list[tuple[str, list[str]]]:
 
 
 @pytest.mark.parametrize(
+    ("one", "other", "message"),
+    [
+        ("chapter_2_codes/car", "chapter_10_codes/car", "series"),
+        ("Week1/car", "Week2/car", "series"),
+        ("chapter_2/car", "chapter_3/old/car", "several"),
+        ("chapter_2/car", "car", "several"),
+        ("robot1/car", "robot2/car", "several"),  # a copy
+        ("patch1/car", "patch2/car", "several"),
+    ],
+)
+def test_chapters_of_a_book_are_built_one_at_a_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, one: str, other: str, message: str
+) -> None:
+    write_package(tmp_path / one)
+    write_package(tmp_path / other)
+    monkeypatch.chdir(tmp_path)
+    (finding,) = check(Path(), codes={"PKG013"}, tier="source").findings
+    assert (finding.message_id, finding.severity == Severity.INFO) == (message, message == "series")
+
+
+@pytest.mark.parametrize(
     ("other", "told"),
     [
         ("car_copy", True),
