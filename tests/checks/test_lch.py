@@ -342,6 +342,9 @@ def test_the_old_xacro_script(tmp_path: Path) -> None:
         ('<include file="a.launch"><arg name="x" value="1"/></include>', []),
         ('<arg name="x"/><param name="p" value="$(arg x)"/>', ["required"]),
         ('<arg name="x" doc="why"/><param name="p" value="$(arg x)"/>', []),
+        ('<!-- the file -->\n  <arg name="x"/><param name="p" value="$(arg x)"/>', []),
+        ('<!-- all files -->\n\n<arg name="x"/><param name="p" value="$(arg x)"/>', ["required"]),
+        ('<arg name="x"/>\n<!-- load --><param name="p" value="$(arg x)"/>', ["required"]),
     ],
 )
 def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
