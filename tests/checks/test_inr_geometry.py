@@ -526,6 +526,23 @@ def test_ballast_of_a_bolted_arm_may_be_denser_than_any_material(
     assert [f.cause is not None for f in found] == [mass == 2700.0] * reported
 
 
+@pytest.mark.parametrize(
+    ("mass", "moments", "dense"),
+    [
+        (125.0, (1.391, 6.853, 6.125), False),  # a car of 0.75 × 0.18 × 0.32 m
+        (125.0, (0.2, 0.2, 0.2), True),  # a body of the drawn size
+        (125000.0, (1.391, 6.853, 6.125), True),  # a mass in grams
+    ],
+)
+def test_a_small_box_may_stand_for_a_car(
+    tmp_path: Path, mass: float, moments: tuple[float, float, float], dense: bool
+) -> None:
+    body = Part(size=(0.1, 0.1, 0.1), mass=mass, tensor=np.diag(moments)).xml("body")
+    wheel = Part(size=(0.2, 0.2, 0.2), mass=15.0).xml("wheel")
+    text = make_chain(body, wheel)
+    assert [f.message_id for f in find(tmp_path, text, {"INR010"})] == ["dense"] * dense
+
+
 @pytest.mark.parametrize(("mass", "light"), [(0.00024, False), (0.00023, True)])
 def test_nothing_is_lighter_than_air(tmp_path: Path, mass: float, light: bool) -> None:
     # 240 cm³ at 1 kg/m³; over the surface of 0.0248 m² that is 9.7 g/m².
