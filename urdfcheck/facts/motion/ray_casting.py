@@ -45,7 +45,8 @@ def measure_primitive_entries(kind: str, size: Sequence[float], origin: Array, d
             if inner @ inner < radius**2:  # also between the ends, whose balls the rays enter from inside
                 return np.full(len(directions), np.inf)
             crossed = [(low, high), *(_cross_round(centre, directions, radius) for centre in centres)]
-            return np.min([np.where(_is_entry(*pair), pair[0], np.inf) for pair in crossed], axis=0)
+            nearest: Array = np.min([np.where(_is_entry(*pair), pair[0], np.inf) for pair in crossed], axis=0)
+            return nearest
     entries: Array = np.where(_is_entry(low, high), low, np.inf)
     return entries
 
