@@ -95,7 +95,7 @@ def _explain_manipulator(model: Model) -> str:
     if any(joint.type in {"floating", "planar"} for joint in model.joints):
         return ""
     body = model.tree.list_body_links(root)
-    limbs = [joint for name in body for joint in model.tree.child_joints[name] if joint.type != "fixed"]
+    limbs = _list_limb_joints(model, body)
     if len(limbs) == 1 and _count_chain_joints(model, limbs[0]) >= _FEWEST_CHAIN_JOINTS:
         return f"all that moves is one limb on {root}, without wheels or legs"
     is_hand = any(_PALM_NAME.search(name) for name in body)
@@ -110,8 +110,20 @@ def _count_chain_joints(model: Model, first: Joint) -> int:
     while len(following) == 1:
         count += 1
         body = model.tree.list_body_links(following[0].child)
-        following = [joint for name in body for joint in model.tree.child_joints[name] if joint.type != "fixed"]
+        following = _list_limb_joints(model, body)
     return count
+
+
+def _list_limb_joints(model: Model, body: Sequence[str]) -> list[Joint]:
+    """List the joints at the end of a body, without those of empty links beside real ones: they carry a number, such as the
+    stiffness of a real joint."""
+    joints = [joint for name in body for joint in model.tree.child_joints[name] if joint.type != "fixed"]
+    return [joint for joint in joints if not _is_empty_end(model, joint.child)] or joints
+
+
+def _is_empty_end(model: Model, name: str) -> bool:
+    link = model.link_by_name[name]
+    return not (link.visuals or link.collisions or link.inertial or model.tree.child_joints[name])
 
 
 def _is_handling_limb(model: Model, first: Joint) -> bool:
