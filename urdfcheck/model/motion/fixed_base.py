@@ -61,6 +61,14 @@ def explain_fixed_base(model: Model) -> str:
     return _explain_manipulator(model)
 
 
+def is_bolted(model: Model) -> bool:
+    """Whether the base cannot move in a simulation either: planners hold the base of a mobile manipulator still, but it rolls.
+
+    :raises FactUnavailableError: when the tree is broken or the mass of the root is malformed or negative.
+    """
+    return bool(explain_fixed_base(model)) and not rolling_wheels(model)
+
+
 def is_ballast(model: Model, links: Sequence[str]) -> bool:
     """Whether the body of these ``links`` is the stand of a robot that it outweighs: what it weighs is a choice and has no
     effect.
@@ -73,7 +81,7 @@ def is_ballast(model: Model, links: Sequence[str]) -> bool:
         return False
     own = sum(declared.mass for declared in model.masses if declared.link.name in links)
     rest = sum(declared.mass for declared in model.masses if declared.link.name not in links)
-    return own > _BALLAST * rest > 0.0 and bool(explain_fixed_base(model))
+    return own > _BALLAST * rest > 0.0 and is_bolted(model)
 
 
 def _list_virtual_joint_types(model: Model) -> set[str]:
