@@ -12,6 +12,8 @@ from urdfcheck.core.text import format_count, join_names
 LONGEST_HEADLINE = 70
 # A value is not cut below this; a headline that is still too long then loses its end.
 _SHORTEST_VALUE = 10
+# What stays of a name after a word that says what it names.
+_SHORTEST_REST = 4
 # Longer texts come from attacks; each step looks at all of a text.
 _LONGEST_VALUE = 500
 # What `urdfcheck.core.text.join_names` makes of names, also of such as `arm and hand at 0.3 rad (2 mm)`.
@@ -267,10 +269,10 @@ def cut_name(name: str, most: int) -> str:
     kept = max(most - 1, 2)
     if len(name) <= most:
         return name
+    kind, blank, rest = name.partition(" ")  # `state half_sitting`, `mesh wheel.stl`
+    if blank and len(kind) + _SHORTEST_REST < most:
+        return f"{kind} {cut_name(rest, most - len(kind) - 1)}"
     if _FILE.search(name):
-        kind, blank, file = name.partition(" ")
-        if blank and len(kind) + _SHORTEST_VALUE <= most:
-            return f"{kind} {cut_name(file, most - len(kind) - 1)}"
         cut = next((found.start() for found in _SEPARATOR.finditer(name, len(name) - kept)), len(name) - kept)
         is_word = len(name) - cut > kept // 2 and "." in name[cut + 1 :]
         return f"…{name[cut if is_word else len(name) - kept :]}"
