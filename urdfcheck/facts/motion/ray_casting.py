@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from urdfcheck.facts.arrays import Array, Indices
+from urdfcheck.facts.arrays import Array, Bools, Indices
 
 # Pairs of a ray and a triangle that are compared at once.
 _MOST_PAIRS = 2_000_000
@@ -45,13 +45,14 @@ def measure_primitive_entries(kind: str, size: Sequence[float], origin: Array, d
             if inner @ inner < radius**2:  # also between the ends, whose balls the rays enter from inside
                 return np.full(len(directions), np.inf)
             crossed = [(low, high), *(_cross_round(centre, directions, radius) for centre in centres)]
-            return np.min([np.where(_is_entry(*pair), pair[0], np.inf) for pair in crossed], axis=0)
+            nearest: Array = np.min([np.where(_is_entry(*pair), pair[0], np.inf) for pair in crossed], axis=0)
+            return nearest
     entries: Array = np.where(_is_entry(low, high), low, np.inf)
     return entries
 
 
-def _is_entry(low: Array, high: Array) -> Array:
-    inside: Array = (low > 0) & (low < high)
+def _is_entry(low: Array, high: Array) -> Bools:
+    inside: Bools = (low > 0) & (low < high)
     return inside
 
 
