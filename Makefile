@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: audit test test-fast coverage rule reports clean
+.PHONY: audit test test-fast test-full coverage rule reports clean
 
 # The main job: audit the car-3 robot and write its report, with all that is wrong (--pedantic). Findings do not fail the command,
 # a failure of urdfcheck does.
@@ -19,6 +19,10 @@ test: $(VENV)/.tested
 # The inner loop: all but the modules that start many processes or a browser or take seconds each (marked slow), in a minute on two cores.
 test-fast: $(VENV)/.tested
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "not slow"
+
+# With what repeats at length what others show, and all real robots: before a release.
+test-full: $(VENV)/.tested
+	URDFCHECK_FULL=1 $(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
 # Branch coverage by room, against the floors in tools/check_coverage.py; about twice the time of make test.
 coverage: $(VENV)/.tested

@@ -50,7 +50,7 @@ def ended(group: int) -> bool:
 
 
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("after", [0.05, 0.8])
+@pytest.mark.parametrize("after", [0.05, pytest.param(0.8, marks=pytest.mark.full)])
 def test_an_interrupted_run_leaves_neither_words_nor_files_nor_processes(
     tmp_path: Path, signum: signal.Signals, after: float
 ) -> None:

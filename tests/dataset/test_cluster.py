@@ -104,6 +104,7 @@ def test_a_cluster_gives_the_same_bytes(models: Path, two: Cluster) -> None:
     assert audited("--backend", f"dask={two.address}") == here
 
 
+@pytest.mark.full
 def test_a_lost_machine_loses_nothing(models: Path, two: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
     here = audited()
     monkeypatch.setattr(cluster, "LEAST", 3)

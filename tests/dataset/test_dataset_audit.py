@@ -359,6 +359,7 @@ audit_dataset(Request(paths=(models,), root=models, policy=policy), folder, stre
 """
 
 
+@pytest.mark.full
 @posix
 def test_killed_again_and_again_it_ends_with_the_same_and_does_nothing_twice(tmp_path: Path) -> None:
     audit = Audit(robots(tmp_path / "models", 40), tmp_path / "undisturbed")

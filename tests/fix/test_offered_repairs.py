@@ -1,7 +1,7 @@
 """After an offered repair the link passes its rules, MuJoCo takes its inertial, and nothing else is worse.
 
 On made links, and on robots in the folders that ``URDFCHECK_CORPUS`` names: of those with a kind of offer, the first few;
-all with ``URDFCHECK_CORPUS_FULL=1``, as with ``benchmarks/accuracy/repairs.py``.
+all with ``URDFCHECK_FULL=1``, as with ``benchmarks/accuracy/repairs.py``.
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def test_an_undone_mistake_leaves_a_part_that_may_be(
 
 
 # On how many robots of a folder an offer of a rule, message and cause is tried.
-ROBOTS_OF_A_KIND = 2
+ROBOTS_OF_A_KIND = 1
 # What comes with a repair, and is not its fault.
 KNOWN = {
     # Ten links have placeholders for inertias; two of them are then reported by another rule as well.

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from conftest import IS_FULL
 from fuzz import campaign, cases, meshes, seeds
 from fuzz.campaign import Tally, random_of
 from fuzz.cases import Case, make
@@ -26,7 +27,7 @@ pytestmark = pytest.mark.slow
 pytest.importorskip("pinocchio")
 
 # What fails is known by its number: there is nothing to shrink.
-FEW = settings(max_examples=10, derandomize=True, database=None, phases=[Phase.generate])
+FEW = settings(max_examples=10 if IS_FULL else 3, derandomize=True, database=None, phases=[Phase.generate])
 
 
 def verdict_on(case: Case, *, everything: bool = False) -> Verdict:

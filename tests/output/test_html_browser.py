@@ -121,7 +121,10 @@ def test_only_boxes_scroll_sideways(shared: Any) -> None:
     assert {width: wide for width, wide in widths.items() if wide > width} == {}
 
 
-@pytest.mark.parametrize(("scheme", "ground"), [("light", "rgb(246, 247, 249)"), ("dark", "rgb(16, 19, 22)")])
+@pytest.mark.parametrize(
+    ("scheme", "ground"),
+    [("light", "rgb(246, 247, 249)"), pytest.param("dark", "rgb(16, 19, 22)", marks=pytest.mark.full)],
+)
 def test_anyone_can_use_it(page: Any, scheme: str, ground: str) -> None:
     from axe_playwright_python.sync_playwright import Axe
 
@@ -480,6 +483,7 @@ def test_links_to_sections_lead_there(browser: Any, tmp_path: Path) -> None:
     assert page.said[:1] == []
 
 
+@pytest.mark.full
 def test_thousands_of_findings_stay_usable(browser: Any, tmp_path: Path) -> None:
     """What takes the square of their number would take minutes here."""
     path = tmp_path / "many.html"

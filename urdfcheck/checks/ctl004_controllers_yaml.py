@@ -169,7 +169,7 @@ def _check_command_interfaces(model: Model, rule: Rule, config: AssociatedConfig
 def _check_gpios(model: Model, rule: Rule, config: AssociatedConfiguration) -> Iterator[Finding]:
     """Report the interfaces that a controller of gpios claims and that no block offers, together for each controller.
 
-    A file that lies beside the model may be for another variant of its hardware: then a block must have the gpio.
+    A file beside the model may be for another variant of its hardware: then a block must have the gpio.
     """
     lacking: dict[str, list[GpioClaim]] = {}
     for claim in config.configuration.gpio_claims:

@@ -52,7 +52,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _read_compiler(model: Model) -> dict[str, str]:
-    """Return what the file's ``<mujoco>`` elements tell the compiler."""
+    """Return the options of the compiler in the file's ``<mujoco>`` elements."""
     sections = model.robot.find_children("mujoco")
     compilers = [compiler for section in sections for compiler in section.find_children("compiler")]
     return {name: value.value for compiler in compilers for name, value in compiler.attributes.items()}
@@ -68,7 +68,7 @@ def _group_by_name(uses: Sequence[MeshUse], *, with_suffix: bool) -> dict[str, l
 
 
 def _get_content(model: Model, use: MeshUse) -> str:
-    """Return what tells one file from another: its content, or its path where it was not read."""
+    """Return what identifies a file: its content, or its path where it was not read."""
     path = use.resource.path
     assert path is not None
     return model.meshes.digests.get(path) or os.path.realpath(path)
