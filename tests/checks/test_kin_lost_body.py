@@ -24,6 +24,20 @@ def test_an_empty_root_with_two_bodies_is_taken_apart_unless_it_is_the_ground(tm
     assert list_messages(tmp_path, link("root"), *BODY, *MAST, target="mujoco") == []
 
 
+def test_a_free_base_begins_at_a_fixed_joint(tmp_path: Path) -> None:
+    wheel = joint("axle", "root", "wheel", kind="continuous", axis="0 1 0"), link("wheel", inertial())
+    texts = [
+        f.message
+        for parts in (
+            (*wheel, *BODY),
+            (*wheel, *(part.replace("wheel", "other").replace("axle", "b") for part in wheel)),
+        )
+        for f in find(tmp_path, robot(link("root"), *parts), "KIN011", targets=("isaac",))
+    ]
+    assert "Only base_link gets a free base" in texts[0]
+    assert "None of them gets a free base" in texts[1]
+
+
 def test_empty_links_between_the_root_and_the_bodies(tmp_path: Path) -> None:
     between = link("frame"), joint("frame_joint", "root", "frame")
     moved = [part.replace('parent link="root"', 'parent link="frame"') for part in MAST]

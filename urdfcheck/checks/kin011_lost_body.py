@@ -74,6 +74,7 @@ def _check_root(model: Model, rule: Rule) -> Iterator[Finding]:
     joints = list(_iter_joints_of_bodies(model, root.name)) if _is_empty(root) else []
     if not joints:
         return
+    joints.sort(key=lambda joint: joint.type != "fixed")  # a free base begins at a fixed one
     names = [joint.child for joint in joints]
     is_apart = len(joints) > 1 and root.name not in GROUND_NAMES
     if not is_apart and joints[0].type != "fixed":
@@ -87,6 +88,7 @@ def _check_root(model: Model, rule: Rule) -> Iterator[Finding]:
         first=names[0],
         bodies=join_names(names),
         others=join_names(names[1:]),
+        freed=f"Only {names[0]} gets" if joints[0].type == "fixed" else "None of them gets",
     )
 
 
