@@ -294,7 +294,7 @@ class _UnitAudit:
             launch = load_launch(path, self.make_finder(path))
             self.loaded_launches.append(launch)
             self.texts.update({name: file.text for name, file in launch.files.items()})
-            self.run_checks("launch", LaunchContext(launch, model))
+            self.run_checks("launch", LaunchContext(launch, model, is_explicit=self.unit.is_explicit))
 
     def audit_package(self) -> None:
         """Check a package."""

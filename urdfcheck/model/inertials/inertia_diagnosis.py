@@ -16,6 +16,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, Visua
 from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial, find_close_match, measure_evidence
 from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
 from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.unmoved_pieces import join_unmoved_pieces
 from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
 from urdfcheck.model.likeness.identical_parts import estimate_from_copies
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
@@ -114,11 +115,11 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
         known.whole = whole
         _write_entry(entry, known)
     habit = None if known.habit is None else (known.habit["id"], known.habit["detail"])
+    decoded = {name: _decode_diagnosis(known.verdicts[verdict]) for name, (verdict, _) in known.links.items()}
     diagnosed = {}
-    for name, (verdict, twins) in known.links.items():
-        diagnosis = _decode_diagnosis(known.verdicts[verdict])
+    for name, diagnosis in join_unmoved_pieces(model, numbers, decoded).items():
         is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
-        diagnosed[name] = DiagnosedInertial(numbers[name], diagnosis, tuple(twins), is_habit)
+        diagnosed[name] = DiagnosedInertial(numbers[name], diagnosis, tuple(known.links[name][1]), is_habit)
     return diagnosed
 
 
