@@ -265,7 +265,7 @@ def cut_text(text: str, most: int) -> str:
 
 
 def cut_name(name: str, most: int) -> str:
-    """Return at most ``most`` characters of a name (at least 2 without the ellipsis): its first words, or the last ones of a file's."""
+    """Return at most ``most`` characters of a name (at least 2): its first words, or the last ones of a file's."""
     kept = max(most - 1, 2)
     if len(name) <= most:
         return name
@@ -281,6 +281,6 @@ def cut_name(name: str, most: int) -> str:
 
 
 def cut_middle(text: str, most: int) -> str:
-    """Return a text, or its beginning, ``…`` and its end if it has more than ``most`` characters (at least 2 without the ellipsis)."""
+    """Return a text, or its beginning, ``…`` and its end if it has more than ``most`` characters (at least 2)."""
     kept = max(most - 1, 2)
     return text if len(text) <= most else f"{text[: kept // 2]}…{text[len(text) - (kept + 1) // 2 :]}"
