@@ -16,8 +16,8 @@ from urdfcheck.model.robot import Model
 
 # Coordinates (m) that were typed alike.
 _EXACT = 1e-9
-# A smaller coordinate (m) has a sign by rounding.
-_LEAST = 2e-3
+# A smaller coordinate (m) has a sign by rounding; a smaller difference is one between two exports.
+_LEAST, _LEAST_OFF = 2e-3, 5e-3
 # So many other pairs are mirror images to the digit.
 _WITNESSES = 2
 # So many joints of one kind hang on one link; more are an array.
@@ -119,7 +119,7 @@ def _compare(one: Joint, other: Joint) -> _Pair | None:
     places = np.array((one.origin.xyz, other.origin.xyz))
     same = np.abs(np.abs(places[0]) - np.abs(places[1])) <= _EXACT
     differ = np.flatnonzero(~same).tolist()
-    if len(differ) > 1 or (differ and abs(np.abs(places[0]) - np.abs(places[1]))[differ[0]] <= PLACE):
+    if len(differ) > 1 or (differ and abs(np.abs(places[0]) - np.abs(places[1]))[differ[0]] < _LEAST_OFF):
         return None
     opposite = np.flatnonzero(same & (places[0] * places[1] < 0) & (np.abs(places[0]) > _LEAST)).tolist()
     return _Pair(
