@@ -66,8 +66,8 @@ def find_slip_between_twins(first: DeclaredInertial, second: DeclaredInertial) -
 
 
 def find_rounding(coarse: DeclaredInertial, fine: DeclaredInertial) -> Mistake | None:
-    """Find whether the six numbers of a tensor are those of another, apart from signs, rounded to so few decimals that its smallest
-    moment has one digit left."""
+    """Find whether the six numbers of a tensor are those of another, apart from signs, rounded to so few decimals that its
+    smallest moment has one digit left."""
     is_comparable = is_computable(coarse) and is_body(fine)
     unit, finer = (measure_decimal(_drop_noise(one.tensor)) if is_comparable else None for one in (coarse, fine))
     if unit is None or (finer is not None and finer >= unit):
