@@ -56,7 +56,7 @@ def iter_lone_coordinates(model: Model) -> Iterator[OriginSlip]:
 def _find_in_named_pairs(model: Model) -> Iterator[_Pair]:
     """Yield the only pair of left and right joints in the robot that differ, if that is in one coordinate."""
     before = model.tree.parent_joint
-    both = set(pair_by_name(model.tree.order))
+    both = dict.fromkeys(pair_by_name(model.tree.order))
     pairs = []
     for names in both:
         one, other = (before.get(name) for name in names)
