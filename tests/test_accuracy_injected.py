@@ -33,7 +33,7 @@ from real.verdicts import find_new, judge, list_keys
 
 from urdfcheck.core import Severity
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 ACCURACY = Path(__file__).parent.parent / "benchmarks" / "accuracy"
 
@@ -260,6 +260,25 @@ def test_a_cause_that_was_named_before_is_not_new(robot: RealRobot, read: ReadRo
     for before in (elsewhere, dict.fromkeys(elsewhere, Severity.INFO)):  # said less severely, it is no new cause either
         assert not [finding for finding, _ in find_new(before, run) if finding.cause is not None]
     assert [finding for finding, _ in find_new({}, run) if finding.cause is not None]
+
+
+@pytest.mark.parametrize("com", ["0 0 0", "0.1 0 0"])
+def test_a_com_that_was_zero_before_is_no_wrong_cause(tmp_path: Path, com: str) -> None:
+    """A mass a thousand times too small makes the tensor exceed the part; with its mass only the COM is missing."""
+    cause = "com_missing"
+    shape = visual(box("0.2 0.1 0.06"), xyz="0.1 0 0")
+    reads = {}
+    for name, place in (("sound", com), ("broken", "0 0 0")):
+        arm = inertial(1, ixx=1.133e-3, iyy=3.633e-3, izz=4.167e-3, com=place) + shape
+        (tmp_path / f"{name}.urdf").write_text(arm_on_base(arm), encoding="utf-8")
+        reads[name] = read_robot(RealRobot(name=name, entry=tmp_path / f"{name}.urdf", links=2))
+    sound, broken = reads["sound"], reads["broken"]
+    assert sound is not None
+    assert broken is not None
+    new = [one for one in find_new({}, check_robot(broken.robot)) if one[0].cause and one[0].cause.id == cause]
+    assert new
+    verdict = judge(find_kind("mass_unit"), "", {"link[arm]"}, sound, {}, new)
+    assert verdict.wrong == (com != "0 0 0")
 
 
 @pytest.mark.parametrize(("axis", "factors", "shows"), [

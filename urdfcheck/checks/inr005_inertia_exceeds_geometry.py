@@ -16,9 +16,9 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, list
 from urdfcheck.facts.inertials.materials import DENSEST_PART
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.mesh.measure import compute_convex_hull
-from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
-from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, find_tensor_unit, is_unit_possible
+from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.inertials.inertial_proposals import (
@@ -30,6 +30,7 @@ from urdfcheck.model.inertials.inertial_proposals import (
     lacks_only_com,
     propose_undo,
 )
+from urdfcheck.model.inertials.shared_mistakes import list_habitual_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, measure_link_geometry
@@ -52,6 +53,7 @@ def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[
 
 
 def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
+    unit = find_tensor_unit(model)
     in_unit: list[tuple[DeclaredTensor, bool]] = []
     for part in enclosed_inertials(model):
         if part.moment_share < NEGLIGIBLE_SHARE:
@@ -66,7 +68,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         if excess < VAST and _is_stand_in(part):
             continue
         is_vast = excess >= VAST and part.has_own_geometry
-        if find_tensor_unit(model) is not None and not has_mistake(model, part.link, "inertia_unit"):
+        if unit is not None and not _has_other_unit(model, part.link.name, unit.name):
             in_unit.append((declared, is_vast))
             continue
         repair, computed, explained = _propose(model, part, declared, ratio=ratio, excess=excess)
@@ -85,15 +87,35 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             most=float(f"{spread / excess**0.5:.3g}"),
             around=part.geometry_phrase,
         )
-    if in_unit:
-        yield _build_unit_finding(model, rule, in_unit)
+    if unit is not None and in_unit:
+        yield _build_unit_finding(model, rule, unit, [*in_unit, *_list_others_in_unit(model, unit.name, in_unit)])
 
 
-def _build_unit_finding(model: Model, rule: Rule, links: Sequence[tuple[DeclaredTensor, bool]]) -> Finding:
+def _has_other_unit(model: Model, link: str, unit: str) -> bool:
+    """Whether INR009 reports the unit of a link's tensor: another one than the file's ``unit``, or that of all links."""
+    judged = inertial_diagnoses(model).get(link)
+    if judged is None or judged.diagnosis.cause != "inertia_unit":
+        return False
+    return judged.is_habit or judged.diagnosis.detail != unit
+
+
+def _list_others_in_unit(
+    model: Model, unit: str, links: Sequence[tuple[DeclaredTensor, bool]]
+) -> Iterator[tuple[DeclaredTensor, bool]]:
+    """Iterate over links with the file's ``unit`` beside the ``links`` that have it: those of which only one shape was read."""
+    known = {declared.link.name for declared, _ in links}
+    for name, judged in inertial_diagnoses(model).items():
+        is_in_unit = judged.diagnosis.cause == "inertia_unit" and not _has_other_unit(model, name, unit)
+        if name not in known and is_in_unit and not judged.diagnosis.fits_geometry:
+            yield model.tensor_by_name[name], False
+
+
+def _build_unit_finding(
+    model: Model, rule: Rule, unit: TensorUnit, links: Sequence[tuple[DeclaredTensor, bool]]
+) -> Finding:
     """Report together the ``links`` of a file whose tensors are in another unit, each with whether no undrawn part makes up for
-    its tensor."""
-    unit = find_tensor_unit(model)
-    assert unit is not None
+    its tensor. It explains what INR009 reports of one of them alone."""
+    alone = [declared.link for declared, _ in links if has_mistake(model, declared.link, "inertia_unit")]
     places = [declared.element for declared, _ in links]
     return build_group_finding(
         rule,
@@ -106,6 +128,7 @@ def _build_unit_finding(model: Model, rule: Rule, links: Sequence[tuple[Declared
         unit=unit.name,
         evidence=unit.evidence.capitalize(),
         remedy=unit.remedy,
+        explains=[f"INR009 link[{link.name}]" for link in alone],
     )
 
 
@@ -148,7 +171,18 @@ def _propose(
         ]
         fits = f". The same numbers fit the drawn part in {name}"
         return None, f"write {' '.join(tensor)} if they are in {name}", fits
-    return None, computed, _LACKS_COM if is_known and lacks_only_com(model, part.link) else ""
+    if is_known and lacks_only_com(model, part.link):
+        return None, computed, _LACKS_COM
+    return None, computed, _describe_missing_com(model, part.link)
+
+
+def _describe_missing_com(model: Model, link: Link) -> str:
+    """Return the end of the message about a COM of zero in a file whose COMs were left at zero; empty in any other file."""
+    habitual = list_habitual_links(model)
+    xyz = None if link.inertial is None else link.inertial.origin.xyz
+    if xyz is None or any(xyz) or not habitual or not has_mistake(model, habitual[0], "com_missing"):
+        return ""
+    return f". Its COM is 0 0 0, like those of {len(habitual)} other links whose COM was left at zero (INR009)"
 
 
 def _guess_unit(model: Model, part: EnclosedInertial, ratio: float) -> tuple[str, float] | None:

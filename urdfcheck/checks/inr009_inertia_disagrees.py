@@ -47,6 +47,7 @@ from urdfcheck.model.inertials.shared_mistakes import (
     is_proven,
     list_habitual_links,
     list_pointlike_links,
+    list_unmoved_links,
     shows_habit_alone,
 )
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
@@ -72,12 +73,11 @@ def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Itera
 
 def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
     doubtful: list[DeclaredTensor] = []
-    habitual = list_habitual_links(model)
-    pointlike = list_pointlike_links(model)
-    for group in (habitual, pointlike):
+    groups = (list_habitual_links(model), list_pointlike_links(model), list_unmoved_links(model))
+    for group in groups:
         if group:
             yield _build_habit_finding(model, rule, group)
-    grouped = {link.name for link in (*habitual, *pointlike)}
+    grouped = {link.name for group in groups for link in group}
     rotated = find_rotated_tensors(model)
     for name in rotated:
         yield _build_axes_finding(model, rule, name, rotated)

@@ -1,4 +1,4 @@
-"""INR015 reports robots whose total mass is implausible, or impossible for their size."""
+"""INR015 reports robots whose total mass is implausible, impossible for their size, or not what they weigh."""
 
 from __future__ import annotations
 
@@ -8,15 +8,22 @@ from collections.abc import Iterator
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
+_MOST_LISTED = 3
 
 
-def check(model: Model, rule: Rule, *, least: float, most: float, unseen: float) -> Iterator[Finding]:
+def check(
+    model: Model, rule: Rule, *, least: float, most: float, unseen: float, total_mass: float, rel_tol: float
+) -> Iterator[Finding]:
     masses = [declared.mass for declared in model.masses if declared.mass > 0]
     total = sum(masses)
+    if total_mass > 0 and abs(total - total_mass) > rel_tol * total_mass:
+        yield _compare_with_scale(model, rule, total, total_mass)
+        return
     if not masses:
         return
     edge, is_seen = _measure_extent(model, unseen, enough=(total / DENSEST) ** (1 / 3))
@@ -43,6 +50,22 @@ def check(model: Model, rule: Rule, *, least: float, most: float, unseen: float)
             total=total,
             links=len(masses),
         )
+
+
+def _compare_with_scale(model: Model, rule: Rule, total: float, expected: float) -> Finding:
+    """Build the finding about a sum that is not what the robot weighs."""
+    heaviest = sorted((d for d in model.masses if d.mass > 0), key=lambda declared: -declared.mass)
+    return rule.finding(
+        "measured",
+        at=model.name_location,
+        related=[declared.attribute for declared in heaviest[:_MOST_LISTED]],
+        robot=model.name,
+        total=total,
+        expected=expected,
+        off=total / expected - 1,
+        links=len(heaviest),
+        heaviest=join_names([f"{d.link.name} {d.mass:.3g} kg" for d in heaviest[:_MOST_LISTED]]) or "none has a mass",
+    )
 
 
 def _measure_extent(model: Model, unseen: float, *, enough: float) -> tuple[float, bool]:

@@ -29,7 +29,7 @@ def tensor_unit(part: Part, rng: Rng) -> Broken | None:
 def mass_unit(part: Part, rng: Rng) -> Broken | None:
     """The mass in grams or pounds."""
     unit = str(rng.choice(list(MASS_UNITS)))
-    words = r"\b(in g\b|grams)|in g:" if unit == "g" else r"\b(lb|pounds)\b"
+    words = r"\b(in g\b|grams)|in g:|unit of the mass: g\b" if unit == "g" else r"\b(lb|pounds)\b"
     return _named(part, lambda n: replace(n, mass=n.mass * MASS_UNITS[unit]), words)
 
 

@@ -235,11 +235,12 @@ def _diagnose_against(
         return sound
     ranking = rank_explanations(Suspect(declared, reference, geometry), habit)
     named = can_be_named(declared, reference, ranking, habit)
+    contenders = _list_named_mistakes(ranking, habit)
     none, best = ranking.no_mistake, 0
     fit = ranking.fit
     tensor_mismatch, com_mismatch = float(fit.tensor_mismatch[none]), float(fit.com_mismatch[none])
     fits_geometry = bool(fit.inside[none])
-    certain = named and len(ranking.contenders) == 1
+    certain = named and len(contenders) == 1
     mended, com_order = (ranking.numbers[best], "") if certain else (None, "")
     mended_com_mismatch = float(fit.com_mismatch[best]) if named else com_mismatch
     if mended is not None and ranking.best.id in _OF_AXES and fit.tensor_mismatch[best] < EXACT < mended_com_mismatch:
@@ -249,8 +250,8 @@ def _diagnose_against(
             mended_com_mismatch = float(np.linalg.norm(reference.whitening @ (com - reference.com)))
     return Diagnosis(
         sound=not named and fits_geometry and _is_unremarkable(reference, tensor_mismatch, com_mismatch),
-        cause=_name_cause(ranking.contenders) if named else None,
-        detail=" or ".join(dict.fromkeys(m.detail for m in ranking.contenders if m.detail)) if named else "",
+        cause=_name_cause(contenders) if named else None,
+        detail=" or ".join(dict.fromkeys(m.detail for m in contenders if m.detail)) if named else "",
         mended=mended,
         tensor_mismatch=tensor_mismatch,
         com_mismatch=com_mismatch,
@@ -328,6 +329,21 @@ def _accept_close_match(declared: DeclaredInertial, reference: Reference) -> Dia
         judged_by="mesh",
         at_fault=True,
     )
+
+
+def _list_named_mistakes(ranking: Ranking, habit: Habit | None) -> list[Mistake]:
+    """List the contenders. Centimetres of a COM that has one coordinate are named as the decimal point of that number, which
+    leads to the same numbers: no program writes one link of a file in centimetres."""
+    best, *others = ranking.contenders
+    if (
+        best.id == "com_unit"
+        and best.detail == "cm"
+        and not (habit is not None and habit.is_like(best.id, best.detail))
+    ):
+        same = np.flatnonzero(ranking.is_same_correction).tolist()
+        slips = [ranking.mistakes[i] for i in same if ranking.mistakes[i].id == "decimal_point"]
+        best = next(iter(slips), best)
+    return [best, *others]
 
 
 def _name_cause(contenders: Sequence[Mistake]) -> str:

@@ -21,6 +21,7 @@ from urdfcheck.model.shapes.visual_solid import (
 )
 
 if TYPE_CHECKING:
+    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
 
 
@@ -57,9 +58,29 @@ def list_habitual_links(model: Model) -> list[Link]:
 
 def list_pointlike_links(model: Model) -> list[Link]:
     """List the links whose pieces count as points, which is what a program does to all links; none where there is only one."""
-    diagnosed = inertial_diagnoses(model).items()
-    links = [model.link_by_name[name] for name, judged in diagnosed if judged.diagnosis.cause == "own_missing"]
+    links = _list_links_with(model, "own_missing")
     return links if len(links) > 1 else []
+
+
+def list_unmoved_links(model: Model) -> list[Link]:
+    """List the links that show that their pieces were added without the parallel-axis term; none where fewer than two differ."""
+    links = []
+    for link in _list_links_with(model, "steiner_missing"):
+        judged = inertial_diagnoses(model)[link.name]
+        if judged.diagnosis.judged_by == "mesh" and is_possible(judged) and is_proven(model, link):
+            links.append(link)
+    different = {_list_invariants(inertial_diagnoses(model)[link.name].declared) for link in links}
+    return links if len(different) > 1 else []
+
+
+def _list_links_with(model: Model, cause: str) -> list[Link]:
+    diagnosed = inertial_diagnoses(model).items()
+    return [model.link_by_name[name] for name, judged in diagnosed if judged.diagnosis.cause == cause]
+
+
+def _list_invariants(declared: DeclaredInertial) -> tuple[str, ...]:
+    """What copies and mirror images have in common: three digits of the mass and of the principal moments."""
+    return tuple(f"{value:.3g}" for value in (declared.mass, *np.linalg.eigvalsh(declared.tensor)))
 
 
 def _shows_habit(model: Model, link: Link, diagnosis: Diagnosis) -> bool:

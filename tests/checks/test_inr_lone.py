@@ -1,0 +1,121 @@
+"""What is said of one link's unit, decimal point or COM, alone and beside the links of its file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from builders import arm_on_base, box, collision, find, joint, link, mesh, robot, visual
+from castings import CASTING, drawn_boxes, format_inertial, geometry, steiner, triangles, uniform
+
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
+
+TRUE = uniform(geometry(CASTING).solid)
+# Edges in m of parts that differ, and their masses in kg.
+EDGES = ((0.1, 0.08, 0.3), (0.12, 0.1, 0.25), (0.09, 0.11, 0.2), (0.07, 0.06, 0.15), (0.08, 0.05, 0.12))
+MASSES = (3.1, 4.2, 2.7, 1.3, 0.8)
+PLACE = np.array((0.0, 0.0, 0.05))
+
+
+def make_part(i: int) -> DeclaredInertial:
+    return DeclaredInertial(MASSES[i], PLACE, compute_solid_inertia(make_box_solid(EDGES[i]), MASSES[i]))
+
+
+def make_chain(numbers: list[DeclaredInertial]) -> str:
+    parts = [link("base")]
+    for i, one in enumerate(numbers):
+        edges = EDGES[i % len(EDGES)]
+        parts += [
+            joint(f"j{i}", f"l{i - 1}" if i else "base", f"l{i}", kind="continuous", xyz="0.1 0.2 0.4"),
+            link(f"l{i}", format_inertial(one, 8), visual(box(" ".join(map(str, edges))), xyz="0 0 0.05")),
+        ]
+    return robot(*parts)
+
+
+@pytest.mark.parametrize(
+    ("com", "cause", "detail"),
+    [
+        ((0.0, 0.0, 0.6), "decimal_point", "com z 0.1"),
+        ((0.0, 0.0, 6.0), "decimal_point", "com z 0.01"),
+        ((0.0, 0.0, 60.0), "com_unit", "mm"),
+        ((4.0, 0.0, 6.0), "com_unit", "cm"),
+    ],
+)
+def test_one_coordinate_in_centimetres_is_a_decimal_point(
+    com: tuple[float, float, float], cause: str, detail: str
+) -> None:
+    """Both lead to the same number, and no program writes one link of a file in centimetres."""
+    place = (0.04 if com[0] else 0.0, 0.0, 0.06)
+    part = geometry([((0.06, 0.02, 0.02), place)])
+    found = diagnose_inertial(replace(uniform(part.solid), com=np.array(com)), part)
+    assert found is not None
+    assert (found.cause, found.detail) == (cause, detail)
+
+
+@pytest.mark.parametrize(("density", "is_edited"), [(1.0, True), (1.284, False)])
+def test_a_decimal_point_of_a_moment_is_edited_where_the_rest_fits(
+    tmp_path: Path, density: float, is_edited: bool
+) -> None:
+    """Second moments 1.284 times the uniform part's leave a mismatch of 0.43, which one factor in twenty leaves by chance."""
+    slipped = replace(TRUE, tensor=density * TRUE.tensor * np.where(np.eye(3)[2] * np.eye(3), 0.1, 1.0))
+    text = arm_on_base(format_inertial(slipped, 8), drawn_boxes(CASTING))
+    (finding,) = find(tmp_path, text, {"INR003", "INR009"})
+    assert finding.cause is not None
+    assert "izz 10" in finding.message + finding.cause.text
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) == is_edited
+
+
+def test_the_unit_of_a_file_is_reported_once(tmp_path: Path) -> None:
+    """Tensors in g·m², four of which have the axes of another frame, and one is exactly the drawn part's."""
+    numbers = []
+    for i in range(5):
+        part = make_part(i)
+        turned = np.roll(np.diag(part.tensor), 1) * (1.3, 0.9, 1.1)
+        moved = replace(part, com=part.com + 0.02, tensor=1e3 * np.diag(turned))
+        numbers.append(replace(part, tensor=1e3 * part.tensor) if i == 2 else moved)
+    (finding,) = find(tmp_path, make_chain(numbers), {"INR005", "INR009"})
+    assert (finding.code, finding.message_id, len(finding.subjects)) == ("INR005", "unit", 5)
+    assert finding.data["explains"] == ["INR009 link[l2]"]
+
+
+@pytest.mark.parametrize("is_habit", [True, False])
+def test_a_com_of_zero_is_compared_with_those_of_the_file(tmp_path: Path, is_habit: bool) -> None:
+    numbers = []
+    for i in range(5):
+        part = make_part(i)
+        about_origin = part.tensor + steiner(part.mass, PLACE)
+        numbers.append(replace(part, com=np.zeros(3), tensor=about_origin) if is_habit else part)
+    exceeding = 1.01234 * np.array(((0.08, 0.02, 0.01), (0.02, 0.09, 0.012), (0.01, 0.012, 0.1)))
+    numbers.append(DeclaredInertial(MASSES[0], np.zeros(3), exceeding))
+    (finding,) = (f for f in find(tmp_path, make_chain(numbers), {"INR005", "INR009"}) if f.code == "INR005")
+    said = ". Its COM is 0 0 0, like those of 5 other links whose COM was left at zero (INR009)" in finding.message
+    assert said == is_habit
+
+
+@pytest.mark.parametrize("moved", [0.0, 0.3])
+def test_a_collision_shape_that_is_elsewhere_is_no_missing_com(tmp_path: Path, moved: float) -> None:
+    """The visual mesh is open, so that the collision box is compared; in the second case it is beside the drawn part."""
+    tensor = compute_solid_inertia(make_box_solid((0.2, 0.1, 0.06)), 1.0)
+    numbers = DeclaredInertial(1.0, np.zeros(3), 1.3 * tensor)
+    faces = [line for k, line in enumerate(write_box((0.2, 0.1, 0.06)).split("endfacet\n")) if k]
+    shapes = visual(mesh("open.stl"), xyz=f"{0.3 - moved} 0 0") + collision(box("0.2 0.1 0.06"), xyz="0.3 0 0")
+    files = {
+        "robot.urdf": arm_on_base(format_inertial(numbers, 8), shapes),
+        "open.stl": "solid o\n" + "endfacet\n".join(faces),
+    }
+    causes = [f.cause.id for f in find(tmp_path, files, {"INR009"}) if f.cause is not None]
+    assert causes == ([] if moved else ["com_missing"])
+
+
+def write_box(size: tuple[float, float, float]) -> str:
+    corners, faces = triangles([(size, (0.0, 0.0, 0.0))])
+    lines = []
+    for face in faces.tolist():
+        points = "".join("vertex {:.9g} {:.9g} {:.9g}\n".format(*corners[i]) for i in face)
+        lines.append(f"facet normal 0 0 0\nouter loop\n{points}endloop\nendfacet\n")
+    return "".join(lines) + "endsolid o\n"

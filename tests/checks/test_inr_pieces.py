@@ -1,0 +1,78 @@
+"""Parts whose bodies were added without the parallel-axis term: the mistake of a program, so that all links have it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from builders import find, joint, link, mesh, robot, visual
+from castings import CASTING, MISTAKES, Block, drawn_boxes, edited, format_inertial, geometry, uniform
+
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+
+# The arms of an L of 30 mm width and 50 mm depth (m), as two blocks that touch.
+LONG, HIGH, WIDE, DEEP = 0.2, 0.15, 0.03, 0.05
+ELBOW: tuple[Block, ...] = (
+    ((LONG, WIDE, DEEP), (LONG / 2, WIDE / 2, 0.0)),
+    ((WIDE, HIGH - WIDE, DEEP), (WIDE / 2, (HIGH + WIDE) / 2, 0.0)),
+)
+DRAWN = geometry(CASTING)
+ADDED = {name: make for name, _, make in MISTAKES}["steiner_missing"]
+
+
+def write_elbow() -> str:
+    """Return the L as one closed mesh, which no search for bodies takes apart."""
+    outline = [(WIDE, WIDE), (WIDE, HIGH), (0.0, HIGH), (0.0, 0.0), (LONG, 0.0), (LONG, WIDE)]
+    low, high = ([(x, y, z) for x, y in outline] for z in (-DEEP / 2, DEEP / 2))
+    faces = []
+    for i in range(1, 5):
+        faces += [(high[0], high[i], high[i + 1]), (low[0], low[i + 1], low[i])]
+    for i in range(6):
+        j = (i + 1) % 6
+        faces += [(low[i], low[j], high[j]), (low[i], high[j], high[i])]
+    lines = [
+        "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in face)
+        + "endloop\nendfacet" for face in faces
+    ]  # fmt: skip
+    return "\n".join(("solid elbow", *lines, "endsolid elbow"))
+
+
+def make_robot(arm: DeclaredInertial, elbow: DeclaredInertial) -> dict[str, str]:
+    text = robot(
+        link("arm", format_inertial(arm, 8), drawn_boxes(CASTING)),
+        joint("j", "arm", "elbow", kind="continuous", xyz="0.3 0 0"),
+        link("elbow", format_inertial(elbow, 8), visual(mesh("elbow.stl"))),
+    )
+    return {"robot.urdf": text, "elbow.stl": write_elbow()}
+
+
+def add_without_term() -> DeclaredInertial:
+    return ADDED(uniform(geometry(ELBOW).solid), geometry(ELBOW))
+
+
+def test_a_mesh_of_one_piece_has_the_mistake_of_its_file(tmp_path: Path) -> None:
+    files = make_robot(ADDED(uniform(DRAWN.solid), DRAWN), add_without_term())
+    (finding,) = find(tmp_path, files, "INR009")
+    assert finding.headline == "2 of 2 links: wrong inertia (no parallel-axis term)"
+    assert [subject.partition("/")[0] for subject in finding.subjects] == ["link[arm]", "link[elbow]"]
+    assert finding.fix is not None
+    repaired = edited(files["robot.urdf"], finding.fix.edits)
+    assert not find(tmp_path / "repaired", {**files, "robot.urdf": repaired}, {"INR003", "INR005", "INR009"})
+
+
+def test_the_missing_term_of_one_mesh_proves_nothing_by_itself(tmp_path: Path) -> None:
+    assert not find(tmp_path, make_robot(uniform(DRAWN.solid), add_without_term()), "INR009")
+
+
+@pytest.mark.parametrize(
+    "stretch",
+    [(1.0, 1.0, 1.1), (1.1, 1.0, 1.0)],
+    ids=["another depth, too", "another length"],
+)
+def test_another_difference_is_no_missing_term(tmp_path: Path, stretch: tuple[float, ...]) -> None:
+    other = add_without_term()
+    scaled = replace(other, tensor=np.diag(stretch) @ other.tensor @ np.diag(stretch))
+    (finding,) = find(tmp_path, make_robot(ADDED(uniform(DRAWN.solid), DRAWN), scaled), "INR009")
+    assert [subject.partition("/")[0] for subject in finding.subjects] == ["link[arm]"]
