@@ -8,9 +8,9 @@ from itertools import combinations
 
 import numpy as np
 
-from urdfcheck.model.likeness.mirror_pairs import PLACE
+from urdfcheck.model.likeness.mirror_pairs import PLACE, list_named_pairs
 from urdfcheck.model.likeness.origin_slips import OriginSlip, is_taken_back
-from urdfcheck.model.likeness.side_names import pair_by_name, remove_places
+from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
@@ -56,7 +56,7 @@ def iter_lone_coordinates(model: Model) -> Iterator[OriginSlip]:
 def _find_in_named_pairs(model: Model) -> Iterator[_Pair]:
     """Yield the only pair of left and right joints in the robot that differ, if that is in one coordinate."""
     before = model.tree.parent_joint
-    both = set(pair_by_name(model.tree.order))
+    both = dict.fromkeys(list_named_pairs(model))
     pairs = []
     for names in both:
         one, other = (before.get(name) for name in names)
