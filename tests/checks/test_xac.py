@@ -66,6 +66,35 @@ def test_each_way_to_fail_is_one_located_finding(tmp_path: Path, text: str, mess
     assert finding.location.span.line == 3
 
 
+CALLED = '<xacro:macro name="finger" params=""><link name="finger"/></xacro:macro>'
+CALLER = '<xacro:macro name="hand" params=""><xacro:finger/></xacro:macro>'
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (f"<xacro:finger/>\n{CALLED}", 4),
+        (f"{CALLER}\n<xacro:hand/>\n{CALLED}", 5),
+        (f'<xacro:include filename="hand.xacro"/>\n{CALLED}', 4),
+        (f'<xacro:finger/>\n<xacro:if value="false">{CALLED}</xacro:if>', None),
+        (f'<xacro:if value="false">{CALLED}</xacro:if><xacro:finger/>\n{CALLED}', None),
+        (f'<xacro:if value="false">{CALLED}</xacro:if>{CALLER}<xacro:hand/>', None),
+    ],
+)
+def test_macro_that_is_defined_below_its_call_is_not_unknown(tmp_path: Path, text: str, line: int | None) -> None:
+    write(tmp_path, {"hand.xacro": HEAD + "<xacro:finger/></robot>"})
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.message_id == ("unknown-macro" if line is None else "macro-later")
+    if line is not None:
+        assert finding.data["line"] == line
+        assert [place.span.line for place in finding.related if place.span is not None] == [line]
+
+
+def test_macro_may_call_one_that_is_defined_below_it(tmp_path: Path) -> None:
+    finding = only(xacro(tmp_path, f"{CALLER}{CALLED}<xacro:hand/><xacro:thumb/>", {"XAC001"}))
+    assert finding.data["name"] == "thumb"
+
+
 def test_failure_in_a_macro_names_the_calls_and_the_definition(tmp_path: Path) -> None:
     text = """<xacro:property name="a" value="${radius * 2}"/>
 <xacro:macro name="wheel" params="name"><link name="${name}_${a}"/></xacro:macro>
@@ -1021,6 +1050,12 @@ def test_a_default_that_leads_nowhere_is_not_proposed(tmp_path: Path) -> None:
         ({"grip_daul.xacro": "dual", "other.xacro": "dual"}, "<xacro:dual/>", "'grip_daul.xacro'"),
         ({"grip_daul.xacro": None}, "<xacro:dual/>", "'grip_daul.xacro'"),  # it may include what defines the macro
         ({"grip_daul.xacro": "quad"}, "", "'grip_daul.xacro'"),
+        ({"grip_duel.xacro": "duel"}, '<xacro:include filename="$(dirname)/grip_duel.xacro"/><xacro:duel/>', None),
+        (
+            {"grip_duel.xacro": "duel", "grip_all.xacro": "dual"},
+            '<xacro:include filename="grip_duel.xacro"/><xacro:duel/><xacro:dual/>',
+            "'grip_all.xacro'",
+        ),
     ],
 )
 def test_proposed_file_defines_the_macro_that_is_called(
