@@ -56,6 +56,8 @@ class Source:
     """What xacro made of a xacro file, with its comments; None if xacro was not asked or failed."""
     found_arguments: Mapping[str, Location] = field(default_factory=dict)
     """The arguments that were not given, with the places in launch files that they were found at."""
+    assumed_variables: frozenset[str] = frozenset()
+    """Those of the arguments that stand for variables of ROS which are not set here: their values are usual ones."""
 
     @property
     def main_tree(self) -> Element | None:
@@ -112,6 +114,7 @@ def load_source(
     arguments_read: frozenset[str] = frozenset()
     loose_reads: frozenset[Span] = frozenset()
     found_arguments: dict[str, Location] = {}
+    assumed_variables: frozenset[str] = frozenset()
     document: minidom.Document | None = None
     if root is not None and is_xacro:
         from urdfcheck.source.found_arguments import expand_with_found_arguments
@@ -119,7 +122,7 @@ def load_source(
         complete = expand_with_found_arguments(path, arguments, finder, environment=environment, launches=launches)
         expansion, arguments = complete.expansion, complete.arguments
         found_arguments = {name: argument.location for name, argument in complete.found.items()}
-        document = expansion.document
+        document, assumed_variables = expansion.document, complete.assumed
         root, problems = expansion.root, [*problems, *expansion.problems]
         files.update(expansion.files)
         trees.update(expansion.trees)
@@ -143,6 +146,7 @@ def load_source(
         environment=environment,
         document=document,
         found_arguments=found_arguments,
+        assumed_variables=assumed_variables,
     )
 
 
