@@ -173,6 +173,25 @@ def test_missing_file_is_told_at_the_arguments_that_lead_there(
     assert not complete.findings
 
 
+@pytest.mark.parametrize("suffix", [".urdf.xacro", "_macro.xacro"])
+def test_a_name_without_its_beginning_is_an_empty_argument(tmp_path: Path, suffix: str) -> None:
+    part = HEAD + '<xacro:include filename="$(dirname)/$(arg arm)' + suffix + '"/></robot>'
+    write(tmp_path, {f"arms/{name}{suffix}": HEAD + "</robot>" for name in ("px100", "wx200")})
+    write(tmp_path, {f"arms/any{suffix}": part})
+    text = f'<xacro:arg name="arm" default=""/><xacro:include filename="$(dirname)/arms/any{suffix}"/>'
+    finding = only(xacro(tmp_path, text, {"XAC001", "PKG012"}))
+    assert finding.message_id == "argument-empty"
+    assert finding.message.endswith("does not exist; there are px100, wx200")
+    assert finding.data["remedy"] == format_argument_option("arm", "px100")
+    assert not xacro(tmp_path, text, {"XAC001", "PKG012"}, arguments={"arm": "wx200"}).findings
+
+
+def test_a_hidden_file_that_exists_is_not_opened(tmp_path: Path) -> None:
+    write(tmp_path, {".urdf.xacro": HEAD + '<link name="secret"/></robot>'})
+    text = '<xacro:arg name="arm" default=""/><xacro:include filename="$(dirname)/$(arg arm).urdf.xacro"/>'
+    assert [f.code for f in xacro(tmp_path, text, {"XAC001", "PKG012"}).findings] == ["PKG012"]
+
+
 CONDITIONAL = """<xacro:arg name="prefix" default=""/><xacro:property name="side" value="$(arg prefix)"/>
 <xacro:if value="${side == 'left'}"><xacro:property name="corner" value="1"/></xacro:if>
 <xacro:if value="${side == 'right'}"><xacro:property name="corner" value="2"/></xacro:if>

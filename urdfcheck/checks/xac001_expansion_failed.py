@@ -23,6 +23,8 @@ from urdfcheck.source.package.similar_files import (
 )
 from urdfcheck.source.path_arguments import (
     find_missing_part,
+    is_name_cut_off,
+    list_full_names,
     list_other_values,
     list_path_arguments,
     select_guilty,
@@ -330,10 +332,16 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
     missing = find_missing_part(source, path)
     guilty = select_guilty(arguments, missing)
     empty = [argument for argument in arguments if not argument.value]
-    if not guilty and (not empty or path.parent.is_dir()):
+    if not guilty and (not empty or (path.parent.is_dir() and not is_name_cut_off(path))):
         return None
     told = guilty or empty
-    choices = list_other_values(source, told[0], missing) if guilty and len(told) == 1 else []
+    choices = (
+        []
+        if len(told) > 1
+        else list_other_values(source, told[0], missing)
+        if guilty
+        else list_full_names(source, path)
+    )
     options = " ".join(format_argument_option(argument.name, choices[0] if choices else None) for argument in told)
     return _build_report(
         failure,
