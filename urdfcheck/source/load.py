@@ -109,7 +109,7 @@ def load_source(
     except (OSError, XmlError) as error:
         problems.append(Problem.from_read_error(error, "robot", name))
     else:
-        is_xacro = is_xacro or _is_for_xacro(path, root, file.text, xacro)
+        is_xacro = is_xacro or _is_for_xacro(path, root, file.text, xacro, finder)
         problems += _find_plain_text_problems(file, root, is_xacro=is_xacro, for_xacro=is_xacro or xacro is True)
     arguments_read: frozenset[str] = frozenset()
     loose_reads: frozenset[Span] = frozenset()
@@ -150,13 +150,17 @@ def load_source(
     )
 
 
-def _is_for_xacro(path: Path, root: Element, text: str, xacro: bool | None) -> bool:
+def _is_for_xacro(path: Path, root: Element, text: str, xacro: bool | None, finder: PackageFinder) -> bool:
     """Whether a file is expanded although it is not named so: it holds xacro, and a launch file or its root element says so."""
     if not _USES_XACRO.search(text):
         return False
     if xacro is not None:
         return xacro
-    return path.suffix == "" or ("xmlns:xacro" in root.attributes and _RESULT_OF_XACRO not in text)
+    if path.suffix == "" or ("xmlns:xacro" in root.attributes and _RESULT_OF_XACRO not in text):
+        return True
+    from urdfcheck.source.launch.passed_arguments import is_handed_to_xacro  # few models need it
+
+    return _RESULT_OF_XACRO not in text and find_unbound_prefix(root) is None and is_handed_to_xacro(path, finder)
 
 
 def _find_plain_text_problems(file: SourceFile, root: Element, *, is_xacro: bool, for_xacro: bool) -> list[Problem]:
