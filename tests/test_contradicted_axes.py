@@ -162,6 +162,10 @@ def test_a_mesh_that_touches_nothing_is_found(tmp_path: Path) -> None:
             "revolute", "a part is not drawn",
         ),
         (
+            ['<visual><geometry><mesh filename="lost.stl"/></geometry></visual>', *[make_block()] * 3, make_block(0.12)],
+            "revolute", "it may touch the part that is not known",
+        ),
+        (
             [make_block(), make_block(), make_block() + make_block(0, "0.5 0.1 0.2", "collision"),
              make_block(0.12) + make_block(0.12, role="collision")],
             "revolute", "the collisions touch",

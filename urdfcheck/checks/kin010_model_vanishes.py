@@ -38,10 +38,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     head, links = next(iter(bodies.items()))
     attached = {joint.name for link in links for joint in model.tree.child_joints[link.name] if joint.type != "fixed"}
+    root_mass = sum(link.inertial.mass or 0.0 for link in links if link.inertial is not None)
     yield rule.finding(
-        "vanishes",
+        "tiny" if root_mass > 0.0 else "vanishes",
         at=links[0],
         link=head,
+        own=root_mass,
+        lack="an <inertial>" if links[0].inertial is None else "a mass",
         with_it=f" (with {join_names(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",
         count=len(model.links),
         joints=join_names(joint.name for joint in model.joints if joint.name in attached),

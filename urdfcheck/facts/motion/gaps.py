@@ -67,6 +67,7 @@ def sample_vertices(placed: PlacedGeometry) -> Array | None:
     if vertices is None:
         return None
     some = vertices[:: max(1, len(vertices) // _MOST_POINTS)]
+    some = some[np.isfinite(some).all(axis=1)]
     points: Array = some @ placed.pose[:3, :3].T + placed.pose[:3, 3]
     return points
 
@@ -75,6 +76,8 @@ def is_within(points: Array, others: Array, reach: float) -> bool:
     """Whether one of some points (n, 3) is within ``reach`` (m) of one of others (m, 3)."""
     from scipy.spatial import cKDTree  # loaded only where it is used
 
+    if not len(others):
+        return False
     low, high = others.min(axis=0) - reach, others.max(axis=0) + reach
     near = points[((points >= low) & (points <= high)).all(axis=1)]
     if not len(near):

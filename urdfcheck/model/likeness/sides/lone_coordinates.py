@@ -8,16 +8,16 @@ from itertools import combinations
 
 import numpy as np
 
-from urdfcheck.model.likeness.mirror_pairs import PLACE
+from urdfcheck.model.likeness.mirror_pairs import PLACE, list_named_pairs
 from urdfcheck.model.likeness.origin_slips import OriginSlip, is_taken_back
-from urdfcheck.model.likeness.side_names import pair_by_name, remove_places
+from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
 # Coordinates (m) that were typed alike.
 _EXACT = 1e-9
-# A smaller coordinate (m) has a sign by rounding.
-_LEAST = 2e-3
+# A smaller coordinate (m) has a sign by rounding; a smaller difference is one between two exports.
+_LEAST, _LEAST_OFF = 2e-3, 5e-3
 # So many other pairs are mirror images to the digit.
 _WITNESSES = 2
 # So many joints of one kind hang on one link; more are an array.
@@ -56,7 +56,7 @@ def iter_lone_coordinates(model: Model) -> Iterator[OriginSlip]:
 def _find_in_named_pairs(model: Model) -> Iterator[_Pair]:
     """Yield the only pair of left and right joints in the robot that differ, if that is in one coordinate."""
     before = model.tree.parent_joint
-    both = set(pair_by_name(model.tree.order))
+    both = dict.fromkeys(list_named_pairs(model))
     pairs = []
     for names in both:
         one, other = (before.get(name) for name in names)
@@ -119,7 +119,7 @@ def _compare(one: Joint, other: Joint) -> _Pair | None:
     places = np.array((one.origin.xyz, other.origin.xyz))
     same = np.abs(np.abs(places[0]) - np.abs(places[1])) <= _EXACT
     differ = np.flatnonzero(~same).tolist()
-    if len(differ) > 1 or (differ and abs(np.abs(places[0]) - np.abs(places[1]))[differ[0]] <= PLACE):
+    if len(differ) > 1 or (differ and abs(np.abs(places[0]) - np.abs(places[1]))[differ[0]] < _LEAST_OFF):
         return None
     opposite = np.flatnonzero(same & (places[0] * places[1] < 0) & (np.abs(places[0]) > _LEAST)).tolist()
     return _Pair(

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from urdfcheck.model.likeness.mirror_pairs import MirrorPair
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_named_pairs
 from urdfcheck.model.likeness.mirrored_joints import find_pair_joints
 from urdfcheck.model.likeness.shape_comparison import compute_centroid, is_alike
-from urdfcheck.model.likeness.side_names import pair_by_name
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 from urdfcheck.model.wheel_names import WHEEL_NAME
@@ -79,7 +78,7 @@ def _find_bending_apart(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[O
 
 def _find_steering_apart(model: Model) -> Iterator[OpposedAxes]:
     """Yield left and right joints that steer wheels to opposite sides."""
-    for names in pair_by_name(model.tree.order):
+    for names in list_named_pairs(model):
         one, other = (model.tree.parent_joint.get(name) for name in names)
         if one is None or other is None or not all(_steers(model, joint) for joint in (one, other)):
             continue

@@ -73,7 +73,8 @@ def find_apart_part(bodies: DrawnBodies) -> ApartPart | None:
     size = distances.measure_size(found.child)
     least = (_APART if len(joints) > _OTHERS else _FAR_APART) * size
     gap, nearest = distances.measure_to_rest(found)
-    if gap < least or not all(_is_complete(bodies, head) for head in bodies.shapes):
+    # What is not known may be what it touches.
+    if gap < least or not all(_is_complete(bodies, name) for name in model.tree.order):
         return None
     # A slide may leave its guide at zero; a bearing holds its part in every position.
     if found.type == "prismatic" and any(
@@ -100,10 +101,12 @@ def _is_compared(bodies: DrawnBodies, joint: Joint) -> bool:
     return all(head in bodies.shapes and _is_complete(bodies, head) for head in heads)
 
 
-def _is_complete(bodies: DrawnBodies, head: str) -> bool:
-    links = [bodies.model.link_by_name[name] for name in bodies.model.tree.list_body_links(head)]
+def _is_complete(bodies: DrawnBodies, name: str) -> bool:
+    """Whether all shapes of the body of a link are known."""
+    names = bodies.model.tree.list_body_links(name)
+    links = [bodies.model.link_by_name[name] for name in names]
     drawn = [shape for link in links for shape in (link.visuals or link.collisions) if not is_dummy_shape(shape)]
-    known = {id(one.shape) for one in bodies.shapes[head]}
+    known = {id(one.shape) for one in bodies.shapes.get(names[0], ())}
     return all(id(shape) in known for shape in drawn)
 
 
@@ -138,7 +141,7 @@ class _Distances:
     def measure_to_rest(self, joint: Joint, value: float = 0.0) -> tuple[float, str]:
         """Measure the space (m) between all that a joint moves and the rest, and name the nearest body of the rest."""
         motion = self._compute_motion(joint, value)
-        below = set(self._bodies.list_below(joint))
+        below = self._bodies.list_below(joint)
         moved = [
             PlacedGeometry(one.geometry, one.owner, motion @ one.pose)
             for head in below
@@ -146,7 +149,8 @@ class _Distances:
         ]
         best = np.inf, ""
         parent = self._bodies.get_parent(joint)
-        for head in sorted(self._bodies.placed.keys() - below, key=lambda head: head != parent):
+        rest = [head for head in self._bodies.placed if head not in below]
+        for head in sorted(rest, key=lambda head: head != parent):
             gap = self._measure(moved, self._bodies.placed[head], best[0])
             if gap < best[0]:
                 best = gap, head
