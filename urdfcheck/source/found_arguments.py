@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from urdfcheck.source.environment.usual_values import choose_variable, find_unset_variable
 from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, find_passed_arguments
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
-from urdfcheck.source.usual_environment import choose_variable, find_unset_variable
 from urdfcheck.source.xacro.expand import Expansion, expand_xacro
 
 # How many arguments are found one after the other: the robot with most of them has 79, nearly all with defaults.
