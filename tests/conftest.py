@@ -37,8 +37,11 @@ from urdfcheck.system import process_pool, sandbox
 REPOSITORY = Path(__file__).parent.parent
 FIXTURES = REPOSITORY / "fixtures"
 
+# Whether tests take every real robot and mesh, and more examples of each property.
+IS_FULL = bool(os.environ.get("URDFCHECK_FULL"))
+
 # No test fails because a machine is slow. Each run tries other examples; what one misses, one of the next finds.
-settings.register_profile("urdfcheck", deadline=None, max_examples=40)
+settings.register_profile("urdfcheck", deadline=None, max_examples=40 if IS_FULL else 15)
 settings.load_profile("urdfcheck")
 
 # Many tests start a Python: none of them compiles our modules anew.
@@ -129,6 +132,11 @@ def pytest_collection_finish() -> None:
     gc.freeze()
     gc.set_threshold(200_000, 30, 30)  # as the command does
     gc.enable()
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """More processes than cores: a third of the time tests wait for programs, browsers and timeouts that they started."""
+    return (os.cpu_count() or 1) * 3 // 2
 
 
 @pytest.hookimpl(trylast=True)

@@ -1,7 +1,7 @@
 """The robots of the folders that URDFCHECK_CORPUS names, each checked once for all tests that ask about it.
 
 The errors of every robot are compared with the accepted ones in every run. Tests that repeat one claim for each robot or mesh
-take some of each kind (`select_by_trait`); with ``URDFCHECK_CORPUS_FULL=1`` they take all, which takes minutes more.
+take some of each kind (`select_by_trait`); with ``URDFCHECK_FULL=1`` they take all, which takes minutes more.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import hashlib
 import inspect
 import io
 import json
-import os
 import pickle
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
@@ -23,7 +22,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
-from conftest import get_shared_folder, make_request
+from conftest import IS_FULL, get_shared_folder, make_request
 from filelock import FileLock, Timeout
 
 import urdfcheck
@@ -48,9 +47,6 @@ from urdfcheck.source.package.finder import PackageFinder
 STARTED_ELSEWHERE = {"kosakanishkdev/ROS:robot", "ArpitSrivastavaIN/rovermk2_description:B2_mark_sensors"}
 # The engines that a configuration can name.
 TARGETED = tuple(engine for engine in ENGINES if engine in TARGETS)
-
-# Whether tests take all robots and meshes.
-IS_FULL = bool(os.environ.get("URDFCHECK_CORPUS_FULL"))
 
 T = TypeVar("T")
 # Rule, model, subject and message id: what the fingerprint of a finding is made of.

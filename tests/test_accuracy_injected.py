@@ -33,7 +33,7 @@ from real.verdicts import find_new, judge, list_keys
 
 from urdfcheck.core import Severity
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 ACCURACY = Path(__file__).parent.parent / "benchmarks" / "accuracy"
 

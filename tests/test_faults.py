@@ -26,6 +26,7 @@ RUNS = int(os.environ.get("URDFCHECK_RUNS", "4"))
 
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.long,
     pytest.mark.skipif(sys.platform == "win32", reason="signals, mounts and process files are those of POSIX"),
 ]
 
@@ -181,6 +182,7 @@ def damage(path: Path, chance: random.Random) -> None:
         path.mkdir()
 
 
+@pytest.mark.smoke
 def test_a_damaged_cache_changes_nothing(models: Path, tmp_path: Path) -> None:
     cache = tmp_path / "cache"
     whole = report(checked(models / "robot_00", models / "robot_01", cache=cache))

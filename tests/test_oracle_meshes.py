@@ -1,7 +1,7 @@
 """Independent oracle: what is measured of the meshes of real robots, against trimesh and assimp.
 
 Every mesh is read. Of those of one repository, format, magnitude and state (`describe_kind`) the smallest is compared; all
-with ``URDFCHECK_CORPUS_FULL=1``.
+with ``URDFCHECK_FULL=1``.
 
 trimesh merges corners by rounding them to decimals. Its best answer for a file is that of the finest rounding that makes
 it watertight, without triangles that collapse, and without those that repeat if that is what it takes.

@@ -12,7 +12,7 @@ import tomli
 
 from urdfcheck.plugins import pytest_plugin
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 pytest_plugins = "pytester"
 
@@ -52,6 +52,7 @@ def run(folder: pytest.Pytester, *words: str) -> pytest.RunResult:
     return folder.runpytest_inprocess(*plugin, "--urdfcheck-args=--tier=source", *words)
 
 
+@pytest.mark.smoke
 def test_each_model_is_a_test_and_a_failure_reads_like_the_report(folder: pytest.Pytester) -> None:
     done = run(folder, "--urdfcheck", "-ra")
     done.assert_outcomes(passed=2, failed=2)

@@ -88,12 +88,18 @@ def findings_of(case: Case, folder: Path) -> list[Finding]:
     # A single file is named by the user; a tree of files is found in its folder.
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
     # A tree may hold its own urdfcheck.toml.
-    targets = config_resolver.find_config(folder).target
+    own = config_resolver.find_config(folder)
     rule = load_rules()[case.rule]
     simulated = "simulator" in rule.needs
     if simulated:
         pytest.importorskip("mujoco")
-    run = check(target, codes={*rule.hidden_by, case.rule}, targets=targets, drop=simulated)
+    run = check(
+        target,
+        codes={*rule.hidden_by, case.rule},
+        targets=own.target,
+        options=own.sections[0].options,
+        drop=simulated,
+    )
     assert not run.failures, run.failures
     assert not list_machine_paths(run, folder)
     return [f for f in iter_occurrences(run.findings) if f.code == case.rule]

@@ -164,6 +164,31 @@ def test_a_small_piece_between_two_that_collide_is_an_info(
     assert messages == {message: Severity.INFO if message == "between" else Severity.WARNING}
 
 
+def test_small_pieces_one_after_the_other_are_an_info(tmp_path: Path) -> None:
+    """The yaw and the pitch of a waist or a wrist."""
+    piece = geometry("visual", '<box size="0.1 0.1 0.1"/>')
+    parts = make_arm_with_hands(BOTH, BOTH, piece)
+    parts += link("pitch", piece) + make_joint("hand2", "pitch", xyz="0 0 0.1")
+    assert {f.message_id for f in find(tmp_path / "end", robot(parts), "GEO002")} == {"missing"}
+    parts += link("tip", BOTH) + make_joint("pitch", "tip", xyz="0 0 1")
+    (finding,) = find(tmp_path, robot(parts), "GEO002")
+    assert (finding.message_id, finding.data["links"]) == ("between", "hand2, pitch")
+
+
+@pytest.mark.parametrize(("bare", "messages"), [(("left", "right"), {"between"}), (("left",), {"missing"})])
+def test_a_small_piece_that_only_one_side_lacks_was_forgotten(
+    tmp_path: Path, bare: tuple[str, ...], messages: set[str]
+) -> None:
+    parts = link("base", BOTH) + link("head", BOTH) + make_joint("base", "head", xyz="0 0 2")
+    for name, y in (("left", 1), ("right", -1)):
+        shape = '<box size="0.1 0.1 0.1"/>'
+        collision = "" if name in bare else geometry("collision", shape)
+        parts += link(f"{name}_hip", geometry("visual", shape) + collision)
+        parts += make_joint("base", f"{name}_hip", xyz=f"0 {y} 0")
+        parts += link(f"{name}_leg", BOTH) + make_joint(f"{name}_hip", f"{name}_leg", xyz="0 0 -1")
+    assert {f.message_id for f in find(tmp_path, robot(parts), "GEO002")} == messages
+
+
 @pytest.mark.parametrize(
     ("sides", "hand", "messages"),
     [
@@ -208,10 +233,19 @@ def test_the_base_may_be_a_drawing(tmp_path: Path) -> None:
     assert not find(tmp_path, robot(parts), "GEO002")
 
 
-def test_a_model_without_any_collision_is_one_info(tmp_path: Path) -> None:
-    parts = "".join(link(name, box("visual")) for name in "abc") + make_joint("a", "b") + make_joint("b", "c")
-    (finding,) = find(tmp_path, robot(parts), "GEO002")
-    assert (finding.message_id, finding.severity, finding.data["bodies"]) == ("none", Severity.INFO, 2)
+@pytest.mark.parametrize(
+    ("mass", "control", "message"),
+    [
+        ("", "", "drawing"),
+        (MASS, "", "none"),
+        ("", '<ros2_control name="a" type="system"/>', "none"),
+        ("", '<transmission name="t"/>', "none"),
+    ],
+)
+def test_a_model_without_any_collision_is_one_info(tmp_path: Path, mass: str, control: str, message: str) -> None:
+    parts = "".join(link(name, box("visual") + mass) for name in "abc") + make_joint("a", "b") + make_joint("b", "c")
+    (finding,) = find(tmp_path, robot(parts + control), "GEO002")
+    assert (finding.message_id, finding.severity, finding.data["bodies"]) == (message, Severity.INFO, 2)
 
 
 def test_where_most_bodies_lack_it_the_author_chose(tmp_path: Path) -> None:

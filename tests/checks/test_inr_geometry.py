@@ -251,7 +251,8 @@ def test_both_readings_of_colladas_unit_must_agree(tmp_path: Path, unit: float, 
     ("moment", "told"),
     [
         (5e-05, True),
-        (0.0002, True),
+        (0.00016, True),  # 4.3 times too small
+        (0.0002, True),  # 3.4 times: an estimate
         (0.0005, False),
         (0.0003, False),
         (0.001, True),
@@ -333,8 +334,16 @@ def test_a_root_that_outweighs_the_robot_tenfold_is_ballast(tmp_path: Path) -> N
         ]
         told[mass, name] = find(tmp_path / f"{mass}{name}", make_chain(stand.xml("stand"), *limb), {"INR007"})
     assert not told[1000.0, "arm"]
-    assert [f.message_id for f in told[50.0, "arm"]] == ["placeholder"]
+    assert [(f.message_id, f.severity) for f in told[50.0, "arm"]] == [("bolted", Severity.INFO)]
     assert [f.message_id for f in told[1000.0, "wheel"]] == ["placeholder"]
+
+
+@pytest.mark.parametrize(("size", "told"), [(5.0, True), (50.0, False)])
+def test_the_ground_of_a_simulated_world_is_not_a_part(tmp_path: Path, size: float, told: bool) -> None:
+    ground = Part(size=(size, size, 0.1), mass=1.0, tensor=0.1 * np.eye(3)).xml("ground")
+    assert bool(find(tmp_path / "alone", make_chain(ground), {"INR007"})) == told
+    moving = make_chain('<link name="base"/>', ground)
+    assert find(tmp_path / "moving", moving, {"INR007"})
 
 
 def test_a_placeholder_is_named_where_nothing_is_drawn_if_it_fits_no_drawing(tmp_path: Path) -> None:
@@ -515,6 +524,23 @@ def test_ballast_of_a_bolted_arm_may_be_denser_than_any_material(
     found = find(tmp_path, make_chain(stand.xml("stand"), part.xml(f"{limb}0"), part.xml(f"{limb}1")), {"INR010"})
     assert [f.message_id for f in found] == ["dense"] * reported
     assert [f.cause is not None for f in found] == [mass == 2700.0] * reported
+
+
+@pytest.mark.parametrize(
+    ("mass", "moments", "dense"),
+    [
+        (125.0, (1.391, 6.853, 6.125), False),  # a car of 0.75 × 0.18 × 0.32 m
+        (125.0, (0.2, 0.2, 0.2), True),  # a body of the drawn size
+        (125000.0, (1.391, 6.853, 6.125), True),  # a mass in grams
+    ],
+)
+def test_a_small_box_may_stand_for_a_car(
+    tmp_path: Path, mass: float, moments: tuple[float, float, float], dense: bool
+) -> None:
+    body = Part(size=(0.1, 0.1, 0.1), mass=mass, tensor=np.diag(moments)).xml("body")
+    wheel = Part(size=(0.2, 0.2, 0.2), mass=15.0).xml("wheel")
+    text = make_chain(body, wheel)
+    assert [f.message_id for f in find(tmp_path, text, {"INR010"})] == ["dense"] * dense
 
 
 @pytest.mark.parametrize(("mass", "light"), [(0.00024, False), (0.00023, True)])

@@ -225,6 +225,24 @@ def test_an_empty_limit_is_one_defect(tmp_path: Path, limit: str, kind: str, fou
         assert run.findings[0].message.endswith(". Effort and velocity are 0 too")
 
 
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("", False),
+        ('<inertial><mass value="1"/></inertial>', True),
+        ('<visual><geometry><sphere radius="1"/></geometry></visual>', True),
+    ],
+)
+def test_a_joint_that_moves_nothing_has_no_drive(tmp_path: Path, content: str, told: bool) -> None:
+    """As in a model of the KUKA LWR whose stiffness is the position of a joint with an empty link."""
+    arm = '<link name="b"><inertial><mass value="1"/></inertial></link>'
+    real = make_joint('<limit lower="-1" upper="1" effort="9" velocity="2"/>')
+    stiffness = make_joint('<limit lower="0" upper="5000" effort="9" velocity="20000"/>', name="k", child="c")
+    text = f'<robot name="r"><link name="a"/>{arm}<link name="c">{content}</link>{real}{stiffness}</robot>'
+    found = find(tmp_path, text, "JNT007")
+    assert [f.message_id for f in found] == (["velocity-absurd"] if told else [])
+
+
 def test_placeholders_of_one_limit_are_one_finding(tmp_path: Path) -> None:
     big = "1.7976931348623157e308"
     limit = f'<limit lower="-{big}" upper="{big}" effort="{big}" velocity="{big}"/>'

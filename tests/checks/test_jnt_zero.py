@@ -29,6 +29,9 @@ def find_zero(folder: Path, limit: str, kind: str = "revolute", inner: str = "",
         ('lower="0.5" upper="2"', "outside", "lower"),
         ('lower="-2" upper="-0.5"', "outside", "upper"),
         ('lower="0.01" upper="2"', None, ""),  # within the slack
+        ('lower="0.0475" upper="1.6"', "near", "lower"),
+        ('lower="-3.07" upper="-0.0698"', "near", "upper"),
+        ('lower="0.11" upper="1.6"', "outside", "lower"),
         ('lower="0" upper="2"', "on-limit", "lower"),
         ('lower="-2" upper="0"', "on-limit", "upper"),
         ('upper="2"', "on-limit", ""),
@@ -60,8 +63,10 @@ def test_a_note_unless_it_is_for_a_simulator(tmp_path: Path) -> None:
     (note,) = find_zero(tmp_path, 'lower="0.5" upper="2"')
     (warning,) = find_zero(tmp_path, 'lower="0.5" upper="2"', more='<transmission name="t"/>')
     assert (note.severity, warning.severity) == (Severity.INFO, Severity.WARNING)
-    (small,) = find_zero(tmp_path, 'lower="0.07" upper="2.5"', more='<transmission name="t"/>')
-    assert small.severity is Severity.INFO
+    (small,) = find_zero(tmp_path, 'lower="0.12" upper="4.5"', more='<transmission name="t"/>')
+    assert (small.message_id, small.severity) == ("outside", Severity.INFO)
+    (near,) = find_zero(tmp_path, 'lower="0.07" upper="0.5"', more='<transmission name="t"/>')
+    assert (near.message_id, near.severity) == ("near", Severity.INFO)
     plugin = (
         '<gazebo><plugin name="p" filename="p.so"><initialConfiguration>0.7</initialConfiguration></plugin></gazebo>'
     )

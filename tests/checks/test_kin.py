@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -298,6 +299,16 @@ def test_a_model_that_is_only_drawn_is_reported_once(tmp_path: Path) -> None:
     assert "KIN010" in codes(check_text(tmp_path, robot(*parts), codes=rules))
     parts[1] = link("arm", inertial(1, 1), shape)
     assert set(codes(check_text(tmp_path, robot(*parts), codes=rules))) >= {"GEO002", "INR002", "KIN010"}
+
+
+@pytest.mark.parametrize(("heavy", "message"), [(1, "drawing"), (2, "vanishes")])
+def test_a_root_and_most_bodies_without_inertial_are_a_drawing(tmp_path: Path, heavy: int, message: str) -> None:
+    """INR001 reports the links; the missing mass of the root is not another defect."""
+    names = ["base", *"abcde"]
+    parts = [link(name, inertial(1, 1) if 0 < i <= heavy else "", visual(box("1 1 1"))) for i, name in enumerate(names)]
+    parts += [joint(f"j{i}", one, two, kind="continuous") for i, (one, two) in enumerate(pairwise(names))]
+    (finding,) = check_text(tmp_path, robot(*parts), codes={"KIN010"}).findings
+    assert (finding.message_id, finding.severity > Severity.INFO) == (message, message == "vanishes")
 
 
 def test_a_model_of_one_link_has_no_joint_to_move(tmp_path: Path) -> None:

@@ -163,7 +163,7 @@ def test_a_generated_file_that_git_ignores_is_not_missing(tmp_path: Path, ignore
     python = package / "launch" / "car.launch.py"
     python.write_text("join(get_package_share_directory('car'), 'urdf', 'made.gen.urdf')")
     found_in = {Path(f.location.file).suffix: f.message_id for f in only(check(package, codes={"LCH001"}))}
-    assert found_in == ({".launch": "file", ".py": "named"} if missing else {".launch": "unknown"})
+    assert found_in == ({".launch": "file", ".py": "named"} if missing else {".launch": "computed"})
 
 
 INCLUDE = '<include file="{}"/>'
@@ -342,6 +342,9 @@ def test_the_old_xacro_script(tmp_path: Path) -> None:
         ('<include file="a.launch"><arg name="x" value="1"/></include>', []),
         ('<arg name="x"/><param name="p" value="$(arg x)"/>', ["required"]),
         ('<arg name="x" doc="why"/><param name="p" value="$(arg x)"/>', []),
+        ('<!-- the file -->\n  <arg name="x"/><param name="p" value="$(arg x)"/>', []),
+        ('<!-- all files -->\n\n<arg name="x"/><param name="p" value="$(arg x)"/>', ["required"]),
+        ('<arg name="x"/>\n<!-- load --><param name="p" value="$(arg x)"/>', ["required"]),
     ],
 )
 def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:

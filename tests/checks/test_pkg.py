@@ -666,7 +666,8 @@ def test_a_file_to_which_nothing_leads_needs_no_package(
     ("name", "launch", "severity"),
     [
         ("a.launch.xml", '<launch><arg name="c" default="$(find-pkg-share q)/c.yaml"/></launch>', Severity.INFO),
-        ("a.launch.xml", '<launch><include file="$(find-pkg-share q)/b.launch.xml"/></launch>', Severity.WARNING),
+        ("a.launch.xml", '<launch><include file="$(find-pkg-share q)/b.launch.xml"/></launch>', Severity.INFO),
+        ("a.xacro", '<robot><include file="$(find q)/b.xacro"/></robot>', Severity.WARNING),
         (
             "a.launch.py",
             'a = DeclareLaunchArgument(\n "c",\n default_value=PathJoinSubstitution(\n  [FindPackageShare("q"), "c"]))',
@@ -674,13 +675,55 @@ def test_a_file_to_which_nothing_leads_needs_no_package(
         ),
     ],
 )
-def test_a_default_that_the_caller_replaces_makes_no_circle(
-    tmp_path: Path, name: str, launch: str, severity: Severity
-) -> None:
+def test_a_circle_matters_where_the_model_needs_it(tmp_path: Path, name: str, launch: str, severity: Severity) -> None:
     write(tmp_path / "p", {"package.xml": manifest(), "urdf/r.urdf": URDF, f"launch/{name}": launch})
     write(tmp_path / "q", {"package.xml": manifest("<depend>p</depend>", name="q")})
     write(tmp_path, {".git/HEAD": ""})
     assert [(f.message_id, f.severity) for f in findings(tmp_path, "PKG007")] == [("circle", severity)]
+
+
+DRIVER = '<launch><include file="$(find {})/launch/driver.launch"/></launch>'
+
+
+@pytest.mark.parametrize(
+    ("choice", "others", "message"),
+    [
+        ("$(env LIDAR).launch", ["none"], "alternatives"),
+        ("$(arg lidar).launch", ["kinect", "rplidar"], "alternatives"),
+        ("lidar_$(arg lidar).launch", ["none"], "undeclared"),  # leads to none of them
+        ("$(arg lidar).launch", [], "undeclared"),  # the only choice
+        ("a.launch", ["none"], "undeclared"),
+    ],
+)
+def test_one_of_several_drivers_is_a_choice(tmp_path: Path, choice: str, others: list[str], message: str) -> None:
+    start = f'<launch><include file="$(find p)/launch/lidar/{choice}"/></launch>'
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/start.launch": start})
+    write(tmp_path, {"launch/lidar/a.launch": DRIVER.format("amcl")})
+    write(tmp_path, {f"launch/lidar/{name}.launch": "<launch/>" for name in others})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert (finding.message_id, finding.severity == Severity.INFO) == (message, message == "alternatives")
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) == (message == "undeclared")
+
+
+@pytest.mark.parametrize(
+    ("declared", "classic", "found"),
+    [
+        ("", "launch/classic.launch", {"alternatives": ["gazebo_ros", "ros_gz_sim"]}),
+        ("<depend>gazebo_ros</depend>", "launch/classic.launch", {"alternatives": ["ros_gz_sim"]}),
+        ("", "urdf/classic.xacro", {"undeclared": ["ros_gz_sim"]}),  # PKG001 reports what a model needs
+        ("", "", {"undeclared": ["ros_gz_sim"]}),
+    ],
+)
+def test_one_of_two_simulators_is_a_choice(
+    tmp_path: Path, declared: str, classic: str, found: dict[str, list[str]]
+) -> None:
+    write(
+        tmp_path,
+        {"package.xml": manifest(declared), "urdf/r.urdf": URDF, "launch/gz.launch": DRIVER.format("ros_gz_sim")},
+    )
+    write(tmp_path, {classic: DRIVER.format("gazebo_ros")} if classic else {})
+    assert {f.message_id: f.data["names"] for f in findings(tmp_path, "PKG007")} == found
 
 
 # -- what is installed -----------------------------------------------------------------------------------------------------
@@ -903,6 +946,27 @@ def write_package(folder: Path) -> None:
 def find_duplicates(*paths: Path) -> list[tuple[str, list[str]]]:
     run = check(*paths, codes={"PKG013"}, tier="source")
     return [(f.message, f.data["folders"]) for f in run.findings]
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "message"),
+    [
+        ("chapter_2_codes/car", "chapter_10_codes/car", "series"),
+        ("Week1/car", "Week2/car", "series"),
+        ("chapter_2/car", "chapter_3/old/car", "several"),
+        ("chapter_2/car", "car", "several"),
+        ("robot1/car", "robot2/car", "several"),  # a copy
+        ("patch1/car", "patch2/car", "several"),
+    ],
+)
+def test_chapters_of_a_book_are_built_one_at_a_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, one: str, other: str, message: str
+) -> None:
+    write_package(tmp_path / one)
+    write_package(tmp_path / other)
+    monkeypatch.chdir(tmp_path)
+    (finding,) = check(Path(), codes={"PKG013"}, tier="source").findings
+    assert (finding.message_id, finding.severity == Severity.INFO) == (message, message == "series")
 
 
 @pytest.mark.parametrize(

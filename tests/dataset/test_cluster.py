@@ -24,6 +24,7 @@ from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.long,
     # Looked for and not imported: that takes a second, for the quick tests as well.
     *(
         pytest.mark.skipif(find_spec(name) is None, reason=f"{name} is not installed")

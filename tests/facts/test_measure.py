@@ -964,7 +964,7 @@ def test_a_mesh_error_crosses_processes() -> None:
 
 @pytest.mark.skipif(not CORPORA, reason="needs URDFCHECK_CORPUS, a folder of robots")
 def test_meshes_of_real_robots_are_at_least_as_watertight_as_trimesh_finds_them() -> None:
-    """The smallest of each repository, format and magnitude; all with ``URDFCHECK_CORPUS_FULL=1``. trimesh merges corners as it
+    """The smallest of each repository, format and magnitude; all with ``URDFCHECK_FULL=1``. trimesh merges corners as it
     does by default; in test_oracle_meshes it tries finer roundings."""
     files = [
         (path.stat().st_size, path, path.relative_to(folder).parts[0])

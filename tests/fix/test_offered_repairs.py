@@ -1,7 +1,7 @@
 """After an offered repair the link passes its rules, MuJoCo takes its inertial, and nothing else is worse.
 
 On made links, and on robots in the folders that ``URDFCHECK_CORPUS`` names: of those with a kind of offer, the first few;
-all with ``URDFCHECK_CORPUS_FULL=1``, as with ``benchmarks/accuracy/repairs.py``.
+all with ``URDFCHECK_FULL=1``, as with ``benchmarks/accuracy/repairs.py``.
 """
 
 from __future__ import annotations
@@ -174,6 +174,7 @@ KNOWN = {
 # -- real robots -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_every_offer_on_a_real_robot_is_right(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     """All edits are made in a copy: each finding is gone, no error or warning comes, every model expands and MuJoCo takes the
     links whose inertials changed."""

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from conftest import IS_FULL
 from fuzz import campaign, cases, meshes, seeds
 from fuzz.campaign import Tally, random_of
 from fuzz.cases import Case, make
@@ -21,12 +22,12 @@ from urdfcheck.core import Finding
 from urdfcheck.rules import load_check
 from urdfcheck.run.unit_audit import _UnitAudit
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 pytest.importorskip("pinocchio")
 
 # What fails is known by its number: there is nothing to shrink.
-FEW = settings(max_examples=10, derandomize=True, database=None, phases=[Phase.generate])
+FEW = settings(max_examples=10 if IS_FULL else 5, derandomize=True, database=None, phases=[Phase.generate])
 
 
 def verdict_on(case: Case, *, everything: bool = False) -> Verdict:

@@ -13,7 +13,7 @@ from output.runs import a_run, chain, finding
 from urdfcheck.core import Location, Suppression
 from urdfcheck.output.html import render
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 WIDTHS = (390, 768, 1280, 1600, 2560, 3840)
 
@@ -121,7 +121,10 @@ def test_only_boxes_scroll_sideways(shared: Any) -> None:
     assert {width: wide for width, wide in widths.items() if wide > width} == {}
 
 
-@pytest.mark.parametrize(("scheme", "ground"), [("light", "rgb(246, 247, 249)"), ("dark", "rgb(16, 19, 22)")])
+@pytest.mark.parametrize(
+    ("scheme", "ground"),
+    [pytest.param("light", "rgb(246, 247, 249)", marks=pytest.mark.smoke), ("dark", "rgb(16, 19, 22)")],
+)
 def test_anyone_can_use_it(page: Any, scheme: str, ground: str) -> None:
     from axe_playwright_python.sync_playwright import Axe
 
@@ -363,6 +366,7 @@ def test_keys_go_from_finding_to_finding(page: Any) -> None:
     page.click("#close-keys")
 
 
+@pytest.mark.smoke
 def test_a_deep_link_opens_its_card_and_shows_it_in_3d(browser: Any, report: str) -> None:
     card = f"f-{RUN.findings[2].fingerprints[0]}"
     page = opened(browser, f"{report}#{card}", viewport={"width": 1440, "height": 900})

@@ -591,7 +591,7 @@ def test_the_fixtures_expand_to_the_byte_as_with_plain_xacro(path: Path, assert_
 
 
 def test_real_robots_expand_to_the_byte_as_with_plain_xacro(corpus: Path, assert_like_plain: LikePlain) -> None:
-    """A file of each repository that expands, and one that does not. All of them with ``URDFCHECK_CORPUS_FULL=1``."""
+    """A file of each repository that expands, and one that does not. All of them with ``URDFCHECK_FULL=1``."""
     entries = [entry for entry in list_robots(corpus) if entry["entry"].endswith(".xacro")]
     assert entries
     for entry in select_by_trait(entries, lambda entry: [(entry["id"].partition(":")[0], entry["expands"])]):

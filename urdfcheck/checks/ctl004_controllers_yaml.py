@@ -13,13 +13,14 @@ from urdfcheck.model.likeness.sibling_robots import PackageNames
 from urdfcheck.model.motion.controllers import (
     AssociatedConfiguration,
     collect_command_interfaces,
+    collect_interfaces,
     find_controller_configs,
     find_launched_configs,
     list_parameter_files,
 )
 from urdfcheck.model.repairs.number_text import keep_notation
 from urdfcheck.source.package.finder import format_path
-from urdfcheck.source.ros.controllers import Controller
+from urdfcheck.source.ros.controllers import Controller, GpioClaim
 from urdfcheck.source.ros.yaml_files import find_yaml_error
 from urdfcheck.source.text.yaml.values import YamlValue
 
@@ -42,6 +43,7 @@ def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iter
         yield from _check_unknown_joints(model, rule, config, elsewhere=elsewhere)
         if config.named_at is not None:
             yield from _check_command_interfaces(model, rule, config)
+        yield from _check_gpios(model, rule, config)
     for config in configs:
         for controller in config.configuration.controllers:
             # Without a reference to the file, wheels of this name on another robot may be meant.
@@ -162,6 +164,34 @@ def _check_command_interfaces(model: Model, rule: Rule, config: AssociatedConfig
             else:
                 kinds = ", ".join(sorted(offered[value.text]))
                 yield rule.finding("interface", at=value, severity=Severity.WARNING, related=[joint], own=kinds, **data)
+
+
+def _check_gpios(model: Model, rule: Rule, config: AssociatedConfiguration) -> Iterator[Finding]:
+    """Report the interfaces that a controller of gpios claims and that no block offers, together for each controller.
+
+    A file beside the model may be for another variant of its hardware: then a block must have the gpio.
+    """
+    lacking: dict[str, list[GpioClaim]] = {}
+    for claim in config.configuration.gpio_claims:
+        offered = collect_interfaces(model, claim.role, ("gpio", "joint", "sensor"))
+        own = None if offered is None else offered.get(claim.component.text)
+        if offered is None or (own is None and config.named_at is None):
+            continue
+        if own is None or claim.interface.text not in own:
+            lacking.setdefault(claim.controller, []).append(claim)
+    for controller, claims in lacking.items():
+        yield rule.finding(
+            "gpio",
+            at=claims[0].interface,
+            related=[*(claim.interface for claim in claims[1:]), *_to_list(config.named_at)],
+            severity=Severity.WARNING,
+            controller=controller,
+            first=f"{claims[0].component.text}/{claims[0].interface.text}",
+            missing=join_names(f"{c.component.text}/{c.interface.text} ({c.role})" for c in claims),
+            gpio=claims[0].component.text,
+            role=claims[0].role,
+            interface=claims[0].interface.text,
+        )
 
 
 def _check_wheel_geometry(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,11 +10,15 @@ import numpy as np
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Link, Model
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
+
+# Elements that connect joints with drives.
+_CONTROLS = ("ros2_control", "transmission")
 
 
 def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small: float) -> Iterator[Finding]:
@@ -26,7 +30,12 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small:
             return  # made to be drawn: INR002 reports the masses of 0
         what = f"robot {model.name}" if model.name else "the robot"
         yield rule.finding(
-            "none", at=model.name_location, severity=Severity.INFO, robot=model.name, what=what, bodies=len(moving)
+            "drawing" if _is_display_model(model) else "none",
+            at=model.name_location,
+            severity=Severity.INFO,
+            robot=model.name,
+            what=what,
+            bodies=len(moving),
         )
         return
     bare = [body for body in moving if not has_collision_geometry(model, body)]
@@ -39,9 +48,12 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small:
     whole = [(shape, model.frames[link.name]) for link in model.links for shape in link.visuals]
     robot = compute_bounding_box(model, whole)
     between = [body for body in missing if _is_between(model, body) and _is_small(model, body, robot, small)]
+    counterparts = _find_counterparts(model, missing)
+    # What its counterpart on the other side has was forgotten, however small.
+    between = [body for body in between if not _collides(model, counterparts.get(body.links[0]))]
     if between:
         yield _build_list_finding(model, rule, "between", between)
-    paired = _find_paired_bodies(model, [body for body in missing if body not in between])
+    paired = _find_paired_bodies(model, [body for body in missing if body not in between], counterparts)
     if paired:
         yield _build_list_finding(model, rule, "pairs", paired)
     for body in missing:
@@ -61,6 +73,14 @@ def _build_list_finding(
     return rule.finding(message, at=heads[0], related=heads[1:], severity=Severity.INFO, links=links, **data)
 
 
+def _is_display_model(model: Model) -> bool:
+    """Whether a model is only displayed: no link has an inertial, and no controller or planner uses its joints."""
+    if any(link.inertial is not None for link in model.links):
+        return False
+    controls = (tag for tag in _CONTROLS if model.robot.find_child(tag) is not None)
+    return not any(controls) and not semantic_descriptions(model)
+
+
 def _list_drawn_links(model: Model, body: RigidLinkGroup) -> list[Link]:
     """Return the links of a body that draw something."""
     links = [model.link_by_name[name] for name in body.links]
@@ -75,25 +95,30 @@ def _is_exempt(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
     return _is_wheel_carrier(model, body) or _is_sheltered(model, body, sheltered)
 
 
-def _find_paired_bodies(model: Model, bare: Sequence[RigidLinkGroup]) -> list[RigidLinkGroup]:
+def _find_counterparts(model: Model, missing: Sequence[RigidLinkGroup]) -> dict[str, str]:
+    """Return the body on the other side of the robot by the body, both by their first links; nothing unless some of ``missing``
+    carry others."""
+    if not any(_list_moved_links(model, body) for body in missing):
+        return {}
+    from urdfcheck.model.likeness.mirror_pairs import mirror_pairs  # most models have none
+
+    counterparts = {}
+    for pair in mirror_pairs(model):
+        one, other = (model.tree.list_body_links(name)[0] for name in (pair.one, pair.other))
+        if one != other:
+            counterparts.update({one: other, other: one})
+    return counterparts
+
+
+def _find_paired_bodies(
+    model: Model, bare: Sequence[RigidLinkGroup], counterparts: Mapping[str, str]
+) -> list[RigidLinkGroup]:
     """Return the bodies without collision geometry that carry others and have a counterpart which has none either.
 
     One that was forgotten is on one side, or at the end of a limb.
     """
-    carrying = [body for body in bare if any(_list_moved_links(model, body))]
-    if len(carrying) < 2:
-        return []
-    from urdfcheck.model.likeness.mirror_pairs import mirror_pairs  # most models have none
-
-    owners = {name: body for body in carrying for name in body.links}
-    pairs = [(owners.get(pair.one), owners.get(pair.other)) for pair in mirror_pairs(model)]
-    both = [
-        body
-        for one, other in pairs
-        if one is not None and other is not None and one is not other
-        for body in (one, other)
-    ]
-    return [body for body in carrying if body in both]
+    carrying = {body.links[0]: body for body in bare if any(_list_moved_links(model, body))}
+    return [body for head, body in carrying.items() if counterparts.get(head) in carrying]
 
 
 def _list_moved_links(model: Model, body: RigidLinkGroup) -> list[str]:
@@ -102,13 +127,33 @@ def _list_moved_links(model: Model, body: RigidLinkGroup) -> list[str]:
 
 
 def _is_between(model: Model, body: RigidLinkGroup) -> bool:
-    """Whether the bodies before and behind it, one of them at least, all have collision geometry."""
+    """Whether a body is in the middle of a limb: before it, and behind it on every branch, a body has collision geometry, maybe
+    after others that have none."""
     tree = model.tree
+    before: str | None = body.links[0]
+    while before is not None:
+        joint = tree.parent_joint.get(tree.list_body_links(before)[0])
+        before = None if joint is None else joint.parent
+        if _collides(model, before):
+            break
     behind = _list_moved_links(model, body)
-    around = [tree.parent_joint[body.links[0]].parent, *behind]
-    return bool(behind) and all(
-        any(model.link_by_name[name].collisions for name in tree.list_body_links(link)) for link in around
-    )
+    return before is not None and bool(behind) and all(_leads_to_collision(model, link) for link in behind)
+
+
+def _leads_to_collision(model: Model, link: str) -> bool:
+    """Whether a link's body, or one that it moves, has collision geometry."""
+    waiting = [link]
+    for name in waiting:
+        if _collides(model, name):
+            return True
+        body = model.tree.list_body_links(name)
+        waiting += [joint.child for own in body for joint in model.tree.child_joints[own] if joint.type != "fixed"]
+    return False
+
+
+def _collides(model: Model, link: str | None) -> bool:
+    """Whether the body of a link has collision geometry; False for no link."""
+    return link is not None and any(model.link_by_name[name].collisions for name in model.tree.list_body_links(link))
 
 
 def _is_small(model: Model, body: RigidLinkGroup, robot: Array | None, small: float) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from urdfcheck.core import Finding, Rule
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
-from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, fit_equivalent_box
 from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess_mass_unit, is_part_density
 from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.facts.mesh.measure import compute_convex_hull
@@ -21,6 +21,7 @@ from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.motion.fixed_base import is_ballast
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_rigid_bodies
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import (
     has_drawn_shape,
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 
 # The moments of a part with a hub or a motor in it, to those of its uniform solid.
 _LIKE_TENSOR = 2.0
+# The length of the part that mass and tensor describe, to that of the drawing which stands for it.
+_TOKEN = 2.0
 # A mass that is a thousand times too large is in grams rather than a slip.
 _GRAMS = 3
 # A mass of so few significant digits was chosen, not computed.
@@ -83,6 +86,8 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin
     is_typed = float(f"{part.mass:.{_TYPED_DIGITS}g}") == part.mass
     if slip["cause"] is None and is_typed and is_ballast(model, model.tree.list_body_links(part.link.name)):
         return
+    if slip["cause"] is None and _is_token_drawing(model, part):
+        return
     yield rule.finding(
         "dense",
         at=model.mass_by_name[part.link.name].attribute,
@@ -93,6 +98,21 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin
         density=describe_density(part.mass / volume),
         **slip,
     )
+
+
+def _is_token_drawing(model: Model, part: EnclosedInertial) -> bool:
+    """Whether typed primitives only stand for a part: mass and tensor agree on one of an ordinary density that is much larger.
+
+    A mesh may have the wrong scale, and a wrong mass does not agree with the tensor of the part.
+    """
+    tensor = model.tensor_by_name.get(part.link.name)
+    if tensor is None or any(shape.kind == "mesh" for shape in part.link.visuals):
+        return False
+    drawn = compute_bounding_box(model, [(shape, np.eye(4)) for shape in part.link.visuals])
+    edges = fit_equivalent_box(part.mass, tensor.tensor)
+    if drawn is None or not min(edges) > 0.0 or not is_part_density(part.mass / math.prod(edges)):
+        return False
+    return max(edges) > _TOKEN * float(np.linalg.norm(drawn[1] - drawn[0]))
 
 
 def _measure_own_volume(model: Model, part: EnclosedInertial) -> float | None:

@@ -1,4 +1,4 @@
-"""INR015 reports robots whose total mass is implausible, or impossible for their size."""
+"""INR015 reports robots whose total mass is implausible, impossible for their size, or not what they weigh."""
 
 from __future__ import annotations
 
@@ -8,15 +8,25 @@ from collections.abc import Iterator
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
+from urdfcheck.core.text import join_names
+from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.model import Model
 
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
+_MOST_LISTED = 3
+# Kilograms per tonne.
+_TONNE = 1000.0
 
 
-def check(model: Model, rule: Rule, *, least: float, most: float, unseen: float) -> Iterator[Finding]:
+def check(
+    model: Model, rule: Rule, *, least: float, most: float, unseen: float, total_mass: float, rel_tol: float
+) -> Iterator[Finding]:
     masses = [declared.mass for declared in model.masses if declared.mass > 0]
     total = sum(masses)
+    if total_mass > 0 and abs(total - total_mass) > rel_tol * total_mass:
+        yield _compare_with_scale(model, rule, total, total_mass)
+        return
     if not masses:
         return
     edge, is_seen = _measure_extent(model, unseen, enough=(total / DENSEST) ** (1 / 3))
@@ -33,8 +43,12 @@ def check(model: Model, rule: Rule, *, least: float, most: float, unseen: float)
             edge=edge,
             most=DENSEST * edge**3,
         )
+    elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
+        yield _build_placeholder_finding(model, rule, masses[0])
     elif not least <= total <= most:
-        message, cause = ("light", "tonnes") if total < least else ("heavy", "grams")
+        # In tonnes too, a robot weighs a gram or more.
+        light = "tonnes" if _TONNE * total >= least else None
+        message, cause = ("light", light) if total < least else ("heavy", "grams")
         yield rule.finding(
             message,
             at=model.name_location,
@@ -43,6 +57,38 @@ def check(model: Model, rule: Rule, *, least: float, most: float, unseen: float)
             total=total,
             links=len(masses),
         )
+
+
+def _build_placeholder_finding(model: Model, rule: Rule, mass: float) -> Finding:
+    """Build the finding about one round number in place of every ``mass`` (kg). It explains what is reported of the links."""
+    declared = [one for one in model.masses if one.mass > 0]
+    links = [one.link.location.subject for one in declared]
+    explained = [f"{code} {subject}" for code in ("INR007", "INR012") for subject in links]
+    return rule.finding(
+        "placeholder",
+        at=model.name_location,
+        related=[one.attribute for one in declared[:_MOST_LISTED]],
+        robot=model.name,
+        mass=mass,
+        links=len(declared),
+        explains=[*explained, f"INR007 {model.location.subject}"],
+    )
+
+
+def _compare_with_scale(model: Model, rule: Rule, total: float, expected: float) -> Finding:
+    """Build the finding about a sum that is not what the robot weighs."""
+    heaviest = sorted((d for d in model.masses if d.mass > 0), key=lambda declared: -declared.mass)
+    return rule.finding(
+        "measured",
+        at=model.name_location,
+        related=[declared.attribute for declared in heaviest[:_MOST_LISTED]],
+        robot=model.name,
+        total=total,
+        expected=expected,
+        off=total / expected - 1,
+        links=len(heaviest),
+        heaviest=join_names([f"{d.link.name} {d.mass:.3g} kg" for d in heaviest[:_MOST_LISTED]]) or "none has a mass",
+    )
 
 
 def _measure_extent(model: Model, unseen: float, *, enough: float) -> tuple[float, bool]:

@@ -29,12 +29,13 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
             )
     driven = [joint for joint in model.joints if joint.is_driven]
     yield from _check_zeros(model, rule, driven)
+    moving = _drop_idle_joints(model, driven)
     absurd: dict[str, list[Joint]] = {}
     for name, most in (("effort", most_effort), ("velocity", most_velocity)):
         # Joints with the same defect come from one template or one exporter's default.
         if negative := [joint for joint in driven if (joint.get_limit_value(name) or 0.0) < 0]:
             yield _build_finding(rule, f"{name}-negative", name, negative)
-        absurd[name] = [joint for joint in driven if (joint.get_limit_value(name) or 0.0) >= most]
+        absurd[name] = [joint for joint in moving if (joint.get_limit_value(name) or 0.0) >= most]
     both = [joint for joint in absurd["effort"] if joint in absurd["velocity"]]
     if both:  # the two placeholders of one <limit> are one defect
         largest = _find_largest(both)
@@ -44,6 +45,18 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
     for name, most in (("effort", most_effort), ("velocity", most_velocity)):
         if one := [joint for joint in absurd[name] if joint not in both]:
             yield _build_finding(rule, f"{name}-absurd", name, one, largest=_find_largest(one)[name], most=most)
+
+
+def _drop_idle_joints(model: Model, joints: Sequence[Joint]) -> list[Joint]:
+    """Leave out the joints that move nothing, neither a mass nor a shape nor another joint: they carry a number (the stiffness of
+    a real joint) to a controller, and no drive. All are kept if none moves anything: then the bodies are not described."""
+    parents = {joint.parent for joint in model.joints}
+    empty = {
+        link.name
+        for link in model.links
+        if not (link.visuals or link.collisions or link.inertial or link.name in parents)
+    }
+    return [joint for joint in joints if joint.child not in empty] or list(joints)
 
 
 def _find_largest(joints: Sequence[Joint]) -> dict[str, float]:

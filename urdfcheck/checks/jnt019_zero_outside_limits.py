@@ -15,7 +15,7 @@ _LEAST_LEGS = 4
 _SIMULATED = ("gazebo", "ros2_control", "transmission", "mujoco")
 
 
-def check(model: Model, rule: Rule, *, rel_tol: float, notable: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: float) -> Iterator[Finding]:
     placed = _collect_initial_positions(model)
     outside, limiting = [], []
     for joint in model.joints:
@@ -31,7 +31,10 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float) -> Iterat
     is_far = any(_measure_share(joint) > notable for joint in outside)
     if outside:
         is_warning = is_simulated and is_far and not _are_legs(outside)
-        yield _build_finding(rule, "outside", outside, None if is_warning else Severity.INFO)
+        is_near = all(_is_near(joint, near, notable) for joint in outside)
+        yield _build_finding(
+            rule, "near" if is_near else "outside", outside, None if is_warning and not is_near else Severity.INFO
+        )
     if limiting:
         yield _build_finding(rule, "on-limit", limiting, Severity.INFO)
 
@@ -50,6 +53,12 @@ def _are_legs(joints: Sequence[Joint]) -> bool:
     """Whether all joints are one joint of four or more like limbs: the knees of a quadruped, which bend one way only."""
     names = {remove_places(joint.name) for joint in joints}
     return len(joints) >= _LEAST_LEGS and len(names) == 1
+
+
+def _is_near(joint: Joint, near: float, notable: float) -> bool:
+    """Whether zero is so near the limits that the start is hardly seen: as an angle; along a slide as a share of its range."""
+    lower, upper = joint.position_range or (-1.0, 1.0)
+    return max(lower, -upper) < near if joint.position_unit == "rad" else _measure_share(joint) < notable
 
 
 def _measure_share(joint: Joint) -> float:

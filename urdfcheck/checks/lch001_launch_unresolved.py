@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
@@ -31,11 +32,11 @@ _SHOWN = 80
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
     if launch.python is not None:
-        yield from _check_python_launch(launch.python, launch.finder, rule)
+        yield from _check_python_launch(launch.python, launch.finder, rule, is_explicit=context.is_explicit)
     for description in launch.descriptions:
         if description.unresolved is not None:
             at = locate_text(description.at, description.file, launch.files)
-            yield from _check_description(launch, rule, description, obstacle=description.unresolved, at=at)
+            yield from _check_description(context, rule, description, obstacle=description.unresolved, at=at)
     for include in launch.broken_includes:
         yield from _check_include(launch, include, rule)
 
@@ -56,9 +57,11 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
 
 
 def _check_description(
-    launch: Launch, rule: Rule, description: DescriptionSource, *, obstacle: UnresolvedReason, at: Location
+    context: LaunchContext, rule: Rule, description: DescriptionSource, *, obstacle: UnresolvedReason, at: Location
 ) -> Iterator[Finding]:
     """Report why a launch file cannot load its description."""
+    launch = context.launch
+    build_unknown = partial(_build_unknown_finding, rule, at, is_explicit=context.is_explicit)
     path = _find_launch_file(description, launch)
     if obstacle.kind == "package":
         package = launch.finder.find_package_of(path.absolute())
@@ -66,7 +69,7 @@ def _check_description(
             near = _format_suggestions(launch.finder.suggest_names(obstacle.name))
             yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near)
         else:
-            yield _build_unknown_finding(rule, at, f"package {obstacle.name!r} is not installed here")
+            yield build_unknown(f"package {obstacle.name!r} is not installed here")
     elif obstacle.kind == "argument":
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
         if obstacle.name not in names:
@@ -75,16 +78,16 @@ def _check_description(
         elif not is_included_by_sibling(
             path
         ):  # one without a default gets its value at launch, or from that other file
-            yield _build_unknown_finding(rule, at, f"argument {obstacle.name!r} has no default")
+            yield build_unknown(f"argument {obstacle.name!r} has no default")
     elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
-        yield _build_unknown_finding(rule, at, f"git ignores {obstacle.name}, so it is probably generated")
+        yield build_unknown(f"git ignores {obstacle.name}, so it is probably generated")
     elif obstacle.kind == "file":
         yield rule.finding("file", at=at, path=obstacle.name, near=_suggest_file(obstacle.name, launch.finder))
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
     else:
         typed = textwrap.shorten(description.file, _SHOWN, placeholder=" …")
-        yield _build_unknown_finding(rule, at, f"computed by `{typed}`")
+        yield build_unknown(f"computed by `{typed}`")
 
 
 def _is_generated(name: str, launch: Path) -> bool:
@@ -92,11 +95,14 @@ def _is_generated(name: str, launch: Path) -> bool:
     return is_git_ignored(Path(name).absolute(), FileReach.from_paths([launch], []))
 
 
-def _build_unknown_finding(rule: Rule, at: Location, reason: str) -> Finding:
-    return rule.finding("unknown", at=at, severity=Severity.INFO, reason=reason)
+def _build_unknown_finding(rule: Rule, at: Location, reason: str, *, is_explicit: bool) -> Finding:
+    """Report a description that is known only at launch; with the whole folder its models are checked as files."""
+    return rule.finding("unknown" if is_explicit else "computed", at=at, severity=Severity.INFO, reason=reason)
 
 
-def _check_python_launch(python: PythonLaunch, finder: PackageFinder, rule: Rule) -> Iterator[Finding]:
+def _check_python_launch(
+    python: PythonLaunch, finder: PackageFinder, rule: Rule, *, is_explicit: bool
+) -> Iterator[Finding]:
     if python.syntax_problem is not None:
         yield rule.finding(
             "syntax", at=python.syntax_problem.location, severity=Severity.WARNING, error=python.syntax_problem.message
@@ -123,7 +129,8 @@ def _check_python_launch(python: PythonLaunch, finder: PackageFinder, rule: Rule
     if python.description_location is not None and not (
         python.models or python.missing_models or python.unknown_models
     ):
-        yield _build_unknown_finding(rule, python.description_location, "no model that the file names was found")
+        reason = "no model that the file names was found"
+        yield _build_unknown_finding(rule, python.description_location, reason, is_explicit=is_explicit)
 
 
 def _find_launch_file(description: DescriptionSource, launch: Launch) -> Path:

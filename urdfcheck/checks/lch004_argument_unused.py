@@ -34,8 +34,17 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
                 yield rule.finding("unused", at=argument, edits=edits, argument=name, verb=verb)
         elif not any(key in argument.attributes for key in ("default", "value", "doc", "description")):
             included = is_included_by_sibling(launch.path) if included is None else included
-            if not included:
+            if not included and not _has_comment(argument, launch):
                 yield rule.finding("required", at=argument, severity=Severity.WARNING, argument=name)
+
+
+def _has_comment(argument: Element, launch: Launch) -> bool:
+    """Whether a comment is directly before an argument: it says what to pass, as in MoveIt's files."""
+    file = None if argument.span is None else launch.files.get(argument.span.file)
+    if argument.span is None or file is None:
+        return False
+    _, comment, gap = file.text[: argument.span.start].rpartition("-->")
+    return bool(comment) and not gap.strip() and gap.count("\n") <= 1
 
 
 def _collect_read_names(root: Element) -> set[str]:

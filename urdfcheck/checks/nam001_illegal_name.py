@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Link, Model
+
+# The names of prims in USD.
+_IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
 def _has_break(name: str) -> bool:
@@ -39,6 +43,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     roots = {link.name for link in model.links} - {joint.child for joint in model.joints}
     worlds = [p for p in named if p.name == "world" and (isinstance(p, Joint) or p.name not in roots)]
     yield from _build_findings(rule, "world", severity=Severity.WARNING, parts=worlds)
+    name = model.name.strip()
+    if name and not _IDENTIFIER.fullmatch(name):
+        yield rule.finding(
+            "robot",
+            at=model.name_location,
+            severity=Severity.INFO,
+            name=name,
+            identifier=re.sub(r"^(?=\d)", "_", re.sub(r"\W", "_", name, flags=re.ASCII)),
+        )
 
 
 def _build_findings(

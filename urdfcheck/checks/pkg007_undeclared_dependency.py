@@ -11,6 +11,7 @@ from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
+from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import read_install_rules
@@ -86,6 +87,11 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         yield _build_finding(package, rule, root, file, message="mutual", missing={name: missing.pop(name)})
     for name in [name for name, uses in missing.items() if all(_leads_nowhere(use, package) for use in uses)]:
         yield _build_finding(package, rule, root, file, message="dangling", missing={name: missing.pop(name)})
+    chosen = select_alternatives(package, read_package_contents(package).mentions, missing)
+    if chosen:
+        yield _build_finding(
+            package, rule, root, file, message="alternatives", missing={name: missing.pop(name) for name in chosen}
+        )
     if missing:
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
@@ -104,12 +110,15 @@ def _build_finding(
     tags = {name: "test_depend" if _are_for_tests(uses, package) else runtime for name, uses in missing.items()}
     names = list(missing)
     uses = [use for uses in missing.values() for use in uses]
+    is_note = message in _MUTUAL and (_are_defaults(uses) or _are_in_launch_files(uses))
     finding = rule.finding(
         message,
         at=root.find_child("name") or root,
         related=[use.location for uses in missing.values() for use in uses[:3]],
-        severity=Severity.INFO if message in _MUTUAL and _are_defaults(uses) else None,
-        edits=() if message in {*_MUTUAL, "unknown", "dangling"} else _propose_edits(root, file, tags=tags),
+        severity=Severity.INFO if message == "alternatives" or is_note else None,
+        edits=()
+        if message in {*_MUTUAL, "alternatives", "unknown", "dangling"}
+        else _propose_edits(root, file, tags=tags),
         name=names[0],
         names=names,
         listed=join_names(names),
@@ -164,6 +173,11 @@ def _is_stray(use: PackageMention, package: Package) -> bool:
 def _are_defaults(uses: Iterable[PackageMention]) -> bool:
     """Whether all mentions are in defaults of launch arguments, which the caller may replace."""
     return all(use.location.span is not None and _is_default(use.location.span) for use in uses)
+
+
+def _are_in_launch_files(uses: Iterable[PackageMention]) -> bool:
+    """Whether only launch files mention a package: they are started where both packages are, and the model does without."""
+    return all(use.location.span is not None and use.location.span.file.endswith(_LAUNCH_SUFFIXES) for use in uses)
 
 
 def _is_default(span: Span) -> bool:
@@ -286,7 +300,7 @@ def _needs_declaration(name: str, uses: list[PackageMention], package: Package) 
     """Whether a package must be declared: it is found, or only launch files name it, which fail without it."""
     if package.finder is not None and package.finder.find(name) is not None:
         return True
-    return all(use.location.span is not None and use.location.span.file.endswith(_LAUNCH_SUFFIXES) for use in uses)
+    return _are_in_launch_files(uses)
 
 
 def _propose_edits(root: Element, file: SourceFile, *, tags: Mapping[str, str]) -> list[Edit]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from urdfcheck.core import Finding, Location, Rule, Span
+from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import format_count, join_names
-from urdfcheck.source.package.duplicates import select_rivals
+from urdfcheck.source.package.duplicates import are_of_series, select_rivals
 from urdfcheck.source.package.finder import Package, format_path
 
 
@@ -22,9 +22,11 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         return
     outer = min((package.path, *rivals), key=lambda folder: len(folder.parts))
     nested = all(outer in folder.parents for folder in (package.path, *rivals) if folder != outer)
+    is_series = are_of_series((package.path, *rivals))
     yield rule.finding(
-        "nested" if nested else "several",
+        "nested" if nested else "series" if is_series else "several",
         at=name,
+        severity=Severity.INFO if is_series and not nested else None,
         related=[_locate_manifest(folder) for folder in rivals],
         name=package.name,
         amount=format_count(len(rivals) + 1, "package"),

@@ -76,7 +76,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         message, severity, data = verdict
         if message in {"misspelt", "misplaced"} and all(map(_holds_zeros, places)):
             severity = Severity.INFO
-        if message == "misspelt" and data["near"] in _OF_MOVING_JOINTS and all(map(_is_in_fixed_joint, places)):
+        is_of_moving = message == "misspelt" and data["near"] in _OF_MOVING_JOINTS
+        if is_of_moving and all(_is_in_fixed_joint(place) or _holds_zeros(place) for place in places):
             severity = Severity.INFO
         edits: tuple[Edit, ...] = ()
         if message == "misspelt":

@@ -18,3 +18,5 @@ class LaunchContext:
     launch: Launch
     model: Model | None
     """None where the launch file is checked on its own, or the model could not be expanded."""
+    is_explicit: bool = True
+    """Whether the file was named; with a folder that was named, its model files are checked too, whatever a launch file loads."""

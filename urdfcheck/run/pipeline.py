@@ -331,7 +331,13 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
         for target in (*plan.models, *plan.candidates)
     ]
     units += [
-        Unit(kind="launch", path=str(path), id=make_model_id(path, {}, root=find_root(path))) for path in plan.launches
+        Unit(
+            kind="launch",
+            path=str(path),
+            id=make_model_id(path, {}, root=find_root(path)),
+            is_explicit=plan.whole_packages.isdisjoint(path.parents),
+        )
+        for path in plan.launches
     ]
     units += [
         Unit(

@@ -71,7 +71,7 @@ class PairSide:
     twin: Link
     actual: DeclaredInertial
     expected: DeclaredInertial
-    """Of mirror image and copies of the twin's inertial that the drawings allow, that which is nearest to ``actual``."""
+    """Of mirror image and copies of the twin's inertial that the drawings allow, the inertial that is nearest to ``actual``."""
     image: DeclaredInertial
     """The twin's inertial mirrored."""
     disallowed: tuple[DeclaredInertial, ...]

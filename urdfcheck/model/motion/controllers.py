@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -103,6 +103,8 @@ def _add_configuration(
     if configuration is None:
         return
     names = configuration.joint_names
+    if not names and named_at is None:
+        return  # only gpios, whose names do not show the robot
     if known is None or 2 * len(names & known) >= len(names):
         configs[os.path.realpath(path)] = AssociatedConfiguration(configuration, named_at)
 
@@ -155,12 +157,19 @@ def _resolve_launch_path(text: str, launch: Launch) -> Path | None:
 
 def collect_command_interfaces(model: Model) -> dict[str, set[str]] | None:
     """Collect the command interfaces of each joint in the model's ``<ros2_control>`` blocks; None where it has no such block."""
+    return collect_interfaces(model, "command", ("joint", "gpio"))
+
+
+def collect_interfaces(model: Model, role: str, tags: Iterable[str]) -> dict[str, set[str]] | None:
+    """Collect the interfaces of the components with these tags, by name, in the ``<ros2_control>`` blocks.
+
+    ``role``: ``command`` or ``state``. None where the model has no such block.
+    """
     blocks = model.robot.find_children("ros2_control")
     if not blocks:
         return None
     offered: dict[str, set[str]] = {}
-    for block in blocks:
-        for component in (*block.find_children("joint"), *block.find_children("gpio")):
-            names = {element.get("name") for element in component.find_children("command_interface")}
-            offered.setdefault(component.get("name"), set()).update(names)
+    for component in (component for block in blocks for tag in tags for component in block.find_children(tag)):
+        names = {element.get("name") for element in component.find_children(f"{role}_interface")}
+        offered.setdefault(component.get("name"), set()).update(names)
     return offered

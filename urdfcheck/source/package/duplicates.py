@@ -12,6 +12,11 @@ from urdfcheck.system.files import read_regular
 
 # Folders that colcon and catkin do not search.
 _SKIPPED = BUILD_FOLDERS | {"build_isolated", "devel", "devel_isolated", "install_isolated", "node_modules"}
+# A numbered part of a book or a course.
+_SERIES = re.compile(
+    r"(?<![a-z])(?:chapter|ch|day|exercise|lab|lecture|lesson|part|section|session|step|tutorial|unit|week)[ _-]?\d",
+    re.IGNORECASE,
+)
 _GIT_FOLDER = re.compile(r"gitdir:\s*([^\0\n]+?)[/\\]worktrees[/\\]")
 
 
@@ -27,6 +32,19 @@ def select_rivals(own: Path, folders: Sequence[Path]) -> list[Path]:
         if real != os.path.realpath(own) and real not in found and _is_rival(own, folder):
             found[real] = folder
     return list(found.values())
+
+
+def are_of_series(folders: Sequence[Path]) -> bool:
+    """Whether folders are the same one in the numbered parts of a book or a course (`chapter_2/arm`, `chapter_3/arm`), which
+    are built one at a time."""
+    absolute = [folder.absolute() for folder in folders]
+    common = Path(os.path.commonpath(absolute))
+    parts = [folder.relative_to(common).parts for folder in absolute]
+    return all(map(_has_series_number, parts)) and len({re.sub(r"\d+", "", "/".join(names)) for names in parts}) == 1
+
+
+def _has_series_number(parts: Sequence[str]) -> bool:
+    return bool(parts) and _SERIES.search(parts[0]) is not None
 
 
 def _is_rival(own: Path, other: Path) -> bool:

@@ -35,8 +35,9 @@ _LONGEST_LINE = 500
 
 _PACKAGE = r"([A-Za-z][A-Za-z0-9_.-]*)"
 _INSIDE = r"((?:/[^\s\"'<>()|;,\\]*)?)"
-# In XML a backslash is part of a path, which does not exist then on Linux; elsewhere it ends a text or quotes a character.
-_INSIDE_XML = r"((?:/[^\s\"'<>()|;,]*)?)"
+# In XML a backslash is part of a path, which does not exist then on Linux; elsewhere it ends a text or quotes a character. A
+# substitution, like `$(arg name)`, is part of it too.
+_INSIDE_XML = r"((?:/(?:\$\([^()\"'<>\n]*\)|[^\s\"'<>()|;,])*)?)"
 _MENTION = re.compile(
     rf"package://{_PACKAGE}(?![$\w.-]){_INSIDE}"
     rf"|\$\(find(?:-pkg-share)?\s+['\"]?{_PACKAGE}['\"]?\s*\){_INSIDE_XML}"

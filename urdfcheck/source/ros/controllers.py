@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,6 +34,9 @@ _LARGEST_LAUNCH = 1_000_000
 _ACTIONS = frozenset({"FollowJointTrajectory", "GripperCommand"})
 # Other nodes also have parameters of these names.
 _CONTROLLER_NAME = re.compile(r"controller(?!_manager)|broadcaster")
+_GPIO_CONTROLLER = "gpio_controllers/GpioCommandController"
+# A mapping with its key and where it is, as `_walk_mappings` yields them.
+_Node = tuple[YamlValue | None, YamlValue, str]
 # Placeholders that are filled in when the file is loaded.
 _TEMPLATE = re.compile(r"[$<>{}%]")
 
@@ -78,12 +81,26 @@ class Controller:
         return self.joints if commanded is None else tuple(_list_joint_names(commanded))
 
 
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class GpioClaim:
+    """An interface that a ``gpio_controllers/GpioCommandController`` claims."""
+
+    controller: str
+    role: str
+    """command | state."""
+    component: YamlValue
+    """The name of the ``<gpio>``."""
+    interface: YamlValue
+
+
 @dataclass(frozen=True, eq=False)
 class ControllerConfig:
     """A file with its controllers."""
 
     path: Path
     controllers: tuple[Controller, ...]
+    """Those that name joints."""
+    gpio_claims: tuple[GpioClaim, ...] = ()
 
     @property
     def joint_names(self) -> frozenset[str]:
@@ -135,19 +152,46 @@ def read_controller_config(path: Path, finder: PackageFinder) -> ControllerConfi
         root = read_located_yaml(path, finder)
     except YamlReadError:
         return None
-    config = ControllerConfig(path, () if root is None else tuple(_parse_controllers(root)))
-    return config if config.controllers and not any(map(_TEMPLATE.search, config.joint_names)) else None
-
-
-def _parse_controllers(root: YamlValue) -> Iterator[Controller]:
+    if root is None:
+        return None
     nodes = list(_walk_mappings(root))
-    types = {
+    types = _collect_types(nodes)
+    config = ControllerConfig(path, tuple(_parse_controllers(nodes, types)), tuple(_parse_gpio_claims(nodes, types)))
+    names = config.joint_names.union(claim.component.text for claim in config.gpio_claims)
+    return config if names and not any(map(_TEMPLATE.search, names)) else None
+
+
+def _collect_types(nodes: Iterable[_Node]) -> dict[str, str]:
+    """Return the types of the controllers of ROS 2 by their names, as the controller manager has them."""
+    return {
         key.text: typed.text
         for name, mapping, inside in nodes
         if inside == "ros2" and name is not None and "controller_manager" in name.text
         for key, value in mapping.entries
         if (typed := value.get("type")) is not None
     }
+
+
+def _parse_gpio_claims(nodes: Iterable[_Node], types: Mapping[str, str]) -> Iterator[GpioClaim]:
+    for name, mapping, inside in nodes:
+        last = "" if name is None else name.text.rpartition("/")[2]
+        if inside != "ros2" or types.get(last) != _GPIO_CONTROLLER:
+            continue
+        for role in ("command", "state"):
+            claimed = mapping.get(f"{role}_interfaces")
+            for component, listed in () if claimed is None else claimed.entries:
+                for interface in _list_gpio_interfaces(listed):
+                    yield GpioClaim(controller=last, role=role, component=component, interface=interface)
+
+
+def _list_gpio_interfaces(listed: YamlValue) -> Iterator[YamlValue]:
+    """Yield the names below a gpio: a list, or one under ``interfaces``, which an older release wanted inside a list."""
+    for item in listed.items or (listed,):
+        inner = item.get("interfaces") if item.is_mapping else item
+        yield from () if inner is None else (name for name in (inner.items or (inner,)) if name.text.strip())
+
+
+def _parse_controllers(nodes: Iterable[_Node], types: Mapping[str, str]) -> Iterator[Controller]:
     for name, mapping, inside in nodes:
         typed = mapping.get("type")
         kind = "" if typed is None else typed.text
@@ -166,13 +210,13 @@ def _parse_controllers(root: YamlValue) -> Iterator[Controller]:
             yield Controller(name=name.text, type=kind, dialect="ros1", key=name, parameters=mapping, joints=joints)
 
 
-def _walk_mappings(root: YamlValue) -> Iterator[tuple[YamlValue | None, YamlValue, str]]:
+def _walk_mappings(root: YamlValue) -> Iterator[_Node]:
     """Yield every mapping with its key, and ``ros2`` for the parameters of a ROS 2 node, ``inner`` for mappings in these."""
-    stack: list[tuple[YamlValue | None, YamlValue, str]] = [(None, root, "")]
+    stack: list[_Node] = [(None, root, "")]
     while stack:
         name, mapping, inside = stack.pop()
         yield name, mapping, inside
-        below: list[tuple[YamlValue | None, YamlValue, str]] = []
+        below: list[_Node] = []
         for key, value in mapping.entries:
             if key.text == "ros__parameters":
                 below.append((name, value, "ros2"))

@@ -1,0 +1,45 @@
+"""GZB009 reports range sensors whose rays end at their own robot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import format_length, join_names
+from urdfcheck.model import Model
+from urdfcheck.model.gazebo import list_sensors
+from urdfcheck.model.parts import locate_geometry
+
+if TYPE_CHECKING:
+    from urdfcheck.model.shapes.sensor_rays import SelfScan
+
+_FILTERS = "laser_filters"
+
+
+def check(model: Model, rule: Rule, *, least: float) -> Iterator[Finding]:
+    if not list_sensors(model):
+        return
+    from urdfcheck.model.shapes.sensor_rays import scan_robot
+
+    for scan in scan_robot(model):
+        if scan.share > least:
+            yield _build_finding(model, rule, scan)
+
+
+def _build_finding(model: Model, rule: Rule, scan: SelfScan) -> Finding:
+    is_filtered = model.package is not None and _FILTERS in model.package.dependencies
+    return rule.finding(
+        "cloud" if scan.layers > 1 else "filtered" if is_filtered else "sees",
+        at=scan.sensor.element,
+        related=[locate_geometry(seen.shape) for seen in scan.seen],
+        severity=Severity.INFO if scan.layers > 1 or is_filtered else None,
+        sensor=scan.sensor.name,
+        share=scan.share,
+        links=join_names(dict.fromkeys(seen.link for seen in scan.seen)),
+        sectors=join_names(scan.describe_sectors()),
+        nearest=format_length(scan.nearest),
+        farthest=format_length(scan.farthest),
+        range=format_length(scan.least),
+        beyond=f"{scan.farthest + 0.005:.2f}",
+    )

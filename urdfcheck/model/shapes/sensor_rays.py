@@ -1,0 +1,169 @@
+"""What the range sensors of Gazebo see of their own robot at rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.model.gazebo import GazeboSensor, list_sensors
+from urdfcheck.model.parts import Shape
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
+from urdfcheck.source.text.values import parse_number, parse_numbers
+from urdfcheck.source.text.xml import Element
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
+# Rays in a turn, and layers of a scan, that are followed at most.
+_MOST_AZIMUTHS, _MOST_LAYERS = 720, 16
+# Types of sensors whose rays are rendered, so that they see visuals, and the one whose rays are collided with shapes.
+RENDERED, COLLIDED = frozenset({"gpu_ray", "gpu_lidar", "lidar"}), "ray"
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class SeenShape:
+    """A shape at which rays of a sensor end."""
+
+    shape: Shape
+    link: str
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class SelfScan:
+    """What a sensor sees of its robot."""
+
+    sensor: GazeboSensor
+    least: float
+    """The shortest range that it reports (m)."""
+    azimuths: Array
+    """The directions of the rays that were followed (A,), in rad."""
+    distances: Array
+    """Where each ray enters a shape (E, A), in m, inf for none."""
+    seen: tuple[SeenShape, ...]
+    """The shapes that rays enter first."""
+
+    @property
+    def layers(self) -> int:
+        return len(self.distances)
+
+    @property
+    def share(self) -> float:
+        """Which part of the rays ends at the robot."""
+        return float(np.isfinite(self.distances).mean())
+
+    @property
+    def nearest(self) -> float:
+        return float(self.distances.min())
+
+    @property
+    def farthest(self) -> float:
+        """The distance (m) of the farthest place that a ray meets; only for a scan that meets one."""
+        return float(self.distances[np.isfinite(self.distances)].max())
+
+    def describe_sectors(self) -> list[str]:
+        """Name the sectors in which neighbouring rays end at the robot, in degrees."""
+        blocked = np.isfinite(self.distances).any(axis=0)
+        edges = np.flatnonzero(np.diff(np.concatenate(([False], blocked, [False])).astype(int)))
+        degrees = np.degrees(self.azimuths).round().astype(int).tolist()
+        return [f"{degrees[a]}° to {degrees[b - 1]}°" for a, b in edges.reshape(-1, 2).tolist()]
+
+
+def scan_robot(model: Model) -> Iterator[SelfScan]:
+    """Yield what each range sensor sees of the links that do not move against it, and of wheels.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    for sensor in list_sensors(model):
+        if sensor.reference in model.link_by_name and (sensor.type in RENDERED or sensor.type == COLLIDED):
+            scan = _scan_with(model, sensor)
+            if scan is not None:
+                yield scan
+
+
+def _scan_with(model: Model, sensor: GazeboSensor) -> SelfScan | None:
+    from urdfcheck.facts.motion.kinematics import build_origin_transform
+
+    rays = sensor.element.find_child("ray") or sensor.element.find_child("lidar")
+    pose = sensor.element.find_child("pose")
+    offset = [0.0] * 6 if pose is None else parse_numbers(pose.text, 6)
+    scan, limits = (None, None) if rays is None else (rays.find_child("scan"), rays.find_child("range"))
+    if scan is None or limits is None or offset is None or (pose is not None and pose.attributes):
+        return None
+    least, most = _read_number(limits, "min"), _read_number(limits, "max")
+    azimuths = _read_angles(scan.find_child("horizontal"), _MOST_AZIMUTHS)
+    elevations = _read_angles(scan.find_child("vertical"), _MOST_LAYERS)
+    if least is None or most is None or azimuths is None or elevations is None or sensor.reference not in model.frames:
+        return None
+    place = model.frames[sensor.reference] @ build_origin_transform(offset[:3], offset[3:])
+    role = "visual" if sensor.type in RENDERED else "collision"
+    distances = np.full((len(elevations), len(azimuths)), np.inf)
+    first = np.full(distances.shape, -1)
+    shapes = list(_iter_shapes(model, sensor.reference, role))
+    to_sensor = np.linalg.inv(place)
+    for index, (shape, link) in enumerate(shapes):
+        entries = _measure_entries(model, shape, to_sensor @ model.frames[link], azimuths, elevations, least)
+        entries[(entries < least) | (entries > most)] = np.inf
+        nearer = entries < distances
+        distances[nearer], first[nearer] = entries[nearer], index
+    seen = tuple(SeenShape(shape=shapes[i][0], link=shapes[i][1]) for i in np.unique(first[first >= 0]).tolist())
+    return SelfScan(sensor=sensor, least=least, azimuths=azimuths, distances=distances, seen=seen)
+
+
+def _iter_shapes(model: Model, link: str, role: str) -> Iterator[tuple[Shape, str]]:
+    """Yield the usable shapes that stay where they are, seen from a link: those of its body, and those of wheels on it."""
+    tree = model.tree
+    body = tree.list_body_links(link)
+    wheels = [
+        j.child for j in model.joints if j.type == "continuous" and j.parent in set(body) and j.child in tree.order
+    ]
+    for name in (*body, *(inner for wheel in wheels for inner in tree.list_body_links(wheel))):
+        owner = model.link_by_name[name]
+        for shape in owner.visuals if role == "visual" else owner.collisions:
+            if is_usable_shape(model, shape):
+                yield shape, name
+
+
+def _measure_entries(
+    model: Model, shape: Shape, frame: Array, azimuths: Array, elevations: Array, least: float
+) -> Array:
+    from urdfcheck.facts.motion.ray_casting import (
+        make_scan_directions,
+        measure_mesh_entries,
+        measure_primitive_entries,
+    )
+
+    pose, size = shape.origin.matrix, shape.size
+    assert pose is not None
+    assert size is not None  # see is_usable_shape
+    placed = frame @ pose
+    turn, origin = placed[:3, :3], placed[:3, 3]
+    if shape.kind == "mesh":
+        facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
+        assert facts is not None
+        assert scale is not None
+        vertices = facts.vertices * np.array(scale) @ turn.T + origin
+        faces = facts.faces if math.prod(scale) > 0 else facts.faces[:, ::-1]
+        return measure_mesh_entries(vertices, faces, azimuths, elevations, least)
+    directions = make_scan_directions(azimuths, elevations)
+    entries = measure_primitive_entries(shape.kind or "", size, -turn.T @ origin, directions.reshape(-1, 3) @ turn)
+    return entries.reshape(directions.shape[:2])
+
+
+def _read_angles(element: Element | None, most: int) -> Array | None:
+    """Read the angles (rad) of a ``<horizontal>`` or ``<vertical>``, at most so many; 0 alone without the element."""
+    if element is None:
+        return np.zeros(1)
+    samples, low, high = (_read_number(element, name) for name in ("samples", "min_angle", "max_angle"))
+    if samples is None or low is None or high is None or samples < 1 or not abs(low) + abs(high) < 20:
+        return None
+    return np.linspace(low, high, int(min(samples, most))) if high > low else np.array([low])
+
+
+def _read_number(element: Element, tag: str) -> float | None:
+    child = element.find_child(tag)
+    return None if child is None else parse_number(child.text.strip())
