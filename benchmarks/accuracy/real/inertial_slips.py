@@ -36,7 +36,11 @@ def mass_unit(part: Part, rng: Rng) -> Broken | None:
 def com_unit(part: Part, rng: Rng) -> Broken | None:
     """The COM in millimetres, centimetres or inches."""
     unit = str(rng.choice(list(COM_UNITS)))
-    return _named(part, lambda n: replace(n, com=n.com * COM_UNITS[unit]), rf"\b(in {unit}|COM .*\b{unit})\b")
+    words = rf"\b(in {unit}|COM .*\b{unit})\b"
+    com = np.abs(_numbers(part).com)
+    if unit == "cm" and np.sum(com > 0.01 * com.max()) == 1:
+        words += r"|com [xyz] 0\.01 times"  # the same number, with its decimal point two places off
+    return _named(part, lambda n: replace(n, com=n.com * COM_UNITS[unit]), words)
 
 
 def all_units(part: Part, rng: Rng) -> Broken | None:
