@@ -15,7 +15,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     decisions = source.find_problems("environment-decides")
     if decisions:
         # This import loads the expansion, and few models need it.
-        from urdfcheck.source.environment.other_values import get_variable
+        from urdfcheck.source.other_environments import get_variable
 
         names = sorted({str(p.data["variable"]) for p in decisions})
         first, *others = dict.fromkeys(p.location for p in decisions)
@@ -27,7 +27,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         yield rule.finding("place", at=first, related=others[:9], severity=Severity.ERROR)
     orders = source.find_problems("order-decides")
     if orders:
-        from urdfcheck.source.environment.other_values import depends_on_set_order  # likewise
+        from urdfcheck.source.other_environments import depends_on_set_order  # likewise
 
         first, *others = dict.fromkeys(p.location for p in orders)
         if depends_on_set_order(source):

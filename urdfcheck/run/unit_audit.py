@@ -155,7 +155,7 @@ class _UnitAudit:
             return
         is_unbound = source.is_part and bool(source.find_problems("prefix"))
         if source.find_problems("environment-decides"):
-            from urdfcheck.source.environment.other_values import find_other_environments  # few models decide by one
+            from urdfcheck.source.other_environments import find_other_environments  # few models decide by one
 
             self.other_environments = find_other_environments(source)
         if source.root is None or source.root.tag != "robot" or is_unbound:

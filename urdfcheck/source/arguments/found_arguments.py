@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from urdfcheck.source.environment.usual_values import choose_variable, find_unset_variable
+from urdfcheck.source.arguments.usual_environment import choose_variable, find_unset_variable
 from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, find_passed_arguments
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
