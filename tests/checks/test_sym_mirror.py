@@ -258,6 +258,18 @@ def test_each_defect_is_found_where_it_is(tmp_path: Path, defect: str) -> None:
     assert finding.severity == Severity.WARNING
 
 
+def test_the_drawing_shows_which_com_was_copied_where_masses_differ_too(tmp_path: Path) -> None:
+    """Nothing shows which mass is right: neither is written, and no numbers are offered for the side whose COM is right."""
+    mass = float(numbers(ROBOT, f"{RIGHT}/mass")["value"])
+    finding = one(tmp_path, with_(com_copied(inertia_copied(ROBOT)), f"{RIGHT}/mass", value=repr(1.05 * mass)))
+    assert told(finding) == ("inertial", "copied", "link[right_arm]/inertial")
+    assert finding.fix is not None
+    assert finding.fix.edits
+    assert "in right_arm" in finding.fix.title
+    assert "left_arm" not in finding.fix.title
+    assert "mass" not in finding.fix.title
+
+
 @pytest.mark.parametrize("name", ["ixy", "ixx"])
 def test_a_mistake_that_one_link_explains_is_told_once(tmp_path: Path, name: str) -> None:
     """The sign of a product, a lost decimal point: which rule tells depends on what else it could be."""

@@ -188,7 +188,22 @@ def find_wrong_side(
     suspects = [side for side in both if _is_misfit(model, side)]
     if not suspects:
         suspects = [side for side in both if _has_com_on_the_other_side(model, pair, side, threshold=threshold)]
+    if not suspects:
+        # The drawings show which COM was copied, and nothing shows which mass is right.
+        others = [_keep_mass(side) for side in both if side.deviation.mass > threshold]
+        suspects = [side for side in others if _has_com_on_the_other_side(model, pair, side, threshold=threshold)]
     return (suspects[0], ()) if len(suspects) == 1 else None
+
+
+def _keep_mass(side: PairSide) -> PairSide:
+    """Return a side of which everything is expected that the twin's numbers say but for its mass."""
+    mass = side.actual.mass
+    return replace(
+        side,
+        expected=replace(side.expected, mass=mass),
+        image=replace(side.image, mass=mass),
+        disallowed=tuple(replace(copy, mass=mass) for copy in side.disallowed),
+    )
 
 
 def _is_misfit(model: Model, side: PairSide) -> bool:
