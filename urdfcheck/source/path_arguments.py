@@ -42,9 +42,7 @@ def list_path_arguments(source: Source, made_of: Iterable[Location]) -> list[Pat
         name = place.subject.removeprefix(_SUBJECT).removesuffix("]")
         defaults = (e.get("default") for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name)
         value = source.arguments.get(name, next(defaults, ""))
-        origin = (
-            "launch" if name in source.found_arguments else "given" if name in source.arguments else "default"
-        )
+        origin = "launch" if name in source.found_arguments else "given" if name in source.arguments else "default"
         if "$(" not in value:
             found[name] = PathArgument(name, value, source.found_arguments.get(name, place), origin)
     return sorted(found.values(), key=_get_place)
