@@ -37,6 +37,7 @@ from urdfcheck.model.inertials.inertial_effects import (
 from urdfcheck.model.inertials.inertial_proposals import (
     describe_drawn_inertial,
     describe_mistake,
+    has_com_of_shell,
     name_mistake,
     propose_undo,
 )
@@ -193,6 +194,8 @@ def _build_cause_finding(
     message = "cause" if mended is None else "exact" if exact else "named"
     if mended is not None and diagnosis.judged_by == "twin":
         message = "twin"
+    elif cause == "shell" and has_com_of_shell(model, link):
+        message = "hollow"
     elif cause in {"com_missing", "mesh_scale"}:
         message = cause
     elif others:
