@@ -1074,6 +1074,36 @@ def test_a_file_that_is_not_installed_is_named(tmp_path: Path, build: str, told:
 
 
 @pytest.mark.parametrize(
+    ("setup", "messages"),
+    [
+        ('package_dir={"": "src"}, package_data={"p": ["meshes/*.stl"]}', {"python-data", "folder"}),
+        ('package_dir={"p": "src/p"}, package_data={"": ["meshes/**/*.stl"]}', {"python-data", "folder"}),
+        ('package_dir={"": "src"}, package_data={"p": ["*.stl"]}', {"folder"}),
+        ('package_dir={"": "src"}, package_data={"other": ["meshes/*.stl"]}', {"folder"}),
+        ('package_dir={"": "lib"}, package_data={"p": ["meshes/*.stl"]}', {"folder"}),
+        ('package_data={"p": ["meshes/*.stl"]}', {"folder"}),
+        ('package_dir={"": "src"}', {"folder"}),
+    ],
+)
+def test_meshes_in_the_python_package_are_not_in_share(tmp_path: Path, setup: str, messages: set[str]) -> None:
+    parts = "".join(make_mesh_link(name, f"package://p/meshes/{name}.stl") for name in ("a", "gone"))
+    files = {
+        "package.xml": manifest("<export><build_type>ament_python</build_type></export>"),
+        "setup.py": f'setup(name="p", {setup}, data_files=[("share/p", ["package.xml"])])',
+        "urdf/r.urdf": f'<robot name="r">{parts}</robot>',
+        "src/p/meshes/a.stl": "",
+    }
+    write(tmp_path, files)
+    found = {f.message_id: f for f in findings(tmp_path, "PKG002")}
+    assert found.keys() == messages
+    assert found["folder"].severity == Severity.ERROR
+    told = found.get("python-data")
+    if told is not None:
+        assert (told.severity, told.data["files"]) == (Severity.WARNING, ["package://p/meshes/a.stl"])
+        assert found["folder"].data["files"] == ["package://p/meshes/gone.stl"]
+
+
+@pytest.mark.parametrize(
     ("there", "told"),
     [
         (("meshes/other/link.stl",), True),

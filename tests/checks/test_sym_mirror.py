@@ -772,6 +772,23 @@ def test_without_drawings_one_mistake_that_leads_to_the_twin_is_named(
     assert finding.severity is Severity.WARNING
 
 
+@pytest.mark.parametrize(("side", "drawn"), [(LEFT, True), (RIGHT, True), (LEFT, False), (RIGHT, False)])
+def test_a_side_that_was_rounded_is_named(tmp_path: Path, side: str, drawn: bool) -> None:
+    base = ROBOT if drawn else strip_drawings(ROBOT)
+    six = {name: float(value) for name, value in numbers(base, f"{side}/inertia").items()}
+    factor = 1.6e-3 / min(six[name] for name in ("ixx", "iyy", "izz"))  # 0.002 is left of the smallest moment
+    for path in (LEFT, RIGHT):
+        base = scale_inertial(base, path, mass=factor, tensor=factor)
+    rounded = {name: f"{factor * value:.3f}" for name, value in six.items()}
+    finding = one(tmp_path, with_(base, f"{side}/inertia", **rounded))
+    assert finding.cause is not None
+    name = side.partition("'")[2].partition("'")[0]
+    if drawn:
+        assert (finding.message_id, finding.cause.id) == ("pair", "rounded")
+    else:
+        assert finding.cause.text == f"The two agree if one mistake in {name} is undone: rounding: 3 decimals."
+
+
 def test_a_tensor_about_the_origin_is_named_on_the_side_that_has_it(tmp_path: Path) -> None:
     robot = strip_drawings(ROBOT)
     six = {name: float(value) for name, value in numbers(robot, f"{LEFT}/inertia").items()}

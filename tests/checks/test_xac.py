@@ -54,7 +54,6 @@ def only(run: Run) -> Finding:
         ("""<link name="${ {'a': 1}['a'] }"/>""", "syntax", "is not a valid expression"),
         ('<link name="${1/0}"/>', "expression-failed", "division by zero"),
         ("""<link name="${xacro.fatal('no such type')}"/>""", "refused", "no such type"),
-        ('<link name="$(env ROS_DISTRO)"/>', "environment", "ROS_DISTRO is not set"),
         ('<link name="$(env HOME)"/>', "environment-unread", "HOME counts as not set"),
     ],
 )  # fmt: skip
@@ -64,6 +63,35 @@ def test_each_way_to_fail_is_one_located_finding(tmp_path: Path, text: str, mess
     assert says in finding.message
     assert finding.location.span is not None
     assert finding.location.span.line == 3
+
+
+CALLED = '<xacro:macro name="finger" params=""><link name="finger"/></xacro:macro>'
+CALLER = '<xacro:macro name="hand" params=""><xacro:finger/></xacro:macro>'
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (f"<xacro:finger/>\n{CALLED}", 4),
+        (f"{CALLER}\n<xacro:hand/>\n{CALLED}", 5),
+        (f'<xacro:include filename="hand.xacro"/>\n{CALLED}', 4),
+        (f'<xacro:finger/>\n<xacro:if value="false">{CALLED}</xacro:if>', None),
+        (f'<xacro:if value="false">{CALLED}</xacro:if><xacro:finger/>\n{CALLED}', None),
+        (f'<xacro:if value="false">{CALLED}</xacro:if>{CALLER}<xacro:hand/>', None),
+    ],
+)
+def test_macro_that_is_defined_below_its_call_is_not_unknown(tmp_path: Path, text: str, line: int | None) -> None:
+    write(tmp_path, {"hand.xacro": HEAD + "<xacro:finger/></robot>"})
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.message_id == ("unknown-macro" if line is None else "macro-later")
+    if line is not None:
+        assert finding.data["line"] == line
+        assert [place.span.line for place in finding.related if place.span is not None] == [line]
+
+
+def test_macro_may_call_one_that_is_defined_below_it(tmp_path: Path) -> None:
+    finding = only(xacro(tmp_path, f"{CALLER}{CALLED}<xacro:hand/><xacro:thumb/>", {"XAC001"}))
+    assert finding.data["name"] == "thumb"
 
 
 def test_failure_in_a_macro_names_the_calls_and_the_definition(tmp_path: Path) -> None:
@@ -143,6 +171,25 @@ def test_missing_file_is_told_at_the_arguments_that_lead_there(
     assert finding.data["remedy"].startswith(f"--arg {says.split()[1]}:=")
     complete = xacro(tmp_path, LOAD, {"XAC001"}, arguments={"left_arm": "gen3", "left_dof": "7"})
     assert not complete.findings
+
+
+@pytest.mark.parametrize("suffix", [".urdf.xacro", "_macro.xacro"])
+def test_a_name_without_its_beginning_is_an_empty_argument(tmp_path: Path, suffix: str) -> None:
+    part = HEAD + '<xacro:include filename="$(dirname)/$(arg arm)' + suffix + '"/></robot>'
+    write(tmp_path, {f"arms/{name}{suffix}": HEAD + "</robot>" for name in ("px100", "wx200")})
+    write(tmp_path, {f"arms/any{suffix}": part})
+    text = f'<xacro:arg name="arm" default=""/><xacro:include filename="$(dirname)/arms/any{suffix}"/>'
+    finding = only(xacro(tmp_path, text, {"XAC001", "PKG012"}))
+    assert finding.message_id == "argument-empty"
+    assert finding.message.endswith("does not exist; there are px100, wx200")
+    assert finding.data["remedy"] == format_argument_option("arm", "px100")
+    assert not xacro(tmp_path, text, {"XAC001", "PKG012"}, arguments={"arm": "wx200"}).findings
+
+
+def test_a_hidden_file_that_exists_is_not_opened(tmp_path: Path) -> None:
+    write(tmp_path, {".urdf.xacro": HEAD + '<link name="secret"/></robot>'})
+    text = '<xacro:arg name="arm" default=""/><xacro:include filename="$(dirname)/$(arg arm).urdf.xacro"/>'
+    assert [f.code for f in xacro(tmp_path, text, {"XAC001", "PKG012"}).findings] == ["PKG012"]
 
 
 CONDITIONAL = """<xacro:arg name="prefix" default=""/><xacro:property name="side" value="$(arg prefix)"/>
@@ -1021,6 +1068,12 @@ def test_a_default_that_leads_nowhere_is_not_proposed(tmp_path: Path) -> None:
         ({"grip_daul.xacro": "dual", "other.xacro": "dual"}, "<xacro:dual/>", "'grip_daul.xacro'"),
         ({"grip_daul.xacro": None}, "<xacro:dual/>", "'grip_daul.xacro'"),  # it may include what defines the macro
         ({"grip_daul.xacro": "quad"}, "", "'grip_daul.xacro'"),
+        ({"grip_duel.xacro": "duel"}, '<xacro:include filename="$(dirname)/grip_duel.xacro"/><xacro:duel/>', None),
+        (
+            {"grip_duel.xacro": "duel", "grip_all.xacro": "dual"},
+            '<xacro:include filename="grip_duel.xacro"/><xacro:duel/><xacro:dual/>',
+            "'grip_all.xacro'",
+        ),
     ],
 )
 def test_proposed_file_defines_the_macro_that_is_called(
@@ -1067,3 +1120,6 @@ def test_backslashes_of_a_path_are_the_cause_where_it_exists_with_slashes(
     write(tmp_path, {there: HEAD + "</robot>"})
     finding = only(xacro(tmp_path, '<xacro:include filename="a\\part.xacro"/>', {"XAC001"}))
     assert ("with `/` in place of each backslash" in finding.message) == said
+    assert finding.fix is not None
+    assert (finding.fix.title == "write `/` for each backslash") == said
+    assert finding.fix.title.startswith("correct the path") != said

@@ -627,12 +627,36 @@ class TestXML006:
             (SHAPE.format('<material name="x"/><material name="y"/>'), ["repeated"]),
             (SHAPE.format("<verbose/><verbose/>"), []),
             ("<inertial/>" * 3, ["identical"]),
+            (SHAPE.format('<material name="x"/><material/><material></material>'), ["empty"]),
+            (SHAPE.format('<material/><material name="x"/>'), ["repeated"]),
         ],
     )
     def test_what_there_may_be_one_of(self, tmp_path: Path, link: str, messages: list[str]) -> None:
         found = findings(tmp_path, LINK.format(robot="", link=link), "XML006")
         assert [f.message_id for f in found] == messages
-        assert all((f.severity == Severity.WARNING) == (f.message_id == "identical") for f in found)
+        assert all((f.severity == Severity.WARNING) == (f.message_id in {"identical", "empty"}) for f in found)
+
+    def test_the_empty_one_is_deleted(self, tmp_path: Path) -> None:
+        (found,) = findings(
+            tmp_path, LINK.format(robot="", link=SHAPE.format('<material name="x"/><material/>')), "XML006"
+        )
+        assert found.fix is not None
+        assert [(edit.expected, edit.replacement) for edit in found.fix.edits] == [("<material/>", "")]
+
+    @pytest.mark.parametrize(
+        ("shape", "codes"),
+        [
+            ('<material name="x"/><material/>', {"XML006"}),
+            ('<material name="x"/><material name="y"><color/></material>', {"XML006"}),
+            ('<material/><material name="x"/>', {"XML005", "XML006"}),
+            ('<origin xyz="0 0 1"/><origin xyz="0 nan"/>', {"XML006"}),
+            ('<origin xyz="0 nan"/><origin xyz="0 0 1"/>', {"XML006", "XML007"}),
+        ],
+    )
+    def test_what_is_not_read_has_no_other_defect(self, tmp_path: Path, shape: str, codes: set[str]) -> None:
+        text = LINK.format(robot="", link=SHAPE.format(shape))
+        run = check_text(tmp_path, text, codes={"XML005", "XML006", "XML007", "XML008"})
+        assert {f.code for f in run.findings} == codes
 
     def test_mujoco_looks_at_some_of_them_only(self, tmp_path: Path) -> None:
         twice = '<calibration rising="1"/><calibration rising="2"/><axis xyz="1 0 0"/><axis xyz="0 1 0"/>'

@@ -217,3 +217,59 @@ class TestModels:
         assert found.message.endswith("was not given, so the model cannot be expanded; there are large, small")
         assert found.fix is not None
         assert "--arg type:=large --arg prefix:=…" in found.fix.title
+
+
+BOTH = '<buildtool_depend condition="$ROS_VERSION == 1">catkin</buildtool_depend>' + (
+    '<buildtool_depend condition="$ROS_VERSION == 2">ament_cmake</buildtool_depend>'
+)
+
+
+@pytest.mark.parametrize(
+    ("built", "shell", "expected"),
+    [
+        ("<buildtool_depend>catkin</buildtool_depend>", {}, "1 noetic 3"),
+        ("<export><build_type>ament_cmake</build_type></export>", {}, "2 jazzy 3"),
+        (BOTH, {}, "2 jazzy 3"),
+        ("", {}, "2 jazzy 3"),
+        ("", {"ROS_DISTRO": "noetic"}, "1 noetic 3"),
+        (BOTH, {"ROS_VERSION": "1"}, "1 noetic 3"),
+        (BOTH, {"ROS_DISTRO": "humble", "ROS_PYTHON_VERSION": "2"}, "2 humble 2"),
+    ],
+)
+def test_a_variable_that_every_shell_of_ros_sets_has_a_value(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, built: str, shell: dict[str, str], expected: str
+) -> None:
+    for name in ("ROS_DISTRO", "ROS_VERSION", "ROS_PYTHON_VERSION"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in shell.items():
+        monkeypatch.setenv(name, value)
+    path = tmp_path / "robot.urdf.xacro"
+    (tmp_path / "package.xml").write_text(f'<package format="3"><name>arm</name>{built}</package>', encoding="utf-8")
+    read = "$(env ROS_VERSION) $(env ROS_DISTRO) $(env ROS_PYTHON_VERSION)"
+    path.write_text(f'<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="{read}"><link name="base"/></robot>')
+    run = check(path, codes={"XAC001"})
+    assert not run.findings
+    assert [info.robot for info in run.models] == [expected]
+
+
+def test_the_other_version_of_ros_is_checked_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("ROS_DISTRO", "ROS_VERSION"):
+        monkeypatch.delenv(name, raising=False)
+    path = tmp_path / "robot.urdf.xacro"
+    first = '<xacro:if value="${version == 1}"><link name="a"/><link name="a"/></xacro:if>'
+    version = '<xacro:property name="version" value="$(env ROS_VERSION)"/><link name="base"/>'
+    path.write_text(f'<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">{version}{first}</robot>')
+    run = check(path, codes={"KIN001", "XAC001", "XAC016"})
+    assert [f.code for f in run.findings] == ["XAC016", "KIN001"]
+    assert run.findings[0].data["listed"] == "ROS_VERSION is 2"
+    assert [dict(info.args) for info in run.models] == [{"env:ROS_VERSION": "2"}, {"env:ROS_VERSION": "1"}]
+
+
+def test_a_variable_of_the_robot_is_not_guessed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROBOT_SIDE", raising=False)
+    path = tmp_path / "robot.urdf.xacro"
+    path.write_text('<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="$(env ROBOT_SIDE)"/>')
+    (unread,) = check(path, codes={"XAC001"}).findings
+    assert unread.message_id == "environment-unread"
+    (unset,) = check(path, codes={"XAC001"}, environment=frozenset({"ROBOT_SIDE"})).findings
+    assert (unset.message_id, unset.data["name"]) == ("environment", "ROBOT_SIDE")

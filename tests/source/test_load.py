@@ -14,6 +14,7 @@ from urdfcheck.source.launch.launch_file import load_launch
 from urdfcheck.source.launch.python_launch_file import read_python_launch
 from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.resources import list_resource_uses
 from urdfcheck.system.files import record_reads
 
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -244,3 +245,54 @@ def test_for_xacro_tabs_and_line_breaks_are_blanks(tmp_path: Path) -> None:
     root = load_source(path, {}, PackageFinder(path, environment={})).root
     assert root is not None
     assert root.children[0].get("name") == "a x"
+
+
+MESH = '<visual><geometry><mesh filename="$(find arm)/a.stl"/></geometry></visual>'
+PLAIN = f'<robot name="r"><link name="base">{MESH}</link></robot>'
+HANDS_OVER = """
+def generate_launch_description():
+    model = os.path.join(FindPackageShare(package="arm").find("arm"), "urdf/arm.urdf")
+    declared = DeclareLaunchArgument("model", default_value=model)
+    text = Command(["xacro ", LaunchConfiguration("model")])
+    return LaunchDescription([declared, Node(parameters=[{"robot_description": text}])])
+"""
+SHOWS = HANDS_OVER.replace("xacro ", "cat ")
+CALLS = 'description = xacro.process_file(os.path.join(share, "urdf", "arm.urdf")).toxml()'
+OTHER = HANDS_OVER.replace("arm.urdf", "arm.urdf.xacro")
+FIRST = '<launch><param name="robot_description" command="$(find xacro)/xacro $(find arm)/urdf/arm.urdf"/></launch>'
+
+
+@pytest.mark.parametrize(
+    ("launches", "is_xacro"),
+    [
+        ({"view.py": HANDS_OVER}, True),
+        ({"view.launch.py": HANDS_OVER, "rviz.py": CALLS}, True),
+        ({"view.launch": FIRST}, True),
+        ({"view.py": HANDS_OVER, "rviz.launch.py": SHOWS}, False),
+        ({"view.launch.py": HANDS_OVER + "text = open(model).read()"}, False),
+        ({"view.launch.py": OTHER}, False),
+        ({"view.launch": FIRST.replace("command", "textfile").replace("$(find xacro)/xacro ", "")}, False),
+        ({"view.launch.py": HANDS_OVER + "\n(" }, False),
+        ({}, False),
+    ],
+)  # fmt: skip
+def test_a_urdf_that_launch_files_hand_to_xacro_is_one(
+    tmp_path: Path, launches: dict[str, str], is_xacro: bool
+) -> None:
+    (tmp_path / "package.xml").write_text('<package format="3"><name>arm</name></package>', encoding="utf-8")
+    (tmp_path / "launch").mkdir()
+    (tmp_path / "urdf").mkdir()
+    for name, text in launches.items():
+        (tmp_path / "launch" / name).write_text(text, encoding="utf-8")
+    source = loaded(tmp_path / "urdf", "arm.urdf", PLAIN)
+    assert source.is_xacro == is_xacro
+    assert source.root is not None
+    (mesh,) = (e for e in source.root.walk() if e.tag == "mesh")
+    assert mesh.get("filename").startswith("$(find") != is_xacro
+    assert not loaded(tmp_path / "urdf", "arm.urdf", PLAIN, xacro=False).is_xacro
+
+
+def test_a_path_that_is_not_expanded_names_no_file(tmp_path: Path) -> None:
+    assert list_resource_uses(loaded(tmp_path, "arm.urdf", PLAIN)) == ()
+    typed = loaded(tmp_path, "arm.urdf", PLAIN.replace("$(find arm)", "$(here)"))
+    assert [use.resource.text for use in list_resource_uses(typed)] == ["$(here)/a.stl"]

@@ -278,6 +278,8 @@ def test_nesting_ends_at_a_limit() -> None:
             2,
             1,
         ),
+        ('<?<?xml version="1.0"?>\n<robot/>', "`<?` is typed twice", 1, 1),
+        ('<? xml version="1.0"?>\n<robot/>', "`<?` must be followed by a name such as `xml`, not by a blank", 1, 1),
         ("<robot>é < 2</robot>", "`<` begins a tag, but a blank does not begin a name", 1, 10),
         ("<robot a=1/>", "the value of the attribute a has no quotes", 1, 10),
         ("<robot a=“1”/>", "the value of the attribute a has typographic quotes", 1, 10),

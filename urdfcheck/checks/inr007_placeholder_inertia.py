@@ -18,7 +18,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
-from urdfcheck.model.motion.fixed_base import explain_fixed_base, is_ballast
+from urdfcheck.model.motion.fixed_base import is_ballast, is_bolted
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
@@ -74,7 +74,9 @@ class _PlaceholderInertial:
         return 0.0 if self.misfit is None else self.misfit.factor
 
 
-def check(model: Model, rule: Rule, *, factor: float, fraction: float, spread: float) -> Iterator[Finding]:
+def check(
+    model: Model, rule: Rule, *, factor: float, estimate: float, fraction: float, spread: float
+) -> Iterator[Finding]:
     groups: dict[tuple[object, ...], list[_PlaceholderInertial]] = {}
     for suspect in _iter_placeholders(model, factor):
         span = suspect.declared.inertial.location.span
@@ -87,7 +89,7 @@ def check(model: Model, rule: Rule, *, factor: float, fraction: float, spread: f
             known = [suspect for suspect in group if suspect.misfit is not None] if wrong else []
             fits_some = any(suspect.factor <= factor for suspect in known)
             alike = _count_masses(group) < _FEWEST_MASSES and (fits_some or not wrong)
-            yield _build_tensor_finding(model, rule, known=known, unknown=[] if alike else unknown)
+            yield _build_tensor_finding(model, rule, known=known, unknown=[] if alike else unknown, estimate=estimate)
     yield from _check_equal_masses(model, rule, fraction=fraction, spread=spread)
 
 
@@ -117,10 +119,8 @@ def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:
     """Whether a model without joints that move is the ground or the building of a simulated world: nothing moves that."""
     if any(joint.is_movable for joint in model.joints):
         return False
-    box = compute_bounding_box(
-        model, [(s, model.frames[name]) for name in body.links for s in _list_shapes(model, name)]
-    )
-    return box is not None and float(np.linalg.norm(box[1] - box[0])) > _SCENERY
+    boxes = [compute_bounding_box(model, [(s, np.eye(4))]) for name in body.links for s in _list_shapes(model, name)]
+    return any(box is not None and float(np.linalg.norm(box[1] - box[0])) > _SCENERY for box in boxes)
 
 
 def _list_shapes(model: Model, name: str) -> Sequence[Shape]:
@@ -182,7 +182,12 @@ def _compare_moments(declared: Array, solid: Array, allowed: float) -> _Misfit |
 
 
 def _build_tensor_finding(
-    model: Model, rule: Rule, *, known: Sequence[_PlaceholderInertial], unknown: Sequence[_PlaceholderInertial]
+    model: Model,
+    rule: Rule,
+    *,
+    known: Sequence[_PlaceholderInertial],
+    unknown: Sequence[_PlaceholderInertial],
+    estimate: float,
 ) -> Finding:
     """Report together all links that were given one tensor."""
     every = [*known, *unknown]
@@ -203,14 +208,15 @@ def _build_tensor_finding(
         is_less = worst.misfit.expected < max(worst.declared.components)
         is_felt = any(suspect.misfit is not None and suspect.misfit.is_felt for suspect in known)
         is_bolted = all(suspect.declared.link.name in _list_bolted_links(model) for suspect in every)
+        is_estimate = worst.misfit.factor <= estimate
         finding = rule.finding(
-            "bolted" if is_bolted else "placeholder" if is_felt else "rod",
+            "bolted" if is_bolted else "estimate" if is_estimate else "placeholder" if is_felt else "rod",
             at=places[0],
             related=places[1:],
             edits=_propose_edits(model, every),
             link=worst.declared.link.name,
             worst="" if len(names) == 1 else f"{worst.declared.link.name}: ",
-            severity=Severity.INFO if is_bolted else _judge_severity(model, known),
+            severity=Severity.INFO if is_bolted or is_estimate else _judge_severity(model, known),
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),
@@ -225,7 +231,7 @@ def _build_tensor_finding(
 def _list_bolted_links(model: Model) -> tuple[str, ...]:
     """List the links of the base if it cannot move: then nothing depends on their inertia."""
     try:
-        return model.tree.list_body_links(model.tree.root) if explain_fixed_base(model) else ()
+        return model.tree.list_body_links(model.tree.root) if is_bolted(model) else ()
     except FactUnavailableError:  # the mass of the base is not known
         return ()
 

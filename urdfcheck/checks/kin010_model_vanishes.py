@@ -11,8 +11,9 @@ from urdfcheck.model.rigid_bodies import list_rigid_bodies
 
 # libsdformat takes a smaller mass for zero (gz::math::equal).
 _NO_MASS = 1e-6
-# A model in which more of the moving bodies have no inertial is displayed, and INR001 says what it lacks.
-_DRAWING_SHARE = 0.5
+# A model in which more of the moving bodies have no inertial is displayed, and INR001 says what it lacks: of published models
+# with a massless root, 5 of 6 in one that is only displayed, 12 of 20 in a hand that is simulated.
+_DRAWING_SHARE = 0.75
 _KEPT = frozenset({"preserveFixedJoint", "disableFixedJointLumping"})
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from urdfcheck.core import Finding, Location, Rule
+from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_choices, format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
@@ -18,6 +18,7 @@ from urdfcheck.source.package.similar_files import (
     find_similar_name,
     find_uninstalled_file,
     index_files,
+    select_python_data,
 )
 from urdfcheck.source.path_arguments import (
     find_missing_part,
@@ -62,8 +63,34 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     if not missing:
         return
     index = index_files({_find_search_root(use, source) for use, _ in missing})
+    by_package: dict[str, list[tuple[ResourceUse, Path]]] = {}
+    for use, path in missing:
+        by_package.setdefault(use.resource.package or "", []).append((use, path))
+    for name, absent in by_package.items():
+        package = source.finder.find_package_of(_normalise_path(absent[0][1])) if name else None
+        data = select_python_data((path for _, path in absent), package, index, source.finder)
+        inside = [(use, path) for use, path in absent if path in data]
+        if inside:
+            yield _build_python_finding(inside, name, rule)
+        missing = [(use, path) for use, path in missing if path not in data]
     for gap in _group_missing_files(missing):
         yield _build_finding(gap, index, rule, source)
+
+
+def _build_python_finding(uses: list[tuple[ResourceUse, Path]], package: str, rule: Rule) -> Finding:
+    """Report all files that are installed in the Python package of this name only."""
+    (at, first), files = uses[0], {path: use.resource.text for use, path in uses}
+    return rule.finding(
+        "python-data",
+        at=at,
+        related={use.attribute.span: use for use, _ in uses if use.attribute.span != at.attribute.span}.values(),
+        severity=Severity.WARNING,
+        package=package,
+        path=format_path(first),
+        files=list(files.values()),
+        amount=format_count(len(files), "mesh file is", "mesh files are"),
+        listed=join_names((path.name for path in files), 4),
+    )
 
 
 def _normalise_path(path: Path) -> Path:

@@ -23,6 +23,8 @@ from urdfcheck.source.package.similar_files import (
 )
 from urdfcheck.source.path_arguments import (
     find_missing_part,
+    is_name_cut_off,
+    list_full_names,
     list_other_values,
     list_path_arguments,
     select_guilty,
@@ -47,6 +49,8 @@ _LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
 # So many files that define the macro that is called are named in place of a missing one.
 _MOST_PROPOSED = 3
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
+# What is proposed for a missing file if nothing explains it.
+_PATH_REPAIR = "correct the path; a relative path starts at the folder of the file that contains it"
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -197,6 +201,10 @@ def _find_built_in_name(name: str) -> str | None:
 
 def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
     name = match.group(1).removeprefix("xacro:")
+    later = _find_later_definition(failure, name)
+    if later is not None:
+        assert later.span is not None  # it was compared
+        return _build_report(failure, "macro-later", extra=(later.location,), name=name, line=later.span.line)
     known = collect_macros(failure.source.trees)
     near = find_nearest_name(name, known)
     extra = (known[near].element.location,) if near else ()
@@ -208,6 +216,25 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         files=len(failure.source.trees),
         hint=format_name_hint(name, known) if known else "; no file defines any macro",
     )
+
+
+def _find_later_definition(failure: _ExpansionFailure, name: str) -> Element | None:
+    """Return the first definition of a macro if xacro, which reads each file in order, reaches all of them after the call."""
+    definitions = [e for e in iter_elements_by_tag(failure.source.trees, "xacro:macro") if e.get("name") == name]
+    later = [e for e in definitions if _is_after_failure(failure, e)]
+    return later[0] if later and len(later) == len(definitions) else None
+
+
+def _is_after_failure(failure: _ExpansionFailure, element: Element) -> bool:
+    """Whether an element outside conditions and macros comes after the place that the expansion has reached in its file."""
+    at, span, outer = failure.problem.location, element.span, element.parent
+    while outer is not None:
+        if outer.tag.startswith("xacro:"):
+            return False
+        outer = outer.parent
+    # The outermost call or include in that file: a macro that is called below the definition may be typed above it.
+    reached = next((s for s in (*at.via, at.span) if s is not None and span is not None and s.file == span.file), None)
+    return reached is not None and span is not None and reached.start < span.start
 
 
 def _explain_missing_parameters(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -270,11 +297,14 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     )
     package = failure.source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
     elsewhere = None if package is None else find_uninstalled_file(path, package, index_files([package.path]))
+    repair = _PATH_REPAIR
     if "\\" in path.name and Path(str(path).replace("\\", "/")).is_file():
+        repair = "write `/` for each backslash"
         near = "; with `/` in place of each backslash, which only Windows reads as a separator, it exists"
     near = near if elsewhere is None else describe_uninstalled_file(elsewhere)
-    install = "" if elsewhere is None else "install its folder (CMakeLists.txt or setup.py), or "
-    data: dict[str, Any] = {"file": format_path(path), "hint": near, "install": install}
+    if elsewhere is not None:
+        repair = f"install its folder (CMakeLists.txt or setup.py), or {_PATH_REPAIR}"
+    data: dict[str, Any] = {"file": format_path(path), "hint": near, "repair": repair}
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
@@ -282,11 +312,17 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
 
 def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
     """Return `` (did you mean 'x'?)`` for a file beside the missing one: of a similar name, unless others define a macro that the
-    files call and that is not known, and it does not."""
+    files call and that is not known, and it does not. A file that is included elsewhere is not meant."""
     unknown = collect_called_macros(source.trees) - collect_macros(source.trees).keys()
     tops = (child.tag for tree in source.trees.values() for child in tree.children)
     unknown |= {tag for tag in tops if tag not in CHILDREN["robot"] and ":" not in tag}
     defined = read_defined_macros([path.parent / name for name in beside], source.finder)
+    # The files that are read or included anyway, and what they define, are not what is missing.
+    included = {e.get("filename").rpartition("/")[2] for e in iter_elements_by_tag(source.trees, "xacro:include")}
+    included |= {Path(name).name for name in source.trees}
+    unknown = unknown.difference(*(defined.get(name, ()) for name in included))
+    beside = [name for name in beside if name not in included]
+    defined = {name: macros for name, macros in defined.items() if name not in included}
     defining = [name for name in sorted(defined) if defined[name] & unknown]
     near = find_nearest_name(path.name, beside)
     if defining and near not in defining:
@@ -301,10 +337,16 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
     missing = find_missing_part(source, path)
     guilty = select_guilty(arguments, missing)
     empty = [argument for argument in arguments if not argument.value]
-    if not guilty and (not empty or path.parent.is_dir()):
+    if not guilty and (not empty or (path.parent.is_dir() and not is_name_cut_off(path))):
         return None
     told = guilty or empty
-    choices = list_other_values(source, told[0], missing) if guilty and len(told) == 1 else []
+    choices = (
+        []
+        if len(told) > 1
+        else list_other_values(source, told[0], missing)
+        if guilty
+        else list_full_names(source, path)
+    )
     options = " ".join(format_argument_option(argument.name, choices[0] if choices else None) for argument in told)
     return _build_report(
         failure,

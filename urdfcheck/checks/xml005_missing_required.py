@@ -8,7 +8,7 @@ from typing import Any
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_gap_in_yourdfpy, describe_loss
-from urdfcheck.source.text.grammar import CHILDREN, REQUIRED_ATTRIBUTES, is_attribute_missing, iter_urdf_elements
+from urdfcheck.source.text.grammar import CHILDREN, REQUIRED_ATTRIBUTES, is_attribute_missing, iter_first_elements
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags
 
@@ -27,7 +27,7 @@ _CHECKED_TAGS = frozenset({
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for element in iter_urdf_elements(model.robot):
+    for element in iter_first_elements(model.robot):
         yield from _check_children(model, element, rule)
         yield from _check_attributes(element, rule)
         if element.tag == "geometry" and not element.children:

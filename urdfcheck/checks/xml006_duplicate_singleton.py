@@ -7,53 +7,46 @@ from collections.abc import Iterable, Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import CHILDREN, iter_urdf_elements
+from urdfcheck.source.text.grammar import iter_urdf_elements, list_repeated_children
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
-# An element may have several of these children.
-_REPEATABLE = frozenset({"link", "joint", "visual", "collision"})
 # MuJoCo ignores these, and does not reject two of them.
 _UNSEEN_BY_MUJOCO = frozenset({"safety_controller", "calibration", "texture"})
-_COLLECTIONS = frozenset({"robot"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for element in iter_urdf_elements(model.robot):
-        if element.tag in _COLLECTIONS:
-            continue
-        for same in _find_repeated_children(element):
+        for same in list_repeated_children(element):
             yield _build_finding(model, rule, element, same=same)
-
-
-def _find_repeated_children(element: Element) -> Iterator[list[Element]]:
-    """Return the groups of children of which only one is allowed: children with one tag, or all shapes of a geometry."""
-    groups: dict[str, list[Element]] = {}
-    for child in element.children:
-        if child.tag in CHILDREN.get(element.tag, frozenset()) - _REPEATABLE:
-            groups.setdefault("shape" if element.tag == "geometry" else child.tag, []).append(child)
-    return (group for group in groups.values() if len(group) > 1)
 
 
 def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Element]) -> Finding:
     first, second = same[0], same[1]
     content = _build_content_key(first)
     identical = all(_build_content_key(other) == content for other in same[1:])
-    message = "shapes" if element.tag == "geometry" else "identical" if identical else "repeated"
+    is_rest_empty = not _is_empty(first) and all(map(_is_empty, same[1:]))
+    message = "identical" if identical else "empty" if is_rest_empty else "repeated"
+    message = "shapes" if element.tag == "geometry" else message
     # urdfdom reads only the first: deleting the others changes nothing there.
-    edits = [edit for other in same[1:] for edit in build_removal_edits(other, model.source.files)] if identical else []
+    removed = same[1:] if message == "empty" or identical else []
+    edits = [edit for other in removed for edit in build_removal_edits(other, model.source.files)]
     return rule.finding(
         message,
         at=second,
         related=[first, *same[2:10]],
         edits=edits if len(edits) == len(same) - 1 else (),
-        severity=Severity.WARNING if identical else None,
+        severity=Severity.WARNING if removed else None,
         consequences=None if message == "shapes" else {"mujoco": _describe_mujoco_behaviour(element, second)},
         parent=_describe_owner(element),
         tag=second.tag,
         count="two" if len(same) == 2 else str(len(same)),
         listed=join_names(f"<{shape.tag}>" for shape in same),
     )
+
+
+def _is_empty(element: Element) -> bool:
+    return not (element.attributes or element.children or element.text.strip())
 
 
 def _describe_mujoco_behaviour(element: Element, second: Element) -> str:

@@ -12,7 +12,7 @@ from urdfcheck.core.text import truncate_text
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.engine_reactions import describe_empty_number, describe_loss, describe_number_in_python
-from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
+from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, is_unexpanded, iter_first_elements
 from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, is_computable, parse_number
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -32,7 +32,7 @@ _SI = frozenset({"m", "kg", "rad", "n", "nm", "n*m", "n·m", "s", "rad/s", "m/s"
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for element in iter_urdf_elements(model.robot):
+    for element in iter_first_elements(model.robot):
         if _is_spare_shape(element):
             continue
         for name, count in NUMERIC_ATTRIBUTES.get(element.tag, {}).items():

@@ -9,7 +9,7 @@ from urdfcheck.core.text import format_count
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.engine_reactions import describe_loss
-from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, iter_urdf_elements
+from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, iter_first_elements
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
 
@@ -18,7 +18,7 @@ _COMPLETED = {("mesh", "scale", 1): "{0} {0} {0}", ("color", "rgba", 3): "{0} {1
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for element in iter_urdf_elements(model.robot):
+    for element in iter_first_elements(model.robot):
         for name, count in NUMERIC_ATTRIBUTES.get(element.tag, {}).items():
             attribute = element.attributes.get(name)
             words = attribute.value.split() if attribute is not None else []

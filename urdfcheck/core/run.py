@@ -34,7 +34,7 @@ class ModelInfo:
     robot: str
     """Name of the robot; empty if it could not be read."""
     args: Mapping[str, str]
-    """Arguments of the xacro: those that were given, and those that launch files pass."""
+    """Arguments of the xacro: those that were given, those that launch files pass, and variables of ROS not set here."""
     links: int
     joints: int
     mass: float | None

@@ -56,6 +56,8 @@ class Source:
     """What xacro made of a xacro file, with its comments; None if xacro was not asked or failed."""
     found_arguments: Mapping[str, Location] = field(default_factory=dict)
     """The arguments that were not given, with the places in launch files that they were found at."""
+    assumed_variables: frozenset[str] = frozenset()
+    """Those of the arguments that stand for variables of ROS which are not set here: their values are usual ones."""
 
     @property
     def main_tree(self) -> Element | None:
@@ -107,19 +109,20 @@ def load_source(
     except (OSError, XmlError) as error:
         problems.append(Problem.from_read_error(error, "robot", name))
     else:
-        is_xacro = is_xacro or _is_for_xacro(path, root, file.text, xacro)
+        is_xacro = is_xacro or _is_for_xacro(path, root, file.text, xacro, finder)
         problems += _find_plain_text_problems(file, root, is_xacro=is_xacro, for_xacro=is_xacro or xacro is True)
     arguments_read: frozenset[str] = frozenset()
     loose_reads: frozenset[Span] = frozenset()
     found_arguments: dict[str, Location] = {}
+    assumed_variables: frozenset[str] = frozenset()
     document: minidom.Document | None = None
     if root is not None and is_xacro:
-        from urdfcheck.source.found_arguments import expand_with_found_arguments
+        from urdfcheck.source.arguments.found_arguments import expand_with_found_arguments
 
         complete = expand_with_found_arguments(path, arguments, finder, environment=environment, launches=launches)
         expansion, arguments = complete.expansion, complete.arguments
         found_arguments = {name: argument.location for name, argument in complete.found.items()}
-        document = expansion.document
+        document, assumed_variables = expansion.document, complete.assumed
         root, problems = expansion.root, [*problems, *expansion.problems]
         files.update(expansion.files)
         trees.update(expansion.trees)
@@ -143,16 +146,21 @@ def load_source(
         environment=environment,
         document=document,
         found_arguments=found_arguments,
+        assumed_variables=assumed_variables,
     )
 
 
-def _is_for_xacro(path: Path, root: Element, text: str, xacro: bool | None) -> bool:
+def _is_for_xacro(path: Path, root: Element, text: str, xacro: bool | None, finder: PackageFinder) -> bool:
     """Whether a file is expanded although it is not named so: it holds xacro, and a launch file or its root element says so."""
     if not _USES_XACRO.search(text):
         return False
     if xacro is not None:
         return xacro
-    return path.suffix == "" or ("xmlns:xacro" in root.attributes and _RESULT_OF_XACRO not in text)
+    if path.suffix == "" or ("xmlns:xacro" in root.attributes and _RESULT_OF_XACRO not in text):
+        return True
+    from urdfcheck.source.launch.passed_arguments import is_handed_to_xacro  # few models need it
+
+    return _RESULT_OF_XACRO not in text and find_unbound_prefix(root) is None and is_handed_to_xacro(path, finder)
 
 
 def _find_plain_text_problems(file: SourceFile, root: Element, *, is_xacro: bool, for_xacro: bool) -> list[Problem]:

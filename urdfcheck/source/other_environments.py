@@ -11,12 +11,10 @@ from collections.abc import Mapping
 
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.argument_values import KNOWN_VARIABLES, VARIABLE
+from urdfcheck.source.xacro.argument_values import FIRST_GENERATION, KNOWN_VARIABLES, VARIABLE
 from urdfcheck.source.xacro.expand import expand_xacro
 from urdfcheck.source.xacro.expressions.varying_values import SET_ORDERS
 from urdfcheck.source.xacro.outside_access import HASH_SEED
-
-_FIRST_GENERATION = frozenset({"noetic"})
 
 
 def find_other_environments(source: Source) -> list[dict[str, str]]:
@@ -27,13 +25,17 @@ def find_other_environments(source: Source) -> list[dict[str, str]]:
     names = {f"{VARIABLE}{problem.data['variable']}" for problem in source.find_problems("environment-decides")}
     if not names:
         return []
-    given = {name: value for name, value in source.arguments.items() if name.startswith(VARIABLE)}
+    given = {
+        name: value
+        for name, value in source.arguments.items()
+        if name.startswith(VARIABLE) and name not in source.assumed_variables
+    }
     robots = {_digest_robot(source.root)}
     found: list[dict[str, str]] = []
     for distribution in KNOWN_VARIABLES["ROS_DISTRO"]:
         environment = {
             f"{VARIABLE}ROS_DISTRO": distribution,
-            f"{VARIABLE}ROS_VERSION": "1" if distribution in _FIRST_GENERATION else "2",
+            f"{VARIABLE}ROS_VERSION": "1" if distribution in FIRST_GENERATION else "2",
             f"{VARIABLE}ROS_PYTHON_VERSION": "3",
         }
         if any(environment.get(name, value) != value for name, value in given.items()):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -72,3 +73,21 @@ def list_other_values(source: Source, argument: PathArgument, missing: Path) -> 
     known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
     values = (value for value in known.get(argument.name, ()) if value != argument.value)
     return [value for value in values if (missing.parent / missing.name.replace(argument.value, value)).exists()]
+
+
+def is_name_cut_off(path: Path) -> bool:
+    """Whether the name of a file begins with what separates its parts: ``.urdf.xacro``, ``_macro.xacro``."""
+    return path.name.startswith((".", "_", "-"))
+
+
+def list_full_names(source: Source, path: Path) -> list[str]:
+    """Return what the names of the files beside a missing one have before its name, without the files that were read."""
+    if not is_name_cut_off(path) or not source.finder.can_open(path.parent):
+        return []
+    try:
+        beside = sorted(os.listdir(path.parent))
+    except OSError:
+        return []
+    read = {os.path.realpath(file.path) for file in source.files.values()}
+    names = [name.removesuffix(path.name) for name in beside if name.endswith(path.name) and name[0].isalnum()]
+    return [name for name in names if os.path.realpath(path.parent / f"{name}{path.name}") not in read]

@@ -11,6 +11,7 @@ from pathlib import Path
 from urdfcheck.core import Location
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Resource
+from urdfcheck.source.text.grammar import is_unexpanded
 from urdfcheck.source.text.xml import Attribute, Definition, Element
 
 _ONE_SLASH = re.compile(r"^(package|model|file):/?(?=[^/])")
@@ -35,10 +36,14 @@ class ResourceUse:
 
 @lru_cache(maxsize=1)
 def list_resource_uses(source: Source) -> tuple[ResourceUse, ...]:
-    """Return every mesh and texture of the expanded model in document order; none if it could not be expanded."""
+    """Return every mesh and texture of the expanded model in document order; none if it could not be expanded.
+
+    A path with an unexpanded substitution is left out: XML009 reports it, and what it means is unknown.
+    """
     if source.root is None:
         return ()
     base, filenames = source.path.parent, [a for a in _find_filenames(source.root) if a.value.strip()]
+    filenames = [a for a in filenames if not is_unexpanded(a.value)]
     return tuple(ResourceUse(a, source.finder.resolve_resource(a.value, base)) for a in filenames)
 
 

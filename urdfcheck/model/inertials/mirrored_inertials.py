@@ -20,7 +20,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.inertial_fit import compute_whitening, measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
-from urdfcheck.facts.inertials.twin_slips import find_slip_between_twins
+from urdfcheck.facts.inertials.twin_slips import find_rounding, find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     find_wrong_signs,
@@ -71,7 +71,7 @@ class PairSide:
     twin: Link
     actual: DeclaredInertial
     expected: DeclaredInertial
-    """Of mirror image and copies of the twin's inertial that the drawings allow, that which is nearest to ``actual``."""
+    """Of mirror image and copies of the twin's inertial that the drawings allow, the inertial that is nearest to ``actual``."""
     image: DeclaredInertial
     """The twin's inertial mirrored."""
     disallowed: tuple[DeclaredInertial, ...]
@@ -271,7 +271,8 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
 
     ``copied`` or ``mirrored`` where the drawings were not; ``products_sign`` where the numbers are right but for the signs
     of all products; ``signs`` for other signs, in frames whose axes are mirror images: only there a mirror changes signs;
-    ``decimal`` where masses differ by a power of ten, alone or as the tensors do.
+    ``decimal`` where masses differ by a power of ten, alone or as the tensors do; ``rounded`` where one tensor is the other's,
+    with too few digits.
     """
     if side.deviation.mass > threshold:
         slip = find_slip_between_twins(side.actual, side.expected)
@@ -280,6 +281,8 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
         return "copied"
     if pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
         return "mirrored"
+    if find_rounding(side.actual, side.expected) or find_rounding(side.expected, side.actual):
+        return "rounded"
     signs = find_wrong_signs(side.actual, side.expected, threshold)
     if signs == PRODUCTS:
         return "products_sign"

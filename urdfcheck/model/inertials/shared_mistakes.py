@@ -69,11 +69,14 @@ def list_pointlike_links(model: Model) -> list[Link]:
 
 
 def list_unmoved_links(model: Model) -> list[Link]:
-    """List the links whose pieces were added without the parallel-axis term; none where fewer than two differ."""
-    links = _list_links_with(model, "steiner_missing")
-    judged = [inertial_diagnoses(model)[link.name] for link in links]
-    different = {_list_invariants(one.declared) for one in judged if one.diagnosis.judged_by == "mesh"}
-    return links if len(different) > 1 and all(is_possible(one) for one in judged) else []
+    """List the links that show that their pieces were added without the parallel-axis term; none where fewer than two differ."""
+    links = []
+    for link in _list_links_with(model, "steiner_missing"):
+        judged = inertial_diagnoses(model)[link.name]
+        if judged.diagnosis.judged_by == "mesh" and is_possible(judged) and is_proven(model, link):
+            links.append(link)
+    different = {_list_invariants(inertial_diagnoses(model)[link.name].declared) for link in links}
+    return links if len(different) > 1 else []
 
 
 def _list_links_with(model: Model, cause: str) -> list[Link]:

@@ -117,38 +117,71 @@ def find_replaced_texts(model: Path, finder: PackageFinder) -> dict[str, Locatio
     return found
 
 
-def _iter_launch_files(folder: Path, finder: PackageFinder) -> Iterator[Path]:
-    """Yield the launch files below a folder, in the order of their paths."""
+def _iter_launch_files(folder: Path, finder: PackageFinder, *, with_unnamed: bool = False) -> Iterator[Path]:
+    """Yield the launch files below a folder, in the order of their paths.
+
+    ``with_unnamed``: also the Python files in folders named launch, whatever their own names.
+    """
     files: list[Path] = []
     for place, names, inside in itertools.islice(walk(folder), MOST_FOLDERS):
         names[:] = [n for n in names if not n.startswith(".") and n not in SKIPPED_FOLDERS]
-        files += [path for name in inside if is_launch(path := Path(place, name)) and finder.can_open(path)]
+        suffix = ".py" if with_unnamed and Path(place).name == "launch" else None
+        paths = (Path(place, name) for name in inside)
+        files += [path for path in paths if (is_launch(path) or path.suffix == suffix) and finder.can_open(path)]
     yield from sorted(files)
 
 
-def _read_python(launch: Path, data: bytes, model: str, finder: PackageFinder) -> Iterator[PassedArgument]:
+def is_handed_to_xacro(model: Path, finder: PackageFinder) -> bool:
+    """Whether launch files of a model's package hand it to xacro, and none hands it over as it is."""
+    package, real = finder.find_package_of(model.absolute()), os.path.realpath(model)
+    if package is None or not finder.can_open(package.path):
+        return False
+    launches = itertools.islice(_iter_launch_files(package.path, finder, with_unnamed=True), MOST_LAUNCHES)
+    ways = {is_expanded for launch in launches for is_expanded in _list_ways(launch, model.name, real, finder)}
+    return ways == {True}
+
+
+def _list_ways(launch: Path, name: str, model: str, finder: PackageFinder) -> list[bool]:
+    """Return for each time that a launch file hands over a model, given by its real path, whether xacro expands it."""
+    try:
+        data = read_regular(launch, MAX_PYTHON)
+    except OSError:
+        return []
+    if name.encode() not in data:
+        return []
+    if launch.suffix == ".py":
+        reader = _make_reader(launch, data, finder)
+        return [] if reader is None else list(XacroCallReader(reader).list_ways(model))
+    described = (d for d in load_launch(launch, finder).descriptions if d.path is not None)
+    return [d.uses_xacro for d in described if d.path is not None and os.path.realpath(d.path) == model]
+
+
+def _make_reader(launch: Path, data: bytes, finder: PackageFinder) -> PythonLaunchReader | None:
+    """Return the reader of a Python launch file; None if it is not Python."""
     file = SourceFile(launch, format_path(launch), text=data.decode("utf-8-sig", "replace"))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            tree = ast.parse(file.text)
-        yield from XacroCallReader(PythonLaunchReader(tree, file, path=launch, finder=finder)).read(model)
+            return PythonLaunchReader(ast.parse(file.text), file, path=launch, finder=finder)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def _read_python(launch: Path, data: bytes, model: str, finder: PackageFinder) -> Iterator[PassedArgument]:
+    reader = _make_reader(launch, data, finder)
+    try:
+        yield from () if reader is None else XacroCallReader(reader).read(model)
+    except (ValueError, RecursionError, MemoryError):
         return
 
 
 def _read_replacements(launch: Path, name: str, finder: PackageFinder) -> Iterator[tuple[str, Location]]:
     try:
-        text = read_regular(launch, MAX_PYTHON).decode("utf-8-sig", "replace")
-        if name not in text or ".replace(" not in text:
-            return
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            tree = ast.parse(text)
-        reader = PythonLaunchReader(
-            tree, SourceFile(launch, format_path(launch), text=text), path=launch, finder=finder
-        )
-    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        data = read_regular(launch, MAX_PYTHON)
+    except OSError:
+        return
+    reader = _make_reader(launch, data, finder) if name.encode() in data and b".replace(" in data else None
+    if reader is None:
         return
     for node in reader.nodes:
         if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "replace"):
@@ -213,6 +246,18 @@ class XacroCallReader:
         program = words[0].rpartition("/")[2] if words else ""
         is_about_model = any(self.may_mean(path, model) for path in _list_paths(words))
         return program if is_about_model and program in {"xacro", "cat"} else ""
+
+    def list_ways(self, model: str) -> Iterator[bool]:
+        """Yield for each command or call on a model, given by its real path, whether it is xacro's."""
+        for node in self.reader.nodes:
+            function = get_function_name(node) if isinstance(node, ast.Call) and node.args else ""
+            if not isinstance(node, ast.Call):
+                continue
+            program = self.find_program(node, model) if function == "Command" else ""
+            if program:
+                yield program == "xacro"
+            elif function in {"process_file", "open"} and self.may_mean(self.evaluate(node.args[0]), model):
+                yield function == "process_file"
 
     def read_mappings(self, mappings: ast.Dict) -> Iterator[PassedArgument]:
         """Yield the arguments of ``xacro.process_file(…, mappings={…})``."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import posixpath
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from urdfcheck.source.package.installed_files import (
@@ -20,6 +21,7 @@ from urdfcheck.source.package.installed_files import (
     has_magic,
     normalize_source,
 )
+from urdfcheck.source.text.globs import match_any_pattern
 
 # The most expressions and statements that are followed, the deepest call, and the longest text and list.
 _MOST_STEPS = 20_000
@@ -60,12 +62,48 @@ def read_setup_installs(tree: ast.Module, package: str) -> InstalledFiles | None
     return InstalledFiles(entries=tuple(reader.read_entries()), is_complete=reader.is_complete)
 
 
+@dataclass(frozen=True, slots=True)
+class PythonPackageData:
+    """The files that a setup.py installs inside the Python package of a name, not in the share folder."""
+
+    folder: str
+    """The folder of the Python package, relative to that of setup.py."""
+    patterns: tuple[str, ...]
+    """Of files, relative to that folder."""
+
+    def has_file(self, place: str, path: str) -> bool:
+        """Whether the file at a place, relative to setup.py, is installed at this path in the Python package."""
+        names = tuple(path.split("/"))
+        # A pattern without a slash is one of the folder itself, not of those in it.
+        fitting = [p for p in self.patterns if "/" in p or len(names) == 1]
+        return place == posixpath.join(self.folder, path) and match_any_pattern(fitting, names)
+
+
+def read_package_data(tree: ast.Module, package: str) -> PythonPackageData | None:
+    """Return what ``package_data`` installs in the Python package with the name of a ROS package; None if it has none."""
+    reader = _SetupReader(package)
+    try:
+        reader.run_body(tree.body)
+    except (_TooLongError, _ReturnReachedError, RecursionError):
+        return None
+    data, folders = (table if isinstance(table, dict) else {} for table in (reader.package_data, reader.package_dir))
+    patterns = [
+        p for name in (package, "") if isinstance(data.get(name), list) for p in data[name] if isinstance(p, str)
+    ]
+    above = folders.get("", "")
+    folder = folders.get(package, posixpath.join(above, package) if isinstance(above, str) else None)
+    source = normalize_source(folder) if isinstance(folder, str) else None
+    return PythonPackageData(source, tuple(patterns[:MOST_ENTRIES])) if patterns and source is not None else None
+
+
 class _SetupReader:
     def __init__(self, package: str) -> None:
         self.package = package
         self.scopes: list[dict[str, Any]] = [{}]
         self.functions: dict[str, ast.FunctionDef] = {}
         self.data_files: Any = None
+        self.package_data: Any = None
+        self.package_dir: Any = None
         self.is_complete = True
         self.steps = 0
 
@@ -235,8 +273,8 @@ class _SetupReader:
         )
         if name == "setup":
             for keyword in node.keywords:
-                if keyword.arg == "data_files":
-                    self.data_files = self.evaluate(keyword.value)
+                if keyword.arg in {"data_files", "package_data", "package_dir"}:
+                    setattr(self, keyword.arg, self.evaluate(keyword.value))
             return None
         arguments = self.evaluate_items(node.args)
         if isinstance(function, ast.Attribute) and not _is_module(function.value):

@@ -10,9 +10,11 @@ from itertools import islice
 from pathlib import Path
 
 from urdfcheck.core.text import SLIP_LIKENESS, split_name_words
-from urdfcheck.source.package.build_files import read_build_type
+from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.package.setup_py_installs import read_package_data
+from urdfcheck.source.text.python import parse_python
 from urdfcheck.system.files import read_regular, walk
 
 # Beyond this many files the search stops: a suggestion is not worth seconds.
@@ -56,6 +58,32 @@ def find_uninstalled_file(path: Path, package: Package | None, files: FilesByNam
     tail = plain.relative_to(package.path).parts
     found = [f for f in files.get(path.name.lower(), []) if f.parts[-len(tail) :] == tail and len(tail) > 1]
     return found[0] if len(found) == 1 else None
+
+
+def select_python_data(
+    paths: Iterable[Path], package: Package | None, files: FilesByName, finder: PackageFinder
+) -> set[Path]:
+    """Return the missing files that setup.py installs at their paths in the Python package with the name of a ROS package.
+
+    Programs that look packages up by ROS do not find them there; those that get the folder of the Python packages do.
+    """
+    found = {path: find_uninstalled_file(path, package, files) for path in paths}
+    if package is None or not any(found.values()) or not finder.can_open(package.path / "setup.py"):
+        return set()
+    try:
+        tree = parse_python(read_regular(package.path / "setup.py", LARGEST_BUILD_FILE).decode("utf-8-sig", "replace"))
+    except OSError:
+        return set()
+    data = None if tree is None else read_package_data(tree, package.name)
+
+    def locate(path: Path) -> str:
+        return Path(os.path.relpath(path, package.path)).as_posix()
+
+    return {
+        path
+        for path, elsewhere in found.items()
+        if data is not None and elsewhere is not None and data.has_file(locate(elsewhere), locate(path))
+    }
 
 
 def read_defined_macros(files: Iterable[Path], finder: PackageFinder) -> dict[str, set[str]]:

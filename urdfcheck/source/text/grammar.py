@@ -59,6 +59,8 @@ TEXT_ATTRIBUTES: Mapping[str, frozenset[str]] = {
 # What xacro replaces: an expression, and the commands of xacro and roslaunch.
 SUBSTITUTION = re.compile(r"\$\{[^}]*\}?|\$\(\s*(?:anon|arg|cwd|dirname|env|eval|find|optenv)(?![\w-])[^)]*\)?")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+# An element may have several of these children.
+_REPEATABLE = frozenset({"link", "joint", "visual", "collision"})
 # Without these, the reference parser rejects the element.
 REQUIRED_ATTRIBUTES: Mapping[str, tuple[str, ...]] = {
     "robot": ("name",),
@@ -141,6 +143,31 @@ def iter_urdf_elements(robot: Element) -> Iterator[Element]:
         yield element
         allowed = CHILDREN.get(element.tag, frozenset())
         stack.extend(child for child in reversed(element.children) if child.tag in allowed)
+
+
+def list_repeated_children(element: Element) -> list[list[Element]]:
+    """Return the groups of children of which only one is allowed: children with one tag, or all shapes of a geometry."""
+    groups: dict[str, list[Element]] = {}
+    allowed = frozenset() if element.tag == "robot" else CHILDREN.get(element.tag, frozenset()) - _REPEATABLE
+    for child in element.children:
+        if child.tag in allowed:
+            groups.setdefault("shape" if element.tag == "geometry" else child.tag, []).append(child)
+    return [group for group in groups.values() if len(group) > 1]
+
+
+def iter_first_elements(robot: Element) -> Iterator[Element]:
+    """Yield the elements of :func:`iter_urdf_elements` without repetitions, of which programs read the first or refuse the file.
+
+    Of several shapes in one geometry all are yielded: programs choose differently.
+    """
+    unread: set[int] = set()
+    for element in iter_urdf_elements(robot):
+        if id(element) in unread:
+            unread.update(map(id, element.children))
+            continue
+        if element.tag != "geometry":
+            unread.update(id(other) for group in list_repeated_children(element) for other in group[1:])
+        yield element
 
 
 def guess_element_tag(parent: str, child: Element) -> str | None:

@@ -103,8 +103,13 @@ def _describe_tag(text: str, at: int) -> XmlMistake | None:
     if end is not None:  # after the root element: inside it, expat names the tag that does not fit
         tag = _shorten(end[1])
         return XmlMistake(f"a second `</{tag}>` closes nothing", *end.span(), repair="delete it")
+    shown = "a blank" if here.isspace() else f"`{here}`"
+    if inside == "?":
+        if text.startswith("<?", at):
+            return XmlMistake("`<?` is typed twice", begin, at, "delete the first `<?`")
+        message = f"`<?` must be followed by a name such as `xml`, not by {shown}"
+        return XmlMistake(message, begin, at + 1, "delete what is between `<?` and the name")
     if not inside.strip("/!-"):
-        shown = "a blank" if here.isspace() else f"`{here}`"
         message = f"`<` begins a tag, but {shown} does not begin a name"
         return XmlMistake(
             message,

@@ -35,6 +35,7 @@ KNOWN_VARIABLES: Mapping[str, tuple[str, ...]] = {
     "ROS_PYTHON_VERSION": ("3", "2"),
     "ROS_VERSION": ("2", "1"),
 }
+FIRST_GENERATION = frozenset({"noetic"})
 _VARIABLE_READ = re.compile(r"""env[\s('"]+(\w+)""")
 
 _ARGUMENT = r"""\$\(arg\s+([^\s()$]+)\s*\)"""

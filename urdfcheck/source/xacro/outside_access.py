@@ -86,9 +86,13 @@ class FileAccess:
 
         :raises ExpansionStoppedError: if it lies out of reach.
         """
-        if not self.finder.can_open(path):
+        if not self.finder.can_open(path) and not self._is_missing_name(path):
             name = format_path(path)
             raise ExpansionStoppedError("out-of-reach", f"{name} is outside the folders that may be read", path=name)
+
+    def _is_missing_name(self, path: Path) -> bool:
+        """Whether a path is out of reach only by its hidden name, and no file has it: an argument in it may be empty."""
+        return path.name.startswith(".") and self.finder.can_open(path.parent) and not os.path.lexists(path)
 
     def wrap_parse(self, original: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap ``xacro.parse``, which reads the model and its includes."""

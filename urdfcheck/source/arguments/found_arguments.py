@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from urdfcheck.source.arguments.usual_environment import choose_variable, find_unset_variable
 from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, find_passed_arguments
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
@@ -23,6 +24,8 @@ class FoundExpansion:
     arguments: Mapping[str, str]
     found: Mapping[str, PassedArgument]
     """Those of the arguments that were not given, by name."""
+    assumed: frozenset[str] = frozenset()
+    """Those of the arguments that stand for variables of ROS which are not set here."""
 
 
 def expand_with_found_arguments(
@@ -35,10 +38,32 @@ def expand_with_found_arguments(
 ) -> FoundExpansion:
     """Expand a xacro. An argument without which there is no model gets the value that a launch file passes.
 
-    This is one that is read and has no value, or one whose default leads to a file that does not exist. ``launches``: the
-    launch files that are checked with the model, which count first.
+    This is one that is read and has no value, or one whose default leads to a file that does not exist. A variable of ROS that
+    is not set here gets a usual value: every shell of ROS sets it. ``launches``: the launch files that are checked with the
+    model, which count first.
     """
 
+    def expand_with(given: Mapping[str, str]) -> FoundExpansion:
+        return _expand_with_passed_arguments(path, given, finder, environment=environment, launches=launches)
+
+    result, assumed = expand_with(arguments), dict[str, str]()
+    name = find_unset_variable(result.expansion.problems)
+    while name is not None and name not in {*arguments, *assumed}:
+        package = finder.find_package_of(path.absolute())
+        assumed[name] = choose_variable(name, {**arguments, **assumed}, package)
+        result = expand_with({**arguments, **assumed})
+        name = find_unset_variable(result.expansion.problems)
+    return replace(result, assumed=frozenset(assumed))
+
+
+def _expand_with_passed_arguments(
+    path: Path,
+    arguments: Mapping[str, str],
+    finder: PackageFinder,
+    *,
+    environment: frozenset[str],
+    launches: Sequence[Path],
+) -> FoundExpansion:
     def expand(values: Mapping[str, str]) -> Expansion:
         return expand_xacro(path, values, finder, extra_environment=environment)
 
