@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: audit test test-fast test-full coverage rule reports clean
+.PHONY: audit test test-fast test-long test-full coverage rule reports clean
 
 # The main job: audit the car-3 robot and write its report, with all that is wrong (--pedantic). Findings do not fail the command,
 # a failure of urdfcheck does.
@@ -12,15 +12,19 @@ audit: $(VENV)/.installed
 	@SOURCE_DATE_EPOCH=0 $(BIN)/urdfcheck fixtures/car-3 --pedantic --fail-on never -o html=reports/car-3.html
 	@echo "report: reports/car-3.html"
 
-# Everything: formatting, types, rule pages, goldens, browser.
+# Formatting, types, rule pages, goldens, the hostile files, a browser, the real robots; of the modules marked long the tests marked smoke.
 test: $(VENV)/.tested
-	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "not long or smoke"
 
 # The inner loop: all but the modules that start many processes or a browser or take seconds each (marked slow), in a minute on two cores.
 test-fast: $(VENV)/.tested
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "not slow"
 
-# With what repeats at length what others show, and all real robots: before a release.
+# What make test leaves out: faults of the machine, planted files, every control of the report, repairs of geometry, offers on robots.
+test-long: $(VENV)/.tested
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "long and not smoke"
+
+# Everything, with every real robot and more examples of each property: before a release.
 test-full: $(VENV)/.tested
 	URDFCHECK_FULL=1 $(BIN)/python -m pytest --numprocesses auto --dist worksteal
 

@@ -37,7 +37,7 @@ from urdfcheck.system import process_pool, sandbox
 REPOSITORY = Path(__file__).parent.parent
 FIXTURES = REPOSITORY / "fixtures"
 
-# Whether tests also take what repeats at length what others show: each real robot and mesh, and what is marked full.
+# Whether tests take every real robot and mesh, and more examples of each property.
 IS_FULL = bool(os.environ.get("URDFCHECK_FULL"))
 
 # No test fails because a machine is slow. Each run tries other examples; what one misses, one of the next finds.
@@ -140,7 +140,7 @@ def pytest_xdist_auto_num_workers() -> int:
 
 
 @pytest.hookimpl(trylast=True)
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes long, so that no process is left alone with it at the end: real robots, which tests of all
     processes share, then the modules that are marked slow; of these first the ones about the whole program, beside this file:
     a single run on all hostile files takes half a minute.
@@ -155,10 +155,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             return 3
         return 1 if item.path.parent == REPOSITORY / "tests" else 2
 
-    left_out = [] if IS_FULL or "full" in config.option.markexpr else [i for i in items if i.get_closest_marker("full")]
-    if left_out:
-        config.hook.pytest_deselected(items=left_out)
-        items[:] = [item for item in items if not item.get_closest_marker("full")]
     processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     kinds = [[item for item in items if rank(item) == kind] for kind in range(4)]
     items[:] = [

@@ -33,7 +33,7 @@ from real.verdicts import find_new, judge, list_keys
 
 from urdfcheck.core import Severity
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 ACCURACY = Path(__file__).parent.parent / "benchmarks" / "accuracy"
 
@@ -103,7 +103,6 @@ def test_inertials_are_broken_without_meshes_too(cases: list[Case]) -> None:
     assert all(case.verdict.found for case in impossible)
 
 
-@pytest.mark.full
 def test_the_command_makes_the_same_defects_in_any_number_of_processes(robot: RealRobot, tmp_path: Path) -> None:
     entry = {"id": "cart", "entry": "cart/cart.urdf", "package_roots": ["cart"], "xacro_args": {}, "expands": True}
     shutil.copytree(robot.entry.parent, tmp_path / "cart")

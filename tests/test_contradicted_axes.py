@@ -1,4 +1,5 @@
-"""JNT021's evidence: which line the parts are round about, on which side of zero there is room, and the same from the cache."""
+"""JNT021's evidence: which line the parts are round about, on which side of zero there is room, which of them touches
+nothing, and the same from the cache."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from urdfcheck.model.motion.axes.apart import do_collisions_touch
 from urdfcheck.model.motion.axes.contradicted import find_contradicted_axes
 from urdfcheck.model.robot import Model
 from urdfcheck.source.load import load_source
@@ -40,7 +42,8 @@ def place_tubes(*places: str) -> str:
 
 def test_bore_beside_the_axis_is_measured(tmp_path: Path) -> None:
     joint = '<origin xyz="0.012 0 0.1" rpy="0 0 0.5"/><axis xyz="0 0 1"/>'
-    mismatches, _ = find_contradicted_axes(make_model(tmp_path, place_tubes("0 0 0.1"), joint, place_tubes("0 0 0")))
+    model = make_model(tmp_path, place_tubes("0 0 0.1"), joint, place_tubes("0 0 0"))
+    mismatches = find_contradicted_axes(model).bearings
     (found,) = mismatches
     assert (found.joint, found.kind) == ("j", "beside")
     assert found.vector == pytest.approx((-0.012, 0, 0), abs=1e-6)
@@ -52,7 +55,7 @@ def test_a_screw_hole_far_from_the_axis_is_not_its_bearing(tmp_path: Path, dista
     """A pin with a radius of 5 mm: the one hole of its size is 2.4 or 6 radii away."""
     joint = f'<origin xyz="{distance} 0 0.1"/><axis xyz="0 0 1"/>'
     small = [place_tubes(place).replace('stl"', 'stl" scale="0.1667 0.1667 0.4"') for place in ("0 0 0.1", "0 0 0")]
-    mismatches, _ = find_contradicted_axes(make_model(tmp_path, small[0], joint, small[1]))
+    mismatches = find_contradicted_axes(make_model(tmp_path, small[0], joint, small[1])).bearings
     assert [m.kind for m in mismatches] == (["beside"] if found else [])
 
 
@@ -67,7 +70,8 @@ def test_a_screw_hole_far_from_the_axis_is_not_its_bearing(tmp_path: Path, dista
 )
 def test_nothing_is_found_where_the_bore_is_not_the_only_one(tmp_path: Path, base: tuple[str, ...], why: str) -> None:
     joint = '<origin xyz="0.012 0 0.1"/><axis xyz="0 0 1"/>'
-    mismatches, _ = find_contradicted_axes(make_model(tmp_path, place_tubes(*base), joint, place_tubes("0 0 0")))
+    model = make_model(tmp_path, place_tubes(*base), joint, place_tubes("0 0 0"))
+    mismatches = find_contradicted_axes(model).bearings
     assert not mismatches, why
 
 
@@ -75,7 +79,7 @@ def test_nothing_is_found_where_the_bore_is_not_the_only_one(tmp_path: Path, bas
 def test_only_the_blocked_side_is_reported(tmp_path: Path, sign: int) -> None:
     stops = place_tubes("-0.1 0 0.02", "-0.1 0 0", "-0.09 0 -0.04", "-0.06 0 -0.07")
     arm = place_tubes("0 0 -0.1", "0 0 -0.08")
-    _, blocked = find_contradicted_axes(make_model(tmp_path, stops, f'<axis xyz="0 {sign} 0"/>', arm))
+    blocked = find_contradicted_axes(make_model(tmp_path, stops, f'<axis xyz="0 {sign} 0"/>', arm)).sides
     assert [one.joint for one in blocked] == (["j"] if sign > 0 else [])
     if blocked:
         assert blocked[0].by_parent
@@ -91,9 +95,100 @@ def test_result_is_the_same_from_the_cache(tmp_path: Path) -> None:
         for _ in range(2)
     )
     assert list((tmp_path / "cache").rglob("axes"))
-    (one,), (other,) = first[0], second[0]
+    (one,), (other,) = first.bearings, second.bearings
     assert one.vector == pytest.approx(other.vector)
     assert (one.joint, one.kind, one.amount, one.radius, one.hub) == (
         other.joint, other.kind, other.amount, other.radius, other.hub,
     )  # fmt: skip
-    assert first[1] == second[1] == ()
+    assert first.sides == second.sides == ()
+
+
+_BLOCK = '<{role}>{origin}<geometry><box size="{size}"/></geometry></{role}>'
+
+
+def make_chain(folder: Path, *parts: str, kind: str = "revolute", cache: ArrayCache | None = None) -> Model:
+    """A chain of links, each 0.2 m above the one before."""
+    links = "".join(f'<link name="l{number}">{part}</link>' for number, part in enumerate(parts))
+    joints = "".join(
+        f'<joint name="j{n}" type="{kind}"><origin xyz="0 0 0.2"/><parent link="l{n - 1}"/><child link="l{n}"/>'
+        '<axis xyz="0 0 1"/><limit lower="-0.1" upper="0.1" effort="1" velocity="1"/></joint>'
+        for n in range(1, len(parts))
+    )
+    path = folder / "r.urdf"
+    path.write_text(f'<robot name="r">{links}{joints}</robot>', encoding="utf-8")
+    source = load_source(path, {}, PackageFinder(path, {}, []))
+    assert source.root is not None
+    return Model(source=source, robot=source.root, cache=cache or ArrayCache())
+
+
+def make_block(x: float = 0.0, size: str = "0.05 0.05 0.2", role: str = "visual") -> str:
+    return _BLOCK.format(role=role, origin=f'<origin xyz="{x} 0 0.1"/>', size=size)
+
+
+def test_the_only_part_that_touches_nothing_is_found(tmp_path: Path) -> None:
+    cache = ArrayCache(tmp_path / "cache")
+    for _ in range(2):
+        model = make_chain(tmp_path, *[make_block()] * 3, make_block(0.12), cache=cache)
+        found = find_contradicted_axes(model).apart
+        assert found is not None
+        assert (found.joint, found.nearest, found.others) == ("j3", "l2", 2)
+        assert found.gap == pytest.approx(0.07)
+        assert found.size == pytest.approx(np.hypot(0.2, np.hypot(0.05, 0.05)))
+
+
+def test_a_mesh_that_touches_nothing_is_found(tmp_path: Path) -> None:
+    """The box around the part meets that around the one before: the meshes alone show that they are apart."""
+    ring = trimesh.creation.annulus(r_min=0.2, r_max=0.21, height=0.02)
+    ring.export(tmp_path / "ring.stl")
+    part = '<visual><origin xyz="{} 0 0"/><geometry><mesh filename="ring.stl"/></geometry></visual>'
+    small = '<visual><origin xyz="0 0 -0.58"/><geometry><sphere radius="0.1"/></geometry></visual>'
+    rings = [part.format(0.0).replace(' 0"/>', f' {z}"/>') for z in (0.0, -0.19, -0.38)]
+    assert find_contradicted_axes(make_chain(tmp_path, *rings)).apart is None
+    found = find_contradicted_axes(make_chain(tmp_path, *rings, small)).apart
+    assert found is not None
+    assert found.joint == "j3"
+    assert found.gap == pytest.approx(0.1, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("parts", "kind", "why"),
+    [
+        ([make_block()] * 4, "revolute", "all touch"),
+        ([make_block(), make_block(), make_block(0.09), make_block(0.18)], "revolute", "two are apart"),
+        ([make_block(), make_block(), make_block(0.07)], "revolute", "one other joint says little"),
+        ([make_block(), make_block(), make_block(), make_block(0.07)], "revolute", "the space is small"),
+        (
+            [make_block(), make_block(), "<inertial><mass value='1'/></inertial>", make_block(0.12)],
+            "revolute", "a part is not drawn",
+        ),
+        (
+            ['<visual><geometry><mesh filename="lost.stl"/></geometry></visual>', *[make_block()] * 3, make_block(0.12)],
+            "revolute", "it may touch the part that is not known",
+        ),
+        (
+            [make_block(), make_block(), make_block() + make_block(0, "0.5 0.1 0.2", "collision"),
+             make_block(0.12) + make_block(0.12, role="collision")],
+            "revolute", "the collisions touch",
+        ),
+    ],
+)  # fmt: skip
+def test_nothing_is_reported_where_the_space_may_be_meant(
+    tmp_path: Path, parts: list[str], kind: str, why: str
+) -> None:
+    model = make_chain(tmp_path, *parts, kind=kind)
+    found = find_contradicted_axes(model).apart
+    assert found is None or do_collisions_touch(model, found), why
+
+
+@pytest.mark.parametrize(("reach", "is_apart"), [(0.1, False), (0.01, True)])
+def test_a_slide_that_touches_elsewhere_in_its_range_is_meant(tmp_path: Path, reach: float, is_apart: bool) -> None:
+    """The last part hovers 0.1 m above the one before."""
+    text = make_block().replace("0 0 0.1", "0 0 0.2")
+    model = make_chain(tmp_path, make_block(), make_block(), make_block(), text, kind="prismatic")
+    path = tmp_path / "r.urdf"
+    changed = path.read_text(encoding="utf-8").replace('0.1" effort', f'{reach}" effort')
+    path.write_text(changed.replace('lower="-0.1"', f'lower="-{reach}"'), encoding="utf-8")
+    source = load_source(path, {}, PackageFinder(path, {}, []))
+    assert source.root is not None
+    model = Model(source=source, robot=source.root, cache=ArrayCache())
+    assert (find_contradicted_axes(model).apart is not None) == is_apart

@@ -26,6 +26,7 @@ RUNS = int(os.environ.get("URDFCHECK_RUNS", "4"))
 
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.long,
     pytest.mark.skipif(sys.platform == "win32", reason="signals, mounts and process files are those of POSIX"),
 ]
 
@@ -88,7 +89,7 @@ def children(pid: int) -> list[int]:
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="the workers of a process are found in /proc")
-@pytest.mark.parametrize("finished", [pytest.param(0, marks=pytest.mark.full), 1])
+@pytest.mark.parametrize("finished", [0, 1])
 def test_a_worker_that_is_killed_takes_one_model_along_and_no_other(
     models: Path, all_of_them: dict[str, Any], tmp_path: Path, finished: int
 ) -> None:
@@ -181,6 +182,7 @@ def damage(path: Path, chance: random.Random) -> None:
         path.mkdir()
 
 
+@pytest.mark.smoke
 def test_a_damaged_cache_changes_nothing(models: Path, tmp_path: Path) -> None:
     cache = tmp_path / "cache"
     whole = report(checked(models / "robot_00", models / "robot_01", cache=cache))
@@ -225,7 +227,6 @@ def test_a_report_is_whole_or_not_there(models: Path, tmp_path: Path, small_disk
     assert report_file.read_text() == "the report before"
 
 
-@pytest.mark.full
 def test_many_runs_share_one_cache(models: Path, one_of_them: dict[str, Any], tmp_path: Path) -> None:
     """All begin at once on an empty cache, while another process keeps deleting from it."""
     cache = tmp_path / "cache"

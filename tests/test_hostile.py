@@ -159,6 +159,7 @@ def test_a_clone_of_the_attacks_is_small() -> None:
     assert sum(f.stat().st_size for f in make_hostile_table.FOLDER.rglob("*") if f.is_file()) < 300_000
 
 
+@pytest.mark.long
 def test_the_report_does_nothing_in_a_browser(checked: Checked, browser: Any, tmp_path: Path) -> None:
     file = tmp_path / "report.html"
     file.write_text(checked.outputs["html"], encoding="utf-8")

@@ -18,7 +18,7 @@ import yaml
 from conftest import REPOSITORY
 from services import accepts
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 INTEGRATIONS = REPOSITORY / "integrations"
 ACTION = REPOSITORY / "action.yml"
@@ -147,6 +147,7 @@ class Runner:
         return self.run("urdfcheck", cwd)
 
 
+@pytest.mark.smoke
 def test_the_action_reports_all_and_fails_at_the_end(tmp_path: Path, commands: Path, checkout: Path) -> None:
     names = ["a b.urdf", "it's;$(touch hacked)`touch hacked`.urdf", "-o html=hacked.urdf", "::error::x.urdf"]
     for name in names:

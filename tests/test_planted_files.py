@@ -25,7 +25,11 @@ from conftest import REPOSITORY, make_once
 
 from urdfcheck.cli.commands import init
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform == "win32", reason="the scripts are run by bash")]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.long,
+    pytest.mark.skipif(sys.platform == "win32", reason="the scripts are run by bash"),
+]
 
 ROBOT = '<robot name="sound"><link name="base"/></robot>'
 # Names that Python, pip or urdfcheck imports and that are no modules of the standard library.

@@ -13,7 +13,7 @@ import pytest
 import yaml
 from conftest import FIXTURES, REPOSITORY
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 
 def git(*words: str, cwd: Path) -> None:
@@ -22,6 +22,7 @@ def git(*words: str, cwd: Path) -> None:
     )
 
 
+@pytest.mark.smoke
 def test_the_manifest_is_valid() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "pre_commit", "validate-manifest", str(REPOSITORY / ".pre-commit-hooks.yaml")]
@@ -67,6 +68,7 @@ def try_repo(hooks: Path, user: Path, hook: str, *files: str) -> subprocess.Comp
     )
 
 
+@pytest.mark.smoke
 def test_a_changed_model_is_checked(hooks: Path, user: Path) -> None:
     done = try_repo(hooks, user, "urdfcheck", "car-3/urdf/car-3.urdf")
     assert "SYM001" in done.stdout, done.stdout + done.stderr

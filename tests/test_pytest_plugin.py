@@ -12,7 +12,7 @@ import tomli
 
 from urdfcheck.plugins import pytest_plugin
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 pytest_plugins = "pytester"
 
@@ -52,6 +52,7 @@ def run(folder: pytest.Pytester, *words: str) -> pytest.RunResult:
     return folder.runpytest_inprocess(*plugin, "--urdfcheck-args=--tier=source", *words)
 
 
+@pytest.mark.smoke
 def test_each_model_is_a_test_and_a_failure_reads_like_the_report(folder: pytest.Pytester) -> None:
     done = run(folder, "--urdfcheck", "-ra")
     done.assert_outcomes(passed=2, failed=2)
@@ -72,13 +73,7 @@ def test_a_model_that_may_stay_unchecked_is_skipped_and_does_not_pass(folder: py
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such names")
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["-vv"],
-        *(pytest.param(words, marks=pytest.mark.full) for words in (["-ra"], ["-ra", "--urdfcheck-fail-on=never"])),
-    ],
-)
+@pytest.mark.parametrize("words", [["-vv"], ["-ra"], ["-ra", "--urdfcheck-fail-on=never"]])
 def test_names_of_files_are_data(folder: pytest.Pytester, words: list[str]) -> None:
     for name in ("::error::pwn.urdf", "a\n::error::pwn\x1b[31m\u202e.urdf", "b\n::error::pwn.xacro"):
         (folder.path / name).write_text((folder.path / "waiting.xacro").read_text())

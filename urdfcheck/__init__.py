@@ -16,6 +16,7 @@ TYPE_CHECKING = False
 
 if TYPE_CHECKING:
     from urdfcheck.api import check as check
+    from urdfcheck.api import diff as diff
     from urdfcheck.core import Applicability as Applicability
     from urdfcheck.core import Cause as Cause
     from urdfcheck.core import Confidence as Confidence
@@ -31,11 +32,14 @@ if TYPE_CHECKING:
     from urdfcheck.core import Span as Span
     from urdfcheck.core import Suppression as Suppression
     from urdfcheck.core import UrdfcheckError as UrdfcheckError
+    from urdfcheck.core.model_diff import Diff as Diff
     from urdfcheck.rules import load_rules as load_rules
 
 # The module of each name. They are imported when they are first used (PEP 562): every start of the command imports this package.
 _HOMES = {
     "check": "urdfcheck.api",
+    "diff": "urdfcheck.api",
+    "Diff": "urdfcheck.core.model_diff",
     "load_rules": "urdfcheck.rules",
     **dict.fromkeys(
         (
@@ -50,6 +54,7 @@ __all__ = [
     "Applicability",
     "Cause",
     "Confidence",
+    "Diff",
     "Edit",
     "Finding",
     "Fix",
@@ -64,6 +69,7 @@ __all__ = [
     "UrdfcheckError",
     "__version__",
     "check",
+    "diff",
     "load_rules",
 ]
 

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 
 from urdfcheck.core import Run, UrdfcheckError
+from urdfcheck.core.model_diff import Diff
 from urdfcheck.policy.consumers import ASKED_ENGINES
 from urdfcheck.run.jobs import SAMPLES, Request
 from urdfcheck.run.pipeline import Execution, run_audit
@@ -113,6 +114,80 @@ def check(
         memory=memory,
     )
     return _run(options, scene=scene)
+
+
+def diff(
+    before: AnyPath,
+    after: AnyPath,
+    *,
+    select: Words | None = None,
+    ignore: Words = (),
+    target: Words | None = None,
+    tier: str | None = None,
+    arguments: Mapping[str, str] | None = None,
+    all_arguments: bool = False,
+    packages: Mapping[str, AnyPath] | None = None,
+    package_paths: Paths = (),
+    allow_read: Paths = (),
+    environment: Words = (),
+    isolated: bool = False,
+    jobs: int | None = None,
+    cache: bool = True,
+    timeout: float | None = None,
+    memory: int | None = None,
+) -> Diff:
+    """Compare two versions of a robot, like ``urdfcheck diff``: structure, motion, limits, mass, shapes and findings.
+
+    Like :func:`check` it reads the models in separate processes.
+
+    >>> import urdfcheck
+    >>> found = urdfcheck.diff("fixtures/car-3/urdf/car-3.urdf", "fixtures/car-3/urdf/car-3.urdf", select="INR003")
+    >>> found.verdict
+    'identical'
+
+    :param before: the first version: a model, a package or a folder.
+    :param after: the second version. Models of two folders are matched by path, then by name, then by structure.
+    :returns: the differences. `Diff.verdict` is the word of the most important one: ``structure``, ``kinematic``, ``limits``,
+        ``dynamic``, ``collision``, ``visual``, ``extension``, ``cosmetic``, ``identical``, or ``unknown`` where a version gives
+        no robot, which `Diff.failures` explains. `Diff.models` holds the changes of each model, `Diff.findings` what the
+        checks of the two versions report differently. The other parameters are those of :func:`check` and hold for both
+        versions.
+    :raises UrdfcheckError: for a wrong argument or configuration, and for a path that does not exist or has no model.
+    :raises KeyboardInterrupt: when the user interrupts.
+    """
+    from urdfcheck.changes.compare_versions import compare_versions
+
+    sides = [
+        RunOptions(
+            paths=(path,),
+            select=None if select is None else _list_words(select),
+            ignore=_list_words(ignore),
+            target=None if target is None else _list_words(target),
+            tier=tier,
+            arguments={name: str(value) for name, value in (arguments or {}).items()},
+            all_arguments=all_arguments,
+            packages=packages or {},
+            package_paths=_list_paths(package_paths),
+            allow_read=_list_paths(allow_read),
+            environment=_list_words(environment),
+            isolated=isolated,
+            jobs=jobs,
+            cache=cache,
+            timeout=timeout,
+            memory=memory,
+        )
+        for path in (before, after)
+    ]
+    if any(not os.fspath(path) for path in (before, after)):
+        raise UrdfcheckError("a path is empty ('.' is the working directory)")
+    requests = [make_request(options)[0] for options in sides]
+    with _worker_surroundings():
+        warm_worker = start_warm_worker()
+        try:
+            return compare_versions(requests[0], requests[1], Execution(warm_worker=warm_worker))
+        finally:
+            if warm_worker is not None:
+                warm_worker.end()
 
 
 def run_and_ask(request: Request, execution: Execution) -> Run:

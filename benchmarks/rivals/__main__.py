@@ -52,7 +52,7 @@ NAMING = {
     "collision_offset": {"GEO003", "GEO005"},
     "com_outside": {"INR006", "INR005", "INR009"},
     "missing_mesh": {"PKG002", "PKG004"},
-    "joint_into_parent": {"JNT021", "JNT018", "SYM002", "COL001", "COL002", "COL006"},
+    "joint_into_parent": {"JNT021", "JNT018", "SYM002", "SYM004", "COL001", "COL002", "COL006"},
 }
 # Rule, message, cause and subject.
 Key = tuple[str, str, str, str]

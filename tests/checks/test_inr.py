@@ -508,13 +508,29 @@ def test_all_residues_of_a_robot_are_one_finding_with_one_edit_each(tmp_path: Pa
     [
         (("0.0009", "0.0002"), None),
         (("0.0009", "0.00005"), "tonnes"),
+        (("3e-7", "2e-7"), ""),
         (("99999", "1"), None),
         (("99999", "2"), "grams"),
     ],
 )
 def test_a_robot_weighs_a_gram_to_a_hundred_tonnes(tmp_path: Path, masses: tuple[str, str], cause: str | None) -> None:
     findings = find(tmp_path, make_arm(inertial(masses[0]), base=inertial(masses[1])), "INR015")
-    assert [f.cause.id if f.cause else None for f in findings] == ([] if cause is None else [cause])
+    assert [f.cause.id if f.cause else "" for f in findings] == ([] if cause is None else [cause])
+
+
+def test_one_placeholder_in_place_of_every_mass_is_one_finding(tmp_path: Path) -> None:
+    """Not a model in tonnes, whose leg would weigh milligrams, and not a tensor that is too large for this mass."""
+    part = inertial("1e-9", "1e-9") + BOX
+    text = make_arm(part, base=part)
+    rules = {"INR007", "INR012", "INR015", "KIN010"}
+    found = {f.code: f for f in check_text(tmp_path, text, codes=rules).findings}
+    assert set(found) == {"INR015", "KIN010"}
+    assert (found["INR015"].message_id, found["INR015"].cause) == ("placeholder", None)
+    assert found["KIN010"].message_id == "tiny"
+    assert "weighs only 1e-09 kg" in found["KIN010"].message
+    assert not find(tmp_path, text, "INR007")
+    (alone,) = find(tmp_path, make_arm(part, base=inertial(1, 1)), "INR012")
+    assert alone.cause is None
 
 
 @pytest.mark.parametrize(

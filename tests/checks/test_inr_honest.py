@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import arm_on_base, box, collision, find, inertial, joint, link, mesh, robot, visual
+from builders import arm_on_base, box, collision, cylinder, find, inertial, joint, link, mesh, robot, visual
 from castings import CASTING, drawn_boxes, format_inertial, geometry, pieces, steiner, uniform, write_stl
 
 from urdfcheck.core import Severity
@@ -151,10 +151,84 @@ def test_an_impossible_tensor_of_another_size_is_not_made_possible(tmp_path: Pat
     text = arm_on_base(inertial(0.009, ixx="1e-4", iyy="0.02", izz="0.0206"), visual(box("0.06 0.04 0.003")))
     (finding,) = find(tmp_path, text, {"INR003", "INR005"})
     assert finding.code == "INR003"
-    assert "for this mass and the drawn size, the moments are too large by a factor of" in finding.message
+    assert "5,200 times the drawn part's, and at least 110 times what its size allows" in finding.message
     assert finding.fix is not None
     assert "nearest possible tensor" not in finding.fix.title
     assert "(the drawn part at this mass and uniform density)" in finding.fix.title
+
+
+def test_an_impossible_tensor_beyond_the_drawn_size_gets_no_nearest_one(tmp_path: Path) -> None:
+    """A scanner of 0.2 kg whose moments are those of something ten times as wide; the body that it is fixed to hides that."""
+    scanner = inertial(0.2, ixx="0.0528", iyy="0.0202", izz="0.0235")
+    text = arm_on_base(scanner, visual(box("0.085 0.1 0.07")), base=inertial(50, 5), kind="fixed")
+    (finding,) = find(tmp_path, text, "INR003")
+    assert finding.message_id == "fused"
+    assert "times the drawn part's" in finding.message
+    assert finding.fix is not None
+    assert "nearest possible tensor" not in finding.fix.title
+
+
+@pytest.mark.parametrize(("scale", "message_id"), [(1e9, "oversized"), (1.0, "rounded")])
+def test_more_digits_do_not_repair_a_tensor_of_another_size(tmp_path: Path, scale: float, message_id: str) -> None:
+    """A thin rod whose tensor was rounded to four digits."""
+    moments = {name: f"{scale * value:.4g}" for name, value in (("ixx", 2e-9), ("iyy", 7.503e-5), ("izz", 7.504e-5))}
+    text = arm_on_base(inertial(0.01, **moments), visual(box("0.3 0.003 0.001")))
+    (finding,) = find(tmp_path, text, "INR003")
+    is_oversized = message_id == "oversized"
+    assert (finding.message_id, finding.severity) == (
+        message_id,
+        Severity.ERROR if is_oversized else Severity.WARNING,
+    )
+    assert finding.fix is not None
+    assert ("significant digits" in finding.fix.title) != is_oversized
+
+
+@pytest.mark.parametrize(("radius", "is_rounded"), [("0.05", False), ("0.02", True)])
+def test_moments_of_zero_are_rounded_only_where_the_drawn_part_has_small_ones(
+    tmp_path: Path, radius: str, is_rounded: bool
+) -> None:
+    """A cylinder of 1 kg has 0.0015 kg·m² across, which does not round to 0 beside 0.001; a smaller one has 0.0009."""
+    text = arm_on_base(inertial(1, ixx="0", iyy="0.001", izz="0"), visual(cylinder(radius, "0.1")))
+    (finding,) = find(tmp_path, text, "INR003")
+    assert (finding.cause is not None) == is_rounded
+    assert finding.fix is not None
+    assert ('ixx="0.001458" iyy="0.001458" izz="0.00125"' in finding.fix.title) != is_rounded
+    assert ("ixx, izz are 0, as if never filled in" in finding.message) != is_rounded
+
+
+def test_a_tensor_that_exceeds_is_undone_like_those_of_other_links(tmp_path: Path) -> None:
+    """A shin whose numbers fit no drawing exactly, in a file whose thighs have their tensors about the link's origin."""
+    true = uniform(geometry(CASTING).solid)
+    thigh = replace(true, tensor=true.tensor + steiner(true.mass, true.com))
+    box_tensor = compute_solid_inertia(make_box_solid((0.03, 0.03, 0.24)), 0.13)
+    shin = DeclaredInertial(0.13, np.array((0.009, 0.007, -0.13)), 1.3 * box_tensor)
+    shin = replace(shin, tensor=shin.tensor + steiner(shin.mass, shin.com))
+    calf = link("shin", format_inertial(shin), visual(box("0.03 0.03 0.24"), xyz="0 0 -0.12"))
+    text = arm_on_base(
+        format_inertial(thigh), drawn_boxes(CASTING), more=calf + joint("knee", "arm", "shin", kind="continuous")
+    )
+    (finding,) = (f for f in find(tmp_path, text, {"INR005", "INR009"}) if "shin" in f.message)
+    assert finding.code == "INR005"
+    assert "possible without the mistake of arm: tensor about the origin" in finding.message
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert f'ixx="{1.3 * box_tensor[0, 0]:.5g}' in finding.fix.title
+
+
+@pytest.mark.parametrize("is_com_of_shell", [True, False])
+def test_a_hollow_part_with_the_com_of_its_shell_needs_no_repair(tmp_path: Path, is_com_of_shell: bool) -> None:
+    blocks = (((0.08, 0.08, 0.08), (0.0, 0.0, 0.0)), ((0.01, 0.08, 0.12), (0.0, 0.0, 0.1)))
+    write_stl(tmp_path / "hand.stl", blocks)
+    drawn = geometry(blocks)
+    assert drawn.shell is not None
+    com = drawn.shell.com if is_com_of_shell else drawn.solid.com
+    numbers = DeclaredInertial(2.0, com, compute_solid_inertia(drawn.shell, 2.0))
+    (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers), visual(mesh("hand.stl"))), "INR009")
+    assert finding.cause is not None
+    assert finding.cause.id == "shell"
+    assert (finding.message_id == "hollow") == is_com_of_shell
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("nothing if the part is hollow") == is_com_of_shell
 
 
 # -- what disagrees, and what stays so -----------------------------------------------------------------------------------

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import arm_on_base, box, find, joint, link, robot, visual
-from castings import CASTING, drawn_boxes, format_inertial, geometry, steiner, uniform
+from builders import arm_on_base, box, collision, find, joint, link, mesh, robot, visual
+from castings import CASTING, drawn_boxes, format_inertial, geometry, steiner, triangles, uniform
 
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
@@ -95,3 +95,47 @@ def test_a_com_of_zero_is_compared_with_those_of_the_file(tmp_path: Path, is_hab
     (finding,) = (f for f in find(tmp_path, make_chain(numbers), {"INR005", "INR009"}) if f.code == "INR005")
     said = ". Its COM is 0 0 0, like those of 5 other links whose COM was left at zero (INR009)" in finding.message
     assert said == is_habit
+
+
+<<<<<<< HEAD
+@pytest.mark.parametrize("moved", [0.0, 0.3])
+def test_a_collision_shape_that_is_elsewhere_is_no_missing_com(tmp_path: Path, moved: float) -> None:
+    """The visual mesh is open, so that the collision box is compared; in the second case it is beside the drawn part."""
+    tensor = compute_solid_inertia(make_box_solid((0.2, 0.1, 0.06)), 1.0)
+    numbers = DeclaredInertial(1.0, np.zeros(3), 1.3 * tensor)
+    faces = [line for k, line in enumerate(write_box((0.2, 0.1, 0.06)).split("endfacet\n")) if k]
+    shapes = visual(mesh("open.stl"), xyz=f"{0.3 - moved} 0 0") + collision(box("0.2 0.1 0.06"), xyz="0.3 0 0")
+    files = {
+        "robot.urdf": arm_on_base(format_inertial(numbers, 8), shapes),
+        "open.stl": "solid o\n" + "endfacet\n".join(faces),
+    }
+    causes = [f.cause.id for f in find(tmp_path, files, {"INR009"}) if f.cause is not None]
+    assert causes == ([] if moved else ["com_missing"])
+
+
+def write_box(size: tuple[float, float, float]) -> str:
+    corners, faces = triangles([(size, (0.0, 0.0, 0.0))])
+    lines = []
+    for face in faces.tolist():
+        points = "".join("vertex {:.9g} {:.9g} {:.9g}\n".format(*corners[i]) for i in face)
+        lines.append(f"facet normal 0 0 0\nouter loop\n{points}endloop\nendfacet\n")
+    return "".join(lines) + "endsolid o\n"
+=======
+@pytest.mark.parametrize("is_one_density", [True, False])
+def test_tensors_of_one_density_are_one_finding(tmp_path: Path, is_one_density: bool) -> None:
+    """Weighed masses beside tensors of a hundred times 1000 kg/m³: alone, each link fits another mass or decimal point."""
+    numbers = []
+    for i, edges in enumerate(EDGES):
+        solid = make_box_solid(edges)
+        density = 1e5 if is_one_density else 1e5 * 1.3**i
+        tensor = compute_solid_inertia(solid, density * solid.volume)
+        numbers.append(DeclaredInertial((900 + 130 * i) * solid.volume, PLACE, tensor))
+    found = find(tmp_path, make_chain(numbers), "INR009")
+    assert any(f.message_id == "density" for f in found) == is_one_density
+    if is_one_density:
+        (finding,) = found
+        assert "100,000 kg/m³" in finding.message
+        assert finding.cause is None
+        assert finding.fix is not None
+        assert not finding.fix.edits
+>>>>>>> fix6A

@@ -304,7 +304,7 @@ def test_a_model_that_is_only_drawn_is_reported_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("heavy", "message"), [(1, "drawing"), (2, "vanishes")])
 def test_a_root_and_most_bodies_without_inertial_are_a_drawing(tmp_path: Path, heavy: int, message: str) -> None:
     """INR001 reports the links; the missing mass of the root is not another defect."""
-    names = ["base", "a", "b", "c"]
+    names = ["base", *"abcde"]
     parts = [link(name, inertial(1, 1) if 0 < i <= heavy else "", visual(box("1 1 1"))) for i, name in enumerate(names)]
     parts += [joint(f"j{i}", one, two, kind="continuous") for i, (one, two) in enumerate(pairwise(names))]
     (finding,) = check_text(tmp_path, robot(*parts), codes={"KIN010"}).findings

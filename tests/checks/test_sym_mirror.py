@@ -258,6 +258,18 @@ def test_each_defect_is_found_where_it_is(tmp_path: Path, defect: str) -> None:
     assert finding.severity == Severity.WARNING
 
 
+def test_the_drawing_shows_which_com_was_copied_where_masses_differ_too(tmp_path: Path) -> None:
+    """Nothing shows which mass is right: neither is written, and no numbers are offered for the side whose COM is right."""
+    mass = float(numbers(ROBOT, f"{RIGHT}/mass")["value"])
+    finding = one(tmp_path, with_(com_copied(inertia_copied(ROBOT)), f"{RIGHT}/mass", value=repr(1.05 * mass)))
+    assert told(finding) == ("inertial", "copied", "link[right_arm]/inertial")
+    assert finding.fix is not None
+    assert finding.fix.edits
+    assert "in right_arm" in finding.fix.title
+    assert "left_arm" not in finding.fix.title
+    assert "mass" not in finding.fix.title
+
+
 @pytest.mark.parametrize("name", ["ixy", "ixx"])
 def test_a_mistake_that_one_link_explains_is_told_once(tmp_path: Path, name: str) -> None:
     """The sign of a product, a lost decimal point: which rule tells depends on what else it could be."""
@@ -758,6 +770,23 @@ def test_without_drawings_one_mistake_that_leads_to_the_twin_is_named(
     assert finding.cause.id == cause
     assert words in finding.cause.text
     assert finding.severity is Severity.WARNING
+
+
+@pytest.mark.parametrize(("side", "drawn"), [(LEFT, True), (RIGHT, True), (LEFT, False), (RIGHT, False)])
+def test_a_side_that_was_rounded_is_named(tmp_path: Path, side: str, drawn: bool) -> None:
+    base = ROBOT if drawn else strip_drawings(ROBOT)
+    six = {name: float(value) for name, value in numbers(base, f"{side}/inertia").items()}
+    factor = 1.6e-3 / min(six[name] for name in ("ixx", "iyy", "izz"))  # 0.002 is left of the smallest moment
+    for path in (LEFT, RIGHT):
+        base = scale_inertial(base, path, mass=factor, tensor=factor)
+    rounded = {name: f"{factor * value:.3f}" for name, value in six.items()}
+    finding = one(tmp_path, with_(base, f"{side}/inertia", **rounded))
+    assert finding.cause is not None
+    name = side.partition("'")[2].partition("'")[0]
+    if drawn:
+        assert (finding.message_id, finding.cause.id) == ("pair", "rounded")
+    else:
+        assert finding.cause.text == f"The two agree if one mistake in {name} is undone: rounding: 3 decimals."
 
 
 def test_a_tensor_about_the_origin_is_named_on_the_side_that_has_it(tmp_path: Path) -> None:

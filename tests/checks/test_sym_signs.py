@@ -1,4 +1,4 @@
-"""SYM004: slips of a sign or a decimal point in origins and axes that twins show, and when nothing is said."""
+"""SYM004: slips of a sign, a coordinate or a decimal point in origins and axes that twins show, and when nothing is said."""
 
 from __future__ import annotations
 
@@ -41,7 +41,11 @@ def make_quadruped(sides: tuple[str, ...] = tuple(SIDES), **changed: str) -> str
 
 
 def find_slips(tmp_path: Path, text: str) -> list[Finding]:
-    return [f for f in find(tmp_path, text, "SYM004") if f.message_id in {"slip", "sign", "reversed", "coincident"}]
+    return [
+        f
+        for f in find(tmp_path, text, "SYM004")
+        if f.message_id in {"slip", "sign", "reversed", "coincident", "opposed", "steering", "together"}
+    ]
 
 
 def test_sound_legs_are_fine(tmp_path: Path) -> None:
@@ -188,3 +192,120 @@ def test_the_only_wheel_in_its_place_is_not_blamed_for_two_that_share_one(tmp_pa
             joint(f"{name}_joint", f"{side}_base", f"{name}_wheel", kind="continuous", xyz=f"{x} 0 -0.1", axis="0 1 0")
         )
     assert "sign" not in {f.message_id for f in find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')}
+
+
+@pytest.mark.parametrize(
+    ("changed", "count"),
+    [
+        ({"FR_knee": "-0.15 -0.01 -0.2"}, 1),
+        ({"FR_knee": "0 -0.16 -0.2"}, 0),  # along the axis of the knee
+        ({"FR_knee": "-0.15 -0.011 -0.2"}, 0),
+        ({"FR_knee": "-0.15 -0.01 -0.2", "FR_hip": "0 -0.06 0"}, 0),
+    ],
+)
+def test_one_coordinate_that_is_not_the_other_sides_is_found_at_any_distance(
+    tmp_path: Path, changed: dict[str, str], count: int
+) -> None:
+    found = find_slips(tmp_path, make_quadruped(("FL", "FR"), **changed))
+    assert len(found) == count
+    for finding in found:
+        assert finding.cause is None
+        assert finding.location.subject == "joint[FR_knee]/origin@xyz"
+        assert finding.fix is not None
+        assert "0 -0.01 -0.2" in finding.fix.title
+
+
+def make_rotors(**changed: str) -> str:
+    """Four rotors on one body, the rear ones closer together."""
+    places = {"0": "0.13 -0.22 0.02", "1": "-0.13 0.2 0.02", "2": "0.13 0.22 0.02", "3": "-0.13 -0.2 0.02"}
+    parts = ['<link name="body"><visual><geometry><box size="0.4 0.2 0.1"/></geometry></visual></link>']
+    for number, place in places.items():
+        parts.append(f'<link name="rotor_{number}">{BOX.format(z=0)}</link>')
+        xyz, axis = changed.get(f"at_{number}", place), changed.get(f"axis_{number}", "0 0 1")
+        limit = '<limit lower="-1e9" upper="1e9" effort="20" velocity="5"/>'
+        parts.append(
+            joint(f"rotor_{number}_joint", "body", f"rotor_{number}", limit, kind="revolute", xyz=xyz, axis=axis)
+        )
+    return f'<robot name="r">{"".join(parts)}</robot>'
+
+
+@pytest.mark.parametrize(
+    ("changed", "messages"),
+    [
+        ({}, []),
+        ({"at_3": "-0.28 -0.2 0.02"}, ["slip"]),
+        ({"at_3": "-0.28 -0.2 0.02", "at_1": "-0.28 0.2 0.02"}, []),
+        ({"at_3": "-0.28 -0.25 0.02"}, []),
+        ({"axis_3": "0 0 -1"}, ["reversed"]),
+        ({"axis_3": "0 0 -1", "axis_2": "0 0 -1"}, []),
+    ],
+)
+def test_of_four_numbered_joints_on_one_link_the_odd_one_is_found(
+    tmp_path: Path, changed: dict[str, str], messages: list[str]
+) -> None:
+    found = find_slips(tmp_path, make_rotors(**changed))
+    assert [finding.message_id for finding in found] == messages
+    assert all(finding.location.subject.startswith("joint[rotor_3_joint]") for finding in found)
+
+
+@pytest.mark.parametrize(
+    ("changed", "count"),
+    [
+        ({"FR_knee_axis": "0 -1 0"}, 1),
+        ({"FR_knee_axis": "0 -1 0", "FR_hip_axis": "0 -1 0"}, 0),
+        ({"FR_roll_axis": "-1 0 0"}, 0),
+    ],
+)
+def test_of_two_legs_a_knee_that_bends_the_other_way_is_found(
+    tmp_path: Path, changed: dict[str, str], count: int
+) -> None:
+    """Each range is the same to either side of zero. Rolls may be mirrored; so may all joints of a leg."""
+    ranges = {
+        f"{side}_{name}_limit": '<limit lower="-1" upper="1" effort="20" velocity="5"/>'
+        for side in ("FL", "FR")
+        for name in ("roll", "hip", "knee")
+    }
+    found = find_slips(tmp_path, make_quadruped(("FL", "FR"), **ranges, **changed))
+    assert [finding.message_id for finding in found] == ["opposed"] * count
+    assert all(finding.location.subject == "joint[FR_knee]/axis@xyz" for finding in found)
+
+
+@pytest.mark.parametrize(("axis", "upper", "count"), [("0 0 1", "0.5", 0), ("0 0 -1", "0.5", 1), ("0 0 -1", "0.7", 0)])
+def test_wheels_that_are_steered_to_opposite_sides_are_found(tmp_path: Path, axis: str, upper: str, count: int) -> None:
+    parts = ['<link name="base"><visual><geometry><box size="0.4 0.2 0.1"/></geometry></visual></link>']
+    for side, y in (("left", 0.1), ("right", -0.1)):
+        limit = f'<limit lower="-0.5" upper="{upper}" effort="20" velocity="5"/>'
+        turned = axis if side == "right" else "0 0 1"
+        parts.append(f'<link name="{side}_hub"/><link name="{side}_wheel">{BOX.format(z=0)}</link>')
+        parts.append(joint(f"{side}_steer", "base", f"{side}_hub", limit, kind="revolute", xyz=f"0 {y} 0", axis=turned))
+        parts.append(joint(f"{side}_roll", f"{side}_hub", f"{side}_wheel", kind="continuous", axis="0 1 0"))
+    found = find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')
+    assert [finding.message_id for finding in found] == ["steering"] * count
+
+
+@pytest.mark.parametrize(
+    ("axis", "second", "names", "count"),
+    [
+        ("0 -1 0", 'lower="0" upper="0.03"', "finger", 0),
+        ("0 1 0", 'lower="-0.03" upper="0"', "finger", 0),
+        ("0 1 0", 'lower="0" upper="0.03"', "finger", 1),
+        ("0 -1 0", 'lower="-0.03" upper="0"', "finger", 1),
+        ("0 1 0", 'lower="0" upper="0.03"', "carriage", 0),
+        ("0 1 0", 'lower="-0.015" upper="0.015"', "finger", 0),
+    ],
+)
+def test_fingers_that_slide_to_the_same_side_are_found(
+    tmp_path: Path, axis: str, second: str, names: str, count: int
+) -> None:
+    parts = ['<link name="palm"><visual><geometry><box size="0.4 0.2 0.1"/></geometry></visual></link>']
+    for number, y in ((1, 0.02), (2, -0.02)):
+        bounds = second if number == 2 else 'lower="0" upper="0.03"'
+        parts.append(f'<link name="{names}_{number}">{BOX.format(z=0)}</link>')
+        parts.append(
+            joint(
+                f"{names}_{number}_joint", "palm", f"{names}_{number}", f'<limit {bounds} effort="20" velocity="5"/>',
+                kind="prismatic", xyz=f"0 {y} 0", axis=axis if number == 2 else "0 1 0",
+            )
+        )  # fmt: skip
+    found = find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')
+    assert [finding.message_id for finding in found] == ["together"] * count

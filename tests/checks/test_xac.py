@@ -1120,3 +1120,6 @@ def test_backslashes_of_a_path_are_the_cause_where_it_exists_with_slashes(
     write(tmp_path, {there: HEAD + "</robot>"})
     finding = only(xacro(tmp_path, '<xacro:include filename="a\\part.xacro"/>', {"XAC001"}))
     assert ("with `/` in place of each backslash" in finding.message) == said
+    assert finding.fix is not None
+    assert (finding.fix.title == "write `/` for each backslash") == said
+    assert finding.fix.title.startswith("correct the path") != said

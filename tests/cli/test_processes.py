@@ -20,6 +20,7 @@ CAR = str(FIXTURES / "car-3" / "urdf" / "car-3.urdf")
 
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.long,
     pytest.mark.skipif(sys.platform == "win32", reason="signals and forks are those of POSIX"),
 ]
 
@@ -50,7 +51,7 @@ def ended(group: int) -> bool:
 
 
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("after", [0.05, pytest.param(0.8, marks=pytest.mark.full)])
+@pytest.mark.parametrize("after", [pytest.param(0.05, marks=pytest.mark.smoke), 0.8])
 def test_an_interrupted_run_leaves_neither_words_nor_files_nor_processes(
     tmp_path: Path, signum: signal.Signals, after: float
 ) -> None:

@@ -14,9 +14,9 @@ import pytest
 from conftest import command, make_request
 
 from urdfcheck import cli
-from urdfcheck.cli.commands import watch
+from urdfcheck.cli import watch
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 SOUND = '<robot name="r"><link name="base"/></robot>'
 BROKEN = (

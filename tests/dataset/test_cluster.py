@@ -24,6 +24,7 @@ from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.long,
     # Looked for and not imported: that takes a second, for the quick tests as well.
     *(
         pytest.mark.skipif(find_spec(name) is None, reason=f"{name} is not installed")
@@ -104,7 +105,6 @@ def test_a_cluster_gives_the_same_bytes(models: Path, two: Cluster) -> None:
     assert audited("--backend", f"dask={two.address}") == here
 
 
-@pytest.mark.full
 def test_a_lost_machine_loses_nothing(models: Path, two: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
     here = audited()
     monkeypatch.setattr(cluster, "LEAST", 3)

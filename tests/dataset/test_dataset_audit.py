@@ -35,7 +35,7 @@ from urdfcheck.run.unit_audit import audit_unit
 from urdfcheck.system import sandbox
 from urdfcheck.system.process_pool import Worker
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="{}"/></inertial>'
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -166,6 +166,7 @@ def test_the_outcome_does_not_depend_on_the_number_of_jobs(audit: Audit, tmp_pat
 # -- going on ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.smoke
 def test_a_second_run_does_nothing_and_writes_the_same(audit: Audit) -> None:
     assert len(audit()) == 6
     before = audit.bytes
@@ -189,6 +190,7 @@ def test_after_an_interrupt_the_next_run_does_the_rest(audit: Audit, tmp_path: P
     assert audit.bytes == undisturbed.bytes
 
 
+@pytest.mark.smoke
 def test_what_changed_is_checked_again(audit: Audit) -> None:
     audit()
     (audit.models / "002.urdf").write_text(f'<robot name="r"><link name="base">{INERTIA.format(9)}</link></robot>')
@@ -359,7 +361,6 @@ audit_dataset(Request(paths=(models,), root=models, policy=policy), folder, stre
 """
 
 
-@pytest.mark.full
 @posix
 def test_killed_again_and_again_it_ends_with_the_same_and_does_nothing_twice(tmp_path: Path) -> None:
     audit = Audit(robots(tmp_path / "models", 40), tmp_path / "undisturbed")

@@ -156,7 +156,7 @@ def test_an_undone_mistake_leaves_a_part_that_may_be(
 
 
 # On how many robots of a folder an offer of a rule, message and cause is tried.
-ROBOTS_OF_A_KIND = 1
+ROBOTS_OF_A_KIND = 2
 # What comes with a repair, and is not its fault.
 KNOWN = {
     # Ten links have placeholders for inertias; two of them are then reported by another rule as well.
@@ -174,6 +174,7 @@ KNOWN = {
 # -- real robots -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_every_offer_on_a_real_robot_is_right(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     """All edits are made in a copy: each finding is gone, no error or warning comes, every model expands and MuJoCo takes the
     links whose inertials changed."""

@@ -22,7 +22,7 @@ from urdfcheck.fix.repair.copy_sources import CopiedModel
 from urdfcheck.fix.repair.mesh_writing import bake_collada, decimate
 from urdfcheck.fix.repair.steps import RepairStep
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 IMPOSSIBLE = inertial(2, ixx=1, iyy=1, izz=9)
@@ -244,6 +244,7 @@ def test_without_a_library_the_command_says_what_to_install(tmp_path: Path, monk
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.smoke
 def test_a_stated_density_gives_the_mass_and_links_without_an_inertial_get_one(tmp_path: Path) -> None:
     model = tmp_path / "model" / "r.urdf"
     model.parent.mkdir()

@@ -22,12 +22,12 @@ from urdfcheck.core import Finding
 from urdfcheck.rules import load_check
 from urdfcheck.run.unit_audit import _UnitAudit
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 pytest.importorskip("pinocchio")
 
 # What fails is known by its number: there is nothing to shrink.
-FEW = settings(max_examples=10 if IS_FULL else 3, derandomize=True, database=None, phases=[Phase.generate])
+FEW = settings(max_examples=10 if IS_FULL else 5, derandomize=True, database=None, phases=[Phase.generate])
 
 
 def verdict_on(case: Case, *, everything: bool = False) -> Verdict:

@@ -15,7 +15,7 @@ from conftest import unproven
 
 from urdfcheck.facts.mesh.codec import needs_wide_indices, pack_mesh, unpack_mesh
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "report-ui"

@@ -13,7 +13,7 @@ from output.runs import a_run, chain, finding
 from urdfcheck.core import Location, Suppression
 from urdfcheck.output.html import render
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 WIDTHS = (390, 768, 1280, 1600, 2560, 3840)
 
@@ -123,7 +123,7 @@ def test_only_boxes_scroll_sideways(shared: Any) -> None:
 
 @pytest.mark.parametrize(
     ("scheme", "ground"),
-    [("light", "rgb(246, 247, 249)"), pytest.param("dark", "rgb(16, 19, 22)", marks=pytest.mark.full)],
+    [pytest.param("light", "rgb(246, 247, 249)", marks=pytest.mark.smoke), ("dark", "rgb(16, 19, 22)")],
 )
 def test_anyone_can_use_it(page: Any, scheme: str, ground: str) -> None:
     from axe_playwright_python.sync_playwright import Axe
@@ -366,6 +366,7 @@ def test_keys_go_from_finding_to_finding(page: Any) -> None:
     page.click("#close-keys")
 
 
+@pytest.mark.smoke
 def test_a_deep_link_opens_its_card_and_shows_it_in_3d(browser: Any, report: str) -> None:
     card = f"f-{RUN.findings[2].fingerprints[0]}"
     page = opened(browser, f"{report}#{card}", viewport={"width": 1440, "height": 900})
@@ -483,7 +484,6 @@ def test_links_to_sections_lead_there(browser: Any, tmp_path: Path) -> None:
     assert page.said[:1] == []
 
 
-@pytest.mark.full
 def test_thousands_of_findings_stay_usable(browser: Any, tmp_path: Path) -> None:
     """What takes the square of their number would take minutes here."""
     path = tmp_path / "many.html"

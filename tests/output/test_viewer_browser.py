@@ -18,7 +18,7 @@ from urdfcheck.core.scene import Scene, SceneDrawing, SceneGround, SceneInertia,
 from urdfcheck.facts.mesh.codec import needs_wide_indices, pack_mesh
 from urdfcheck.output.html import render
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 Matrix = NDArray[np.float64]
 BUDGET = 210_000
@@ -169,6 +169,7 @@ def pixels(page: Any) -> list[str]:
     return colours
 
 
+@pytest.mark.smoke
 def test_the_robot_is_drawn(page: Any) -> None:
     assert len(set(pixels(page))) > 50
     assert page.locator("#viewer canvas").is_visible()

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_content
+from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Element
 
 # The interfaces of joints in the package hardware_interface of ros_control.
@@ -28,9 +29,22 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         for block in model.robot.find_children("gazebo")
         for plugin in block.find_children("plugin")
     )
+    # ROS 2 has no program that reads the hardwareInterface.
+    is_ros1 = simulated or not _is_for_ros2(model)
+    severity = None if simulated else Severity.WARNING
     for transmission in model.robot.find_children("transmission"):
-        yield from _check_transmission(model, rule, transmission, severity=None if simulated else Severity.WARNING)
-    yield from _check_missing_prefix(model, rule)
+        yield from _check_transmission(rule, transmission, severity=severity)
+        if is_ros1:
+            yield from _check_interfaces(model, rule, transmission, severity=severity)
+    if is_ros1:
+        yield from _check_missing_prefix(model, rule)
+
+
+def _is_for_ros2(model: Model) -> bool:
+    """Whether the model has a block of ros2_control, or its package is built by ament."""
+    package = model.source.package
+    is_ament = package is not None and read_build_type(package.root).startswith("ament_")
+    return is_ament or bool(model.robot.find_children("ros2_control"))
 
 
 def _check_nesting(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -44,15 +58,20 @@ def _check_nesting(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(element.tag, at=element, name=element.get("name"), around=around.label)
 
 
-def _check_transmission(
-    model: Model, rule: Rule, transmission: Element, *, severity: Severity | None
-) -> Iterator[Finding]:
+def _check_transmission(rule: Rule, transmission: Element, *, severity: Severity | None) -> Iterator[Finding]:
     if "type" in transmission.attributes:  # the syntax of the PR2
         return
-    name = transmission.get("name")
     kind = transmission.find_child("type")
     if kind is None or not kind.text.strip():
-        yield rule.finding("type", at=transmission, severity=severity, name=name)
+        yield rule.finding("type", at=transmission, severity=severity, name=transmission.get("name"))
+
+
+def _check_interfaces(
+    model: Model, rule: Rule, transmission: Element, *, severity: Severity | None
+) -> Iterator[Finding]:
+    if "type" in transmission.attributes:
+        return
+    name = transmission.get("name")
     for joint in transmission.find_children("joint"):
         interfaces = joint.find_children("hardwareInterface")
         if not any(interface.text.strip() for interface in interfaces):

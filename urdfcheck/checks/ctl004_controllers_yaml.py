@@ -12,6 +12,7 @@ from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.likeness.sibling_robots import PackageNames
 from urdfcheck.model.motion.controllers import (
     AssociatedConfiguration,
+    can_offer_with_other_arguments,
     collect_command_interfaces,
     collect_interfaces,
     find_controller_configs,
@@ -155,6 +156,8 @@ def _check_command_interfaces(model: Model, rule: Rule, config: AssociatedConfig
             lacking = [kind for kind in wanted if kind not in offered.get(value.text, ())]
             if joint is None or not lacking or value.text in reported:
                 continue
+            if all(can_offer_with_other_arguments(model, value.text, kind) for kind in lacking):
+                continue  # the controller may be for those arguments
             reported.add(value.text)
             data: dict[str, Any] = {"controller": controller.name, "joint": joint.name, "kind": ", ".join(lacking)}
             if joint.type == "fixed":

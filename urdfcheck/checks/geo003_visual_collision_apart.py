@@ -34,6 +34,8 @@ _STRAY_AREA = 0.2
 _ALIKE = 1.5
 # A shape is of the part with which it shares this much of the smaller box.
 _OWN = 0.5
+# Boxes with edges that agree to this share are about one shape.
+_SAME_SHAPE = 0.1
 # A scale changes all edges of a box: those that agree to this factor had none.
 _SAME_EDGE = 1.1
 
@@ -154,8 +156,12 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
 def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, covered: float) -> bool:
     """Whether the collision geometry of a link of the body in front or behind already is where ``link`` is drawn, at rest.
 
-    A cylinder about a joint's axis may belong to either of the links that the joint connects.
+    A cylinder about a joint's axis may belong to either of the links that the joint connects. Collision geometry as large as the
+    visual, edge by edge, is its own.
     """
+    edges = [box[1] - box[0] for box in (pair.visual_box, pair.collision_box)]
+    if (np.abs(edges[0] - edges[1]) <= _SAME_SHAPE * np.maximum(*edges)).all():
+        return False
     home = np.linalg.inv(model.frames[link.name])
     for name in _list_neighbours(model, body):
         placed = [(s, home @ model.frames[name]) for s in model.link_by_name[name].collisions if not is_dummy_shape(s)]

@@ -32,8 +32,10 @@ def check(model: Model, rule: Rule, *, slippery: float, rough: float) -> Iterato
 
         driven = {wheel.joint.child for wheel in find_driven_wheels(model)}
         bare = [b for b in smooth if b.get("reference") in driven and WHEEL_NAME.search(b.get("reference"))]
+        slides = {block.get("reference") for block in smooth}
+        stands_on_parts = any(_has_gripping_part(model, block.get("reference"), slides) for block in bare)
         # Of mecanum and omni wheels some slide on purpose; all of them do not.
-        if bare and len(bare) == sum(bool(WHEEL_NAME.search(name)) for name in driven):
+        if bare and not stands_on_parts and len(bare) == sum(bool(WHEEL_NAME.search(name)) for name in driven):
             yield _build_finding(rule, "slides", bare)
     dragging = [b for b, friction in frictions if min(friction) >= rough and _is_fixed_caster(model, b)]
     if dragging:
@@ -57,6 +59,20 @@ def _turns_wheels(model: Model) -> bool:
         p.get("filename") for block in model.robot.find_children("gazebo") for p in block.find_children("plugin")
     ]
     return any(map(_TURNS.search, plugins)) and not any(map(_PUSHES.search, plugins))
+
+
+def _has_gripping_part(model: Model, wheel: str, slides: set[str]) -> bool:
+    """Whether a link below a wheel touches and does not slide: rollers or a tyre, for which the hub slides on purpose."""
+    waiting = [wheel]
+    while waiting:
+        for joint in model.tree.child_joints.get(waiting.pop(), ()):
+            if (
+                joint.child not in slides
+                and model.link_by_name[joint.child].element.find_child("collision") is not None
+            ):
+                return True
+            waiting.append(joint.child)
+    return False
 
 
 def _is_fixed_caster(model: Model, block: Element) -> bool:

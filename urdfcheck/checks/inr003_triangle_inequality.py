@@ -45,7 +45,8 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         if excess < rounding and typed.explained_by_rounding:
             if has_mistake(model, declared.link, "own_missing"):
                 continue  # more digits would not make the tensor right: INR009 reports it
-            yield _build_rounded_finding(rule, declared, repair=propose_repair(model, declared.link), data=data)
+            repair = propose_repair(model, declared.link)
+            yield _build_rounded_finding(rule, declared, repair=repair, data=data)
             continue
         if whole is not None and whole.is_physically_valid(rel_tol):
             if whole.link_is_negligible:
@@ -93,7 +94,19 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
 def _build_rounded_finding(
     rule: Rule, declared: DeclaredTensor, *, repair: InertialProposal, data: dict[str, Any]
 ) -> Finding:
-    """Report a tensor that rounding explains, with the repair of a mistake but not with the drawn part's numbers."""
+    """Report a tensor that rounding explains, with the repair of a mistake but not with the drawn part's numbers.
+
+    More digits do not repair a tensor that no part of the drawn size has: that is the error.
+    """
+    if repair.oversize:
+        return rule.finding(
+            "oversized",
+            at=declared.element,
+            found=repair.message,
+            remedy=repair.remedy,
+            times=repair.oversize,
+            **data,
+        )
     return rule.finding(
         "rounded",
         at=declared.element,

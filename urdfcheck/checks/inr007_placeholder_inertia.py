@@ -13,12 +13,12 @@ from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule, Severity, 
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
-from urdfcheck.facts.inertials.materials import DENSEST
+from urdfcheck.facts.inertials.materials import DENSEST, DENSEST_PART
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
-from urdfcheck.model.motion.fixed_base import explain_fixed_base, is_ballast
+from urdfcheck.model.motion.fixed_base import is_ballast, is_bolted
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
@@ -34,6 +34,8 @@ _FEWEST_MASSES = 3
 _ALONG = 0.9
 # The diagonal in m above which a model without moving joints is no object that a robot handles.
 _SCENERY = 10.0
+# A round mass (kg) up to this is a placeholder too (INR012, INR015): it does not show what the tensor should be.
+_NO_MASS = 1e-6
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
 _TOO_LARGE = {"gazebo": "too much inertia makes a joint sluggish", "mujoco": "loads it"}
 _TOO_SMALL = {
@@ -72,7 +74,9 @@ class _PlaceholderInertial:
         return 0.0 if self.misfit is None else self.misfit.factor
 
 
-def check(model: Model, rule: Rule, *, factor: float, fraction: float, spread: float) -> Iterator[Finding]:
+def check(
+    model: Model, rule: Rule, *, factor: float, estimate: float, fraction: float, spread: float
+) -> Iterator[Finding]:
     groups: dict[tuple[object, ...], list[_PlaceholderInertial]] = {}
     for suspect in _iter_placeholders(model, factor):
         span = suspect.declared.inertial.location.span
@@ -85,7 +89,7 @@ def check(model: Model, rule: Rule, *, factor: float, fraction: float, spread: f
             known = [suspect for suspect in group if suspect.misfit is not None] if wrong else []
             fits_some = any(suspect.factor <= factor for suspect in known)
             alike = _count_masses(group) < _FEWEST_MASSES and (fits_some or not wrong)
-            yield _build_tensor_finding(model, rule, known=known, unknown=[] if alike else unknown)
+            yield _build_tensor_finding(model, rule, known=known, unknown=[] if alike else unknown, estimate=estimate)
     yield from _check_equal_masses(model, rule, fraction=fraction, spread=spread)
 
 
@@ -115,10 +119,8 @@ def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:
     """Whether a model without joints that move is the ground or the building of a simulated world: nothing moves that."""
     if any(joint.is_movable for joint in model.joints):
         return False
-    box = compute_bounding_box(
-        model, [(s, model.frames[name]) for name in body.links for s in _list_shapes(model, name)]
-    )
-    return box is not None and float(np.linalg.norm(box[1] - box[0])) > _SCENERY
+    boxes = [compute_bounding_box(model, [(s, np.eye(4))]) for name in body.links for s in _list_shapes(model, name)]
+    return any(box is not None and float(np.linalg.norm(box[1] - box[0])) > _SCENERY for box in boxes)
 
 
 def _list_shapes(model: Model, name: str) -> Sequence[Shape]:
@@ -142,6 +144,9 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed
     for unit in units:
         drawn = measure_link_geometry(model, declared.link, apply_unit=unit)
         if drawn is not None:
+            heaviest = compute_solid_inertia(drawn.solid, DENSEST_PART * drawn.solid.volume)
+            if mass <= _NO_MASS and is_round(mass) and np.trace(declared.tensor) <= np.trace(heaviest):
+                return None
             solid = compute_solid_inertia(drawn.solid, mass)
             misfit = _compare_moments(declared.tensor, solid, allowed)
             if misfit is not None and misfit.is_axial:
@@ -177,7 +182,12 @@ def _compare_moments(declared: Array, solid: Array, allowed: float) -> _Misfit |
 
 
 def _build_tensor_finding(
-    model: Model, rule: Rule, *, known: Sequence[_PlaceholderInertial], unknown: Sequence[_PlaceholderInertial]
+    model: Model,
+    rule: Rule,
+    *,
+    known: Sequence[_PlaceholderInertial],
+    unknown: Sequence[_PlaceholderInertial],
+    estimate: float,
 ) -> Finding:
     """Report together all links that were given one tensor."""
     every = [*known, *unknown]
@@ -198,14 +208,15 @@ def _build_tensor_finding(
         is_less = worst.misfit.expected < max(worst.declared.components)
         is_felt = any(suspect.misfit is not None and suspect.misfit.is_felt for suspect in known)
         is_bolted = all(suspect.declared.link.name in _list_bolted_links(model) for suspect in every)
+        is_estimate = worst.misfit.factor <= estimate
         finding = rule.finding(
-            "bolted" if is_bolted else "placeholder" if is_felt else "rod",
+            "bolted" if is_bolted else "estimate" if is_estimate else "placeholder" if is_felt else "rod",
             at=places[0],
             related=places[1:],
             edits=_propose_edits(model, every),
             link=worst.declared.link.name,
             worst="" if len(names) == 1 else f"{worst.declared.link.name}: ",
-            severity=Severity.INFO if is_bolted else _judge_severity(model, known),
+            severity=Severity.INFO if is_bolted or is_estimate else _judge_severity(model, known),
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),
@@ -220,7 +231,7 @@ def _build_tensor_finding(
 def _list_bolted_links(model: Model) -> tuple[str, ...]:
     """List the links of the base if it cannot move: then nothing depends on their inertia."""
     try:
-        return model.tree.list_body_links(model.tree.root) if explain_fixed_base(model) else ()
+        return model.tree.list_body_links(model.tree.root) if is_bolted(model) else ()
     except FactUnavailableError:  # the mass of the base is not known
         return ()
 

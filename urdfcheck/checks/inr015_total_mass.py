@@ -9,11 +9,14 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
+from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.model import Model
 
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
 _MOST_LISTED = 3
+# Kilograms per tonne.
+_TONNE = 1000.0
 
 
 def check(
@@ -40,8 +43,12 @@ def check(
             edge=edge,
             most=DENSEST * edge**3,
         )
+    elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
+        yield _build_placeholder_finding(model, rule, masses[0])
     elif not least <= total <= most:
-        message, cause = ("light", "tonnes") if total < least else ("heavy", "grams")
+        # In tonnes too, a robot weighs a gram or more.
+        light = "tonnes" if _TONNE * total >= least else None
+        message, cause = ("light", light) if total < least else ("heavy", "grams")
         yield rule.finding(
             message,
             at=model.name_location,
@@ -50,6 +57,22 @@ def check(
             total=total,
             links=len(masses),
         )
+
+
+def _build_placeholder_finding(model: Model, rule: Rule, mass: float) -> Finding:
+    """Build the finding about one round number in place of every ``mass`` (kg). It explains what is reported of the links."""
+    declared = [one for one in model.masses if one.mass > 0]
+    links = [one.link.location.subject for one in declared]
+    explained = [f"{code} {subject}" for code in ("INR007", "INR012") for subject in links]
+    return rule.finding(
+        "placeholder",
+        at=model.name_location,
+        related=[one.attribute for one in declared[:_MOST_LISTED]],
+        robot=model.name,
+        mass=mass,
+        links=len(declared),
+        explains=[*explained, f"INR007 {model.location.subject}"],
+    )
 
 
 def _compare_with_scale(model: Model, rule: Rule, total: float, expected: float) -> Finding:

@@ -1,4 +1,4 @@
-"""JNT021 reports joints whose axis, its sign or its place contradicts the parts on both sides."""
+"""JNT021 reports joints whose axis, its sign or its place contradicts the parts on both sides, or leaves them apart."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ import numpy as np
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_length, format_point
 from urdfcheck.model import Model
+from urdfcheck.model.motion.axes.apart import do_collisions_touch
 from urdfcheck.model.motion.axes.contradicted import find_contradicted_axes
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 
 if TYPE_CHECKING:
+    from urdfcheck.model.motion.axes.apart import ApartPart
     from urdfcheck.model.motion.axes.bearings import BearingMismatch
     from urdfcheck.model.motion.axes.sweeps import BlockedSide
 
@@ -25,7 +27,8 @@ _TWIN = 1e-3
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    mismatches, blocked = find_contradicted_axes(model)
+    found = find_contradicted_axes(model)
+    mismatches, blocked, apart = found.bearings, found.sides, found.apart
     # One joint is off by mistake. What several joints show is how the robot is drawn.
     if len(mismatches) == 1 and not _is_drawn_in_two_ways(model, mismatches[0].joint):
         yield _report_bearing(model, rule, mismatches[0])
@@ -33,6 +36,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         _has_free_twin(model, blocked[0].joint) or _is_drawn_in_two_ways(model, blocked[0].joint)
     ):
         yield _report_side(model, rule, blocked[0])
+    if apart is not None and not (do_collisions_touch(model, apart) or _is_drawn_in_two_ways(model, apart.joint)):
+        yield _report_apart(model, rule, apart)
 
 
 def _is_drawn_in_two_ways(model: Model, name: str) -> bool:
@@ -100,6 +105,20 @@ def _report_side(model: Model, rule: Rule, found: BlockedSide) -> Finding:
         axis=_format_direction(-np.array(joint.axis, dtype=float)),
         lower=f"{-upper:.6g}",
         upper=f"{-lower:.6g}",
+    )
+
+
+def _report_apart(model: Model, rule: Rule, found: ApartPart) -> Finding:
+    joint = model.joint_by_name[found.joint]
+    return rule.finding(
+        "apart",
+        at=locate_origin_attribute(joint, "xyz"),
+        joint=joint.name,
+        child=joint.child,
+        nearest=found.nearest,
+        gap=format_length(found.gap),
+        size=format_length(found.size),
+        joints="other joint holds parts" if found.others == 1 else f"{found.others} other joints hold parts",
     )
 
 

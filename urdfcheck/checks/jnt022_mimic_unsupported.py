@@ -15,9 +15,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not followers:
         return
     is_for_gazebo = "gazebo" in model.targets if model.targets else is_for_new_gazebo(model)
-    free = [joint for joint in followers if joint.name not in _list_driven_joints(model)]
-    if is_for_gazebo and free and not _has_mimic_plugin(model):
-        yield _build_finding(rule, "gazebo", free)
+    if is_for_gazebo:
+        driven = _list_driven_joints(model) | _list_plugin_words(model)
+        free = [joint for joint in followers if joint.name not in driven]
+        if free and not any("mimic" in word.lower() for word in driven):
+            yield _build_finding(rule, "gazebo", free)
     endless = [joint for joint in followers if joint.type == "continuous"]
     if "isaac" in model.targets and endless:
         yield _build_finding(rule, "isaac", endless)
@@ -35,9 +37,11 @@ def _list_driven_joints(model: Model) -> set[str]:
     return {joint.get("name") for block in blocks for joint in block.find_children("joint")}
 
 
-def _has_mimic_plugin(model: Model) -> bool:
+def _list_plugin_words(model: Model) -> set[str]:
+    """Return the names and texts in the plugins of Gazebo: one for mimic joints is called so, or names its joints."""
     plugins = [e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin"]
-    return any("mimic" in f"{plugin.get('filename')} {plugin.get('name')}".lower() for plugin in plugins)
+    texts = [inner.text.strip() for plugin in plugins for inner in plugin.walk()]
+    return {*texts, *(plugin.get(name) for plugin in plugins for name in ("filename", "name"))}
 
 
 def _build_finding(rule: Rule, message: str, joints: list[Joint]) -> Finding:

@@ -11,8 +11,9 @@ from urdfcheck.model.rigid_bodies import list_rigid_bodies
 
 # libsdformat takes a smaller mass for zero (gz::math::equal).
 _NO_MASS = 1e-6
-# A model in which more of the moving bodies have no inertial is displayed, and INR001 says what it lacks.
-_DRAWING_SHARE = 0.5
+# A model in which more of the moving bodies have no inertial is displayed, and INR001 says what it lacks: of published models
+# with a massless root, 5 of 6 in one that is only displayed, 12 of 20 in a hand that is simulated.
+_DRAWING_SHARE = 0.75
 _KEPT = frozenset({"preserveFixedJoint", "disableFixedJointLumping"})
 
 
@@ -37,10 +38,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     head, links = next(iter(bodies.items()))
     attached = {joint.name for link in links for joint in model.tree.child_joints[link.name] if joint.type != "fixed"}
+    root_mass = sum(link.inertial.mass or 0.0 for link in links if link.inertial is not None)
     yield rule.finding(
-        "vanishes",
+        "tiny" if root_mass > 0.0 else "vanishes",
         at=links[0],
         link=head,
+        own=root_mass,
+        lack="an <inertial>" if links[0].inertial is None else "a mass",
         with_it=f" (with {join_names(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",
         count=len(model.links),
         joints=join_names(joint.name for joint in model.joints if joint.name in attached),

@@ -9,7 +9,7 @@ from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import list_sensors
-from urdfcheck.model.parts import Joint, Link
+from urdfcheck.model.parts import GROUND_NAMES, Joint, Link
 
 # Words in the names of frames that programs look up: those of sensors and tools.
 _USED = re.compile(
@@ -69,21 +69,26 @@ def _build_finding(model: Model, rule: Rule, message: str, links: list[Link]) ->
 
 
 def _check_root(model: Model, rule: Rule) -> Iterator[Finding]:
-    """Report an empty root: each body on it is attached to the world by itself."""
+    """Report an empty root: each body on it is attached to the world by itself, which is meant if the root is the ground."""
     root = model.link_by_name[model.tree.root]
     joints = list(_iter_joints_of_bodies(model, root.name)) if _is_empty(root) else []
     if not joints:
         return
+    joints.sort(key=lambda joint: joint.type != "fixed")  # a free base begins at a fixed one
     names = [joint.child for joint in joints]
+    is_apart = len(joints) > 1 and root.name not in GROUND_NAMES
+    if not is_apart and joints[0].type != "fixed":
+        return
     yield rule.finding(
-        "root" if len(joints) == 1 else "apart",
+        "apart" if is_apart else "root",
         at=root.element.attributes["name"],
         related=joints,
-        severity=Severity.INFO if len(joints) == 1 else None,
+        severity=None if is_apart else Severity.INFO,
         root=root.name,
         first=names[0],
         bodies=join_names(names),
         others=join_names(names[1:]),
+        freed=f"Only {names[0]} gets" if joints[0].type == "fixed" else "None of them gets",
     )
 
 

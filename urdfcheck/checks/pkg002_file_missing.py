@@ -63,27 +63,18 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     if not missing:
         return
     index = index_files({_find_search_root(use, source) for use, _ in missing})
-    for package, inside in _select_python_data(missing, index, source).items():
-        yield _build_python_finding(inside, package, rule)
-        missing = [pair for pair in missing if pair not in inside]
+    by_package: dict[str, list[tuple[ResourceUse, Path]]] = {}
+    for use, path in missing:
+        by_package.setdefault(use.resource.package or "", []).append((use, path))
+    for name, absent in by_package.items():
+        package = source.finder.find_package_of(_normalise_path(absent[0][1])) if name else None
+        data = select_python_data((path for _, path in absent), package, index, source.finder)
+        inside = [(use, path) for use, path in absent if path in data]
+        if inside:
+            yield _build_python_finding(inside, name, rule)
+        missing = [(use, path) for use, path in missing if path not in data]
     for gap in _group_missing_files(missing):
         yield _build_finding(gap, index, rule, source)
-
-
-def _select_python_data(
-    missing: Iterable[tuple[ResourceUse, Path]], index: FilesByName, source: Source
-) -> dict[str, list[tuple[ResourceUse, Path]]]:
-    """Return by package the missing files that are installed in the Python package of its name."""
-    by_package: dict[str, list[tuple[ResourceUse, Path]]] = {}
-    for pair in missing:
-        by_package.setdefault(pair[0].resource.package or "", []).append(pair)
-    selected: dict[str, list[tuple[ResourceUse, Path]]] = {}
-    for name, pairs in by_package.items():
-        package = source.finder.find_package_of(_normalise_path(pairs[0][1])) if name else None
-        data = select_python_data((path for _, path in pairs), package, index, source.finder)
-        if data:
-            selected[name] = [pair for pair in pairs if pair[1] in data]
-    return selected
 
 
 def _build_python_finding(uses: list[tuple[ResourceUse, Path]], package: str, rule: Rule) -> Finding:

@@ -105,7 +105,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         outlier = _pick_outlier_by_angles(model, group, suspects)
         if outlier is not None:
             outliers[outlier.joint.name] = outlier
-        elif len(suspects.members) == 2 and not _is_reported_as_mirror(model, group, suspects):
+        elif (
+            len(suspects.members) == 2
+            and not _is_reported_as_mirror(model, group, suspects)
+            and not _are_neighbours(group, suspects)
+        ):
             both = [group[i] for i in suspects.members]
             first, second = sorted(both, key=lambda joint: not _collect_unround_rpys(model, joint, name))
             pairs[first.name] = first, second, suspects
@@ -153,6 +157,12 @@ def _is_reported_as_mirror(model: Model, group: Sequence[Joint], suspects: Suspe
     """Whether SYM004 reports the suspects: axes of left and right."""
     names = {group[i].child for i in suspects.members}
     return suspects.kind == "axis_tilt" and any(names == {pair.one, pair.other} for pair in mirror_pairs(model))
+
+
+def _are_neighbours(group: Sequence[Joint], suspects: SuspectFrames) -> bool:
+    """Whether two joints are only beside each other on one link, like fingers: their axes may fan out."""
+    parents = {group[i].parent for i in suspects.members}
+    return suspects.kind == "axis_tilt" and suspects.pattern.startswith("translation") and len(parents) == 1
 
 
 def _pick_outlier_by_angles(

@@ -132,7 +132,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         return None
     # The twin's tensor is wrong too if its products contradict the drawing: then the COM alone can be written.
     barred = [one for one in both if deviation.spread > note and is_tensor_against_drawing(model, one)]
-    is_barred = wrong is not None and side in barred
+    is_barred = wrong is not None and any(one.link is side.link for one in barred)
     written = limit_to_com(model, side, note) if is_barred else side
     shown = written or side
     parts = (("COM", deviation.com_offset), ("inertia tensor", deviation.spread))

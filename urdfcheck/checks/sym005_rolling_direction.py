@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_point
 from urdfcheck.model import Model
 from urdfcheck.model.ground.wheels import LEVEL, DrivenWheel, find_driven_wheels
+from urdfcheck.model.motion.controllers import find_controller_configs
 from urdfcheck.model.repairs.edits import edit_all_numbers
+
+# Plugins and controllers that drive straight with velocities of one sign. Other programs may negate one side.
+_DRIVES_ALIKE = re.compile(r"diff[-_]?drive|skid[-_]?steer|mecanum[-_]?drive", re.IGNORECASE)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -31,12 +36,30 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         "opposed" if are_equal else "minority",
         at=odd[0].joint.axis_location,
         related=[wheel.joint.axis_location for wheel in (*odd[1:], *rest)],
+        severity=Severity.INFO if are_equal and not _are_driven_alike(model, odd, rest) else None,
         edits=() if are_equal or len(wheels) < len(known) else _propose_edits(odd),
         odd=_join_joint_names(odd),
         rest=_join_joint_names(rest),
         odd_axis=format_point(odd[0].axis, decimals=3),
         rest_axis=format_point(rest[0].axis, decimals=3),
     )
+
+
+def _are_driven_alike(model: Model, one: Sequence[DrivenWheel], other: Sequence[DrivenWheel]) -> bool:
+    """Whether a drive plugin of the model, or a drive controller of its package, names wheels of both."""
+    named = [
+        {element.text.strip() for element in plugin.walk()}
+        for block in model.robot.find_children("gazebo")
+        for plugin in block.find_children("plugin")
+        if _DRIVES_ALIKE.search(plugin.get("filename"))
+    ]
+    named += [
+        {joint.text for joint in controller.joints}
+        for config in find_controller_configs(model)
+        for controller in config.configuration.controllers
+        if _DRIVES_ALIKE.search(controller.type)
+    ]
+    return any(all(any(wheel.joint.name in names for wheel in side) for side in (one, other)) for names in named)
 
 
 def _pick_outliers(

@@ -49,6 +49,8 @@ _LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
 # So many files that define the macro that is called are named in place of a missing one.
 _MOST_PROPOSED = 3
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
+# What is proposed for a missing file if nothing explains it.
+_PATH_REPAIR = "correct the path; a relative path starts at the folder of the file that contains it"
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -295,11 +297,14 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     )
     package = failure.source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
     elsewhere = None if package is None else find_uninstalled_file(path, package, index_files([package.path]))
+    repair = _PATH_REPAIR
     if "\\" in path.name and Path(str(path).replace("\\", "/")).is_file():
+        repair = "write `/` for each backslash"
         near = "; with `/` in place of each backslash, which only Windows reads as a separator, it exists"
     near = near if elsewhere is None else describe_uninstalled_file(elsewhere)
-    install = "" if elsewhere is None else "install its folder (CMakeLists.txt or setup.py), or "
-    data: dict[str, Any] = {"file": format_path(path), "hint": near, "install": install}
+    if elsewhere is not None:
+        repair = f"install its folder (CMakeLists.txt or setup.py), or {_PATH_REPAIR}"
+    data: dict[str, Any] = {"file": format_path(path), "hint": near, "repair": repair}
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)

@@ -15,6 +15,7 @@ __all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "compute_exit_code", "main"]
 COMMANDS = (
     "check",
     "audit",
+    "diff",
     "rule",
     "srdf",
     "cache",
@@ -40,8 +41,8 @@ _OTHER_NAMES = {
 }
 # What the shell says of a command that SIGPIPE ended, as grep and git end.
 CLOSED_PIPE = 141
-# Words that later versions will use as commands; a file of such a name is written ./diff.
-RESERVED = ("diff", "lsp")
+# Words that later versions will use as commands; a file of such a name is written ./lsp.
+RESERVED = ("lsp",)
 
 
 def main(argv: Sequence[str] | None = None, *, working_folders: Sequence[str] = ()) -> int:

@@ -68,18 +68,25 @@ def _make_option(name: str, commands: Iterable[str], **settings: Any) -> _Option
 _CHECKING = ("check", "audit", "baseline", "config")
 _DROPPING = (*_CHECKING, "drop")
 _REPAIRING = (*_DROPPING, "repair")
-_ALL = (*_REPAIRING, "engines", "srdf")
+_READING = (*_REPAIRING, "engines", "srdf")
+_ALL = (*_READING, "diff")
 _REPEATED: Mapping[str, Any] = {"action": "append", "default": []}
 # What is checked, how, what a model is read with, and its limits, in the order of the help.
 _OPTIONS = (
-    _make_option("--tier", _CHECKING, choices=("source", "mesh", "full"), help="how much to compute (default: full)"),
     _make_option(
-        "--select", _CHECKING, action="append", metavar="CODES", help="only these rules: codes, prefixes, names, tags"
+        "--tier", (*_CHECKING, "diff"), choices=("source", "mesh", "full"), help="how much to compute (default: full)"
     ),
-    _make_option("--ignore", _CHECKING, action="append", metavar="CODES", help="all but these rules"),
+    _make_option(
+        "--select",
+        (*_CHECKING, "diff"),
+        action="append",
+        metavar="CODES",
+        help="only these rules: codes, prefixes, names, tags",
+    ),
+    _make_option("--ignore", (*_CHECKING, "diff"), action="append", metavar="CODES", help="all but these rules"),
     _make_option(
         "--pedantic",
-        _CHECKING,
+        (*_CHECKING, "diff"),
         action="store_true",
         help="report every note, and as warnings those that most maintainers would switch off",
     ),
@@ -91,7 +98,7 @@ _OPTIONS = (
     ),
     _make_option(
         "--unchecked",
-        _ALL,
+        _READING,
         choices=("error", "warning"),
         help="severity of a model that could not be checked (default: error; warning accepts it)",
     ),
@@ -119,13 +126,13 @@ _OPTIONS = (
     _make_option("--memory", _ALL, type=int, metavar="MIB", help="memory limit for one model (default: 4096)"),
     _make_option(
         "--all-args",
-        _DROPPING,
+        (*_DROPPING, "diff"),
         action="store_true",
         help="check each xacro with every argument value that its files offer",
     ),
     _make_option(
         "--target",
-        (*_REPAIRING, "engines"),
+        (*_REPAIRING, "engines", "diff"),
         metavar="NAMES",
         help="programs that will read the model (gazebo, mujoco, drake, …): what one of them rejects or drops is an error",
     ),

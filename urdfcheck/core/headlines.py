@@ -12,6 +12,8 @@ from urdfcheck.core.text import format_count, join_names
 LONGEST_HEADLINE = 70
 # A value is not cut below this; a headline that is still too long then loses its end.
 _SHORTEST_VALUE = 10
+# What stays of a name after a word that says what it names.
+_SHORTEST_REST = 4
 # Longer texts come from attacks; each step looks at all of a text.
 _LONGEST_VALUE = 500
 # What `urdfcheck.core.text.join_names` makes of names, also of such as `arm and hand at 0.3 rad (2 mm)`.
@@ -22,12 +24,17 @@ _MORE = re.compile(r" and (\d+) more$")
 _ABOUT = re.compile(r"\{(\w+)\}: (.*)", re.DOTALL)
 _LAST_BRACKETS = re.compile(r" \([^()]*\)$")
 _LAST_LIST = re.compile(r": \{(\w+)\}$")
-_FIRST_LIST = re.compile(r"\{((link|joint)s?)\}: ")
+_FIRST_LIST = re.compile(r"\{((link|joint)s?)\}(?=: | and )")
 _BRACKETS = re.compile(r" \([^()]*\)")
 # A value that ends with the verb of the headline, as it depends on a number: `meshes a.dae, b.dae declare`.
-_ENDING_VERB = re.compile(r" (?:is|are|has|have|declares?|refers?)$")
+_ENDING_VERB = re.compile(r" (?:is|are|has|have|declares?|refers?)$|: $")
 # What a headline leaves out, counted: ` (+7 joints)`.
-_COUNTED = re.compile(r" \(\+\d+ \w+\)")
+_COUNTED = re.compile(r" \(\+\d+ \w+\)|\d[\d,]* \w+(?: have| has)?")
+# Between the words of a name.
+_SEPARATOR = re.compile(r"[_\-./ ]")
+_ONE_WORD = re.compile(r"\S+(?:: )?")
+# The name of a file: its end says what it is.
+_FILE = re.compile(r"\.(?:\w{2,4}|launch|xacro)$")
 # A value that has a shorter one beside it, such as `fault_short` beside `fault`, is replaced by it before any text is cut.
 _SHORT = "_short"
 # A hint in brackets at the end that is left out rather than that the names before it lose so many letters.
@@ -59,14 +66,17 @@ def fill_headline(template: str, data: Mapping[str, Any], limit: int = LONGEST_H
             shorter = _leave_out(template, texts, limit - len(headline))
             if shorter != template:
                 return fill_headline(shorter, data, limit)
-        most = min(max(map(len, texts.values()), default=0), limit)
-        whole = texts
-        while len(headline) > limit and most > _SHORTEST_VALUE:
-            most -= 1
-            texts = {key: shorten(text, most) for key, text in whole.items()}
-            if len(set(texts.values())) < len(set(whole.values())):
-                texts = _tell_apart(whole, most)
-            headline = _fill_line(template, values | texts)
+        # A name that is cut is hard to find, so the first, which the headline is about, is cut last.
+        subject = next(iter(texts), None) if shorten is cut_text else None
+        for kept in (subject, None) if subject else (None,):
+            whole = texts
+            most = min(max((len(text) for key, text in whole.items() if key != kept), default=0), limit)
+            while len(headline) > limit and most > _SHORTEST_VALUE:
+                most -= 1
+                texts = {key: text if key == kept else shorten(text, most) for key, text in whole.items()}
+                if shorten is cut_text:
+                    texts = _tell_apart(whole, texts, most)
+                headline = _fill_line(template, values | texts)
     return cut_line(headline, limit)
 
 
@@ -121,7 +131,7 @@ def _count_first_list(template: str, texts: Mapping[str, str]) -> str:
     more = _MORE.search(names)
     if found is not None and more is not None:
         count = len(_NAME.findall(names[: more.start()])) + int(more[1])
-        return f"{count} {found[2]}s: {template[found.end() :]}"
+        return f"{count} {found[2]}s{template[found.end() :]}"
     return template
 
 
@@ -173,16 +183,30 @@ def _is_same(template: str, data: Sequence[Mapping[str, Any]]) -> bool:
     return len({template.format_map(values) for values in data}) == 1
 
 
-def _tell_apart(texts: Mapping[str, str], most: int) -> dict[str, str]:
-    """Cut texts, such as the names of the left and the right of a robot, so that what differs stays."""
-    long = [text for text in texts.values() if len(text) > most]
-    start = next((i for i, letters in enumerate(zip(*long, strict=False)) if len(set(letters)) > 1), 0)
-    cut = {}
-    for key, text in texts.items():
-        here = max(min(start - 1, len(text) - most + 1), 0)
-        shown = f"{'…' if here else ''}{text[here:]}"
-        cut[key] = text if len(text) <= most else shown if len(shown) <= most else f"{shown[: most - 1]}…"
-    return cut
+def _tell_apart(whole: Mapping[str, str], cut: Mapping[str, str], most: int) -> dict[str, str]:
+    """Cut names, such as the left and the right of a robot, so that what differs from the first one stays: where the end is cut,
+    the words that both begin with are left out if the rest would be alike."""
+    first, *others = whole
+    told = dict(cut)
+    for key in others:
+        name = whole[key]
+        shared = _measure_shared_start(whole[first], name)
+        is_shown = len(cut[key].rstrip("…")) > shared and cut[key] not in {told[first], *_list_before(told, key)}
+        if shared and cut[key] != name and not is_shown and _ONE_WORD.fullmatch(name):
+            rest = f"…{name[shared:]}"
+            told[key] = rest if len(rest) <= most else cut_name(rest, most)
+    return told
+
+
+def _list_before(texts: Mapping[str, str], key: str) -> list[str]:
+    return list(texts.values())[: list(texts).index(key)]
+
+
+def _measure_shared_start(one: str, other: str) -> int:
+    """Return how many letters two different names have in common at the beginning, up to the end of a word."""
+    alike = next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
+    ends = [found.end() for found in _SEPARATOR.finditer(other, 0, alike)]
+    return ends[-1] if ends and one != other else 0
 
 
 def _fill_line(template: str, values: Mapping[str, Any]) -> str:
@@ -225,11 +249,9 @@ def _count_others(names: Iterable[str], others: int) -> str:
 
 
 def cut_text(text: str, most: int) -> str:
-    """Return at most ``most`` characters of a text: the first words of a sentence, both ends of a name, and of the name before
-    `` and 4 more``."""
-    if len(text) <= most:
-        return text
-    if _COUNTED.fullmatch(text):
+    """Return at most ``most`` characters of a text: the first words of a sentence or of a name, and of the name before
+    `` and 4 more``; the end of the name of a file. Counts stay."""
+    if len(text) <= most or _COUNTED.fullmatch(text):
         return text
     verb = _ENDING_VERB.search(text)
     if verb is not None:
@@ -237,12 +259,28 @@ def cut_text(text: str, most: int) -> str:
     more = _MORE.search(text)
     if more is not None and _NAMES.fullmatch(text):
         first, room = text[: more.start()], most - len(more[0])
-        return cut_middle(first if len(first) <= room else _PART.split(first)[0], room) + more[0]
+        return cut_name(first if len(first) <= room else _PART.split(first)[0], room) + more[0]
     words, _, _ = text[:most].rpartition(" ")
-    return f"{words.rstrip(' ,;:(')}…" if len(words) > most // 2 else cut_middle(text, most)
+    return f"{words.rstrip(' ,;:(')}…" if len(words) > most // 2 else cut_name(text, most)
+
+
+def cut_name(name: str, most: int) -> str:
+    """Return at most ``most`` characters of a name (at least 2): its first words, or the last ones of a file's."""
+    kept = max(most - 1, 2)
+    if len(name) <= most:
+        return name
+    kind, blank, rest = name.partition(" ")  # `state half_sitting`, `mesh wheel.stl`
+    if blank and len(kind) + _SHORTEST_REST < most:
+        return f"{kind} {cut_name(rest, most - len(kind) - 1)}"
+    if _FILE.search(name):
+        cut = next((found.start() for found in _SEPARATOR.finditer(name, len(name) - kept)), len(name) - kept)
+        is_word = len(name) - cut > kept // 2 and "." in name[cut + 1 :]
+        return f"…{name[cut if is_word else len(name) - kept :]}"
+    cut = max((found.start() for found in _SEPARATOR.finditer(name, 0, kept + 1)), default=0)
+    return f"{name[: cut if cut > kept // 2 else kept]}…"
 
 
 def cut_middle(text: str, most: int) -> str:
-    """Return a text, or its beginning, ``…`` and its end if it has more than ``most`` characters (at least 2 of its own)."""
+    """Return a text, or its beginning, ``…`` and its end if it has more than ``most`` characters (at least 2)."""
     kept = max(most - 1, 2)
     return text if len(text) <= most else f"{text[: kept // 2]}…{text[len(text) - (kept + 1) // 2 :]}"

@@ -42,8 +42,8 @@ def build_outline(model: Model) -> ModelOutline:
         if element.tag in {"link", "joint"}:
             for inner in element.walk():
                 for name, attribute in inner.attributes.items():
-                    value = _normalize_path(model, attribute.value) if name == "filename" else attribute.value
-                    parts[f"{inner.subject}@{name}"] = _normalize_value(value)
+                    value = normalize_path(model, attribute.value) if name == "filename" else attribute.value
+                    parts[f"{inner.subject}@{name}"] = normalize_value(value)
                 if not inner.attributes:
                     parts[inner.subject] = ()
         else:
@@ -68,7 +68,7 @@ def _locate_robot_name(robot: Element) -> Location:
     return robot.location if name is None else name.location
 
 
-def _normalize_path(model: Model, value: str) -> str:
+def normalize_path(model: Model, value: str) -> str:
     """Return an absolute path as one in its package: ``$(find p)/a.stl`` is ``package://p/a.stl``, on whatever machine."""
     path = Path(value.strip().removeprefix("file://"))
     if not path.is_absolute():
@@ -79,7 +79,7 @@ def _normalize_path(model: Model, value: str) -> str:
     return f"package://{package.name}/{path.relative_to(package.path).as_posix()}"
 
 
-def _normalize_value(value: str) -> Value:
+def normalize_value(value: str) -> Value:
     """Return numbers in one notation (``1`` and ``1.0`` are one value), and everything else as words."""
     words = value.split()
     return tuple(word if parse_number(word) is None else repr(parse_number(word)) for word in words)

@@ -158,11 +158,11 @@ def _build_shape(model: Model, shape: Shape, files: dict[Path, int]) -> SceneSha
         pose=() if pose is None else _flatten_matrix(pose),
         mesh=shape.mesh_filename.value if shape.mesh_filename is not None else "",
         file=None if use is None or use.resource.path is None else files.get(use.resource.path),
-        color=_find_color(model, shape),
+        color=find_color(model, shape),
     )
 
 
-def _find_color(model: Model, shape: Shape) -> tuple[float, ...] | None:
+def find_color(model: Model, shape: Shape) -> tuple[float, ...] | None:
     """Find the colour of the shape's material, or of the robot's material of this name."""
     shape_material = shape.element.find_child("material")
     if shape_material is None:

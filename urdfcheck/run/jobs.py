@@ -18,6 +18,7 @@ from urdfcheck.system.files import Stamp
 
 if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest
+    from urdfcheck.core.mechanism import RobotMechanism
     from urdfcheck.core.scene import Scene
     from urdfcheck.export.link_pairs import LinkPairs
     from urdfcheck.export.outline import ModelOutline
@@ -55,6 +56,8 @@ class AuditOptions:
     """Whether reports classify all pairs of links for an SRDF."""
     drop: bool = False
     """Whether models are dropped on a plane."""
+    mechanism: bool = False
+    """Whether reports hold the model in plain values, to compare it with another version."""
     base: str = "auto"
     """How their base is held then: auto | fixed | free."""
     environment: tuple[str, ...] = ()
@@ -186,6 +189,7 @@ class UnitReport:
     """Bytes that the scene takes."""
     pairs: LinkPairs | None = None
     drop: DropTest | None = None
+    mechanism: RobotMechanism | None = None
     outline: ModelOutline | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
     """Text of the files with findings."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from urdfcheck.core import SkippedCheck
+from urdfcheck.core.mechanism import RobotMechanism
 from urdfcheck.core.scene import Scene
 from urdfcheck.policy.report_limits import limit_size, measure_size
 from urdfcheck.run.findings import explain_left_out
@@ -14,12 +15,24 @@ from urdfcheck.run.jobs import UnitReport
 RULE = "URC905"
 # Bytes of all findings of a run, and of what is drawn of one model and of all.
 MAX_RUN_FINDINGS, MAX_SCENE, MAX_RUN_SCENES = 128 * 1024**2, 128 * 1024**2, 1024**3
+# Bytes of one model in plain values, to compare it: 1,000 links with a mesh each take about 4 MB.
+MAX_MECHANISM = 64 * 1024**2
 
 
 def limit_scene(scene: Scene | None, unit_id: str) -> tuple[Scene | None, int, tuple[SkippedCheck, ...]]:
     """Return what is drawn of one model with its size; None and the line that says so where it is too large."""
     size = 0 if scene is None else measure_size(scene)
     return (scene, size, ()) if size <= MAX_SCENE else (None, 0, _explain_undrawn(unit_id, MAX_SCENE))
+
+
+def limit_mechanism(
+    mechanism: RobotMechanism | None, unit_id: str
+) -> tuple[RobotMechanism | None, tuple[SkippedCheck, ...]]:
+    """Return a model in plain values; None and the line that says so where it is too large."""
+    if mechanism is None or measure_size(mechanism) <= MAX_MECHANISM:
+        return mechanism, ()
+    reason = f"it is not compared: its links and joints take more than {MAX_MECHANISM // 1024**2} MiB"
+    return None, (SkippedCheck(RULE, unit_id, reason, is_partial=True),)
 
 
 class ReportSizes:

@@ -38,7 +38,7 @@ from urdfcheck.run.comment_usage import assess_comments
 from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
-from urdfcheck.run.report_sizes import limit_scene
+from urdfcheck.run.report_sizes import limit_mechanism, limit_scene
 from urdfcheck.run.shown_paths import PathShortener
 from urdfcheck.run.source_texts import RULE as TEXTS_RULE
 from urdfcheck.run.source_texts import limit_texts
@@ -56,6 +56,7 @@ from urdfcheck.system.files import overlay_files, read_regular, record_reads
 
 if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest
+    from urdfcheck.core.mechanism import RobotMechanism
     from urdfcheck.core.scene import Scene
     from urdfcheck.source.launch.launch_file import Launch
 
@@ -107,6 +108,7 @@ class _UnitAudit:
         self.scene: Scene | None = None
         self.pairs: LinkPairs | None = None
         self.drop: DropTest | None = None
+        self.mechanism: RobotMechanism | None = None
         self.outline: ModelOutline | None = None
         self.findings_cache: FindingsCache | None = None
         self.source: Source | None = None
@@ -265,6 +267,10 @@ class _UnitAudit:
             )
         if self.options.pairs:
             self.pairs = self.run_guarded("srdf", lambda: compute_link_pairs(model))
+        if self.options.mechanism:
+            from urdfcheck.export.mechanism_builder import build_mechanism  # only a comparison pays for it
+
+            self.mechanism = self.run_guarded("diff", lambda: build_mechanism(model, self.unit.id))
         if self.options.drop:
             self.drop = self.run_guarded("drop", lambda: self.run_drop_test(model))
 
@@ -415,9 +421,10 @@ class _UnitAudit:
         if left_out:
             self.add_skip(TEXTS_RULE, left_out, is_partial=True)
         scene, scene_size, undrawn = limit_scene(self.scene, self.unit.id)
+        mechanism, uncompared = limit_mechanism(self.mechanism, self.unit.id)
         return UnitReport(
             findings=settled.findings,
-            skipped=(*self.skipped, *settled.unlisted, *undrawn),
+            skipped=(*self.skipped, *settled.unlisted, *undrawn, *uncompared),
             info=None if info is None else replace(info, seconds=round(seconds, 3)),
             unrequested=settled.unrequested,
             findings_size=settled.size,
@@ -425,6 +432,7 @@ class _UnitAudit:
             scene_size=scene_size,
             pairs=self.pairs,
             drop=self.drop,
+            mechanism=mechanism,
             outline=self.outline,
             sources=sources,
             failures=tuple(self.failures),
@@ -446,6 +454,8 @@ class _UnitAudit:
             for span in (finding.location.span, *finding.location.via, *(place.span for place in finding.related))
         )
         names = {span.file for span in spans if span is not None}
+        if self.mechanism is not None:
+            names |= self.mechanism.trace_files
         for name in sorted(names - set(self.texts)):
             text = self.read_text(Path(name))
             if text is not None:

@@ -117,7 +117,7 @@ def load_source(
     assumed_variables: frozenset[str] = frozenset()
     document: minidom.Document | None = None
     if root is not None and is_xacro:
-        from urdfcheck.source.found_arguments import expand_with_found_arguments
+        from urdfcheck.source.arguments.found_arguments import expand_with_found_arguments
 
         complete = expand_with_found_arguments(path, arguments, finder, environment=environment, launches=launches)
         expansion, arguments = complete.expansion, complete.arguments

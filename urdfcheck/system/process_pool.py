@@ -113,6 +113,8 @@ class _PlainUnpickler(pickle.Unpickler):
             "core.drive_test",
             "core.drop_test",
             "core.findings",
+            "core.mechanism",
+            "core.model_diff",
             "core.rule",
             "core.run",
             "core.scene",

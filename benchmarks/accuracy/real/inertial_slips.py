@@ -29,14 +29,18 @@ def tensor_unit(part: Part, rng: Rng) -> Broken | None:
 def mass_unit(part: Part, rng: Rng) -> Broken | None:
     """The mass in grams or pounds."""
     unit = str(rng.choice(list(MASS_UNITS)))
-    words = r"\b(in g\b|grams)|in g:" if unit == "g" else r"\b(lb|pounds)\b"
+    words = r"\b(in g\b|grams)|in g:|unit of the mass: g\b" if unit == "g" else r"\b(lb|pounds)\b"
     return _named(part, lambda n: replace(n, mass=n.mass * MASS_UNITS[unit]), words)
 
 
 def com_unit(part: Part, rng: Rng) -> Broken | None:
     """The COM in millimetres, centimetres or inches."""
     unit = str(rng.choice(list(COM_UNITS)))
-    return _named(part, lambda n: replace(n, com=n.com * COM_UNITS[unit]), rf"\b(in {unit}|COM .*\b{unit})\b")
+    words = rf"\b(in {unit}|COM .*\b{unit})\b"
+    com = np.abs(_numbers(part).com)
+    if unit == "cm" and np.sum(com > 0.01 * com.max()) == 1:
+        words += r"|com [xyz] 0\.01 times"  # the same number, with its decimal point two places off
+    return _named(part, lambda n: replace(n, com=n.com * COM_UNITS[unit]), words)
 
 
 def all_units(part: Part, rng: Rng) -> Broken | None:

@@ -108,7 +108,7 @@ def judge(
         right = not kind.is_nameless and (finding.code in kind.codes or kind.names(text, says) or repaired is True)
         verdict.named |= right
         claims = finding.cause is not None and finding.confidence is not Confidence.HEURISTIC
-        claims &= not _is_true_of_sound(sound, finding, subjects)
+        claims &= not (kind.family == "inertial" and _is_true_of_sound(sound, finding, subjects))
         verdict.wrong |= claims and not right
         state = "named" if right else "WRONG" if claims else "found"
         verdict.lines.append(

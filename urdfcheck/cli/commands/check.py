@@ -264,7 +264,7 @@ def _choose_detail(options: argparse.Namespace) -> DetailLevel:
 def _watch(
     options: argparse.Namespace, reports: ReportPlan, *, asked: tuple[Request, Config], warm_worker: Worker | None
 ) -> int:
-    from urdfcheck.cli.commands.watch import watch
+    from urdfcheck.cli.watch import watch
 
     return watch(
         asked,

@@ -7,18 +7,20 @@ the distance of the COM from the link's frame.
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.facts.inertials.inertial_fit import InertialBatch, build_twin_reference, is_body, is_computable
-from urdfcheck.facts.inertials.mistakes.mistake import Mistake, Suspect
+from urdfcheck.facts.inertials.mistakes.mistake import Mistake, Suspect, make_mistake
 from urdfcheck.facts.inertials.mistakes.mixing_mistakes import list_explanations
+from urdfcheck.facts.inertials.mistakes.wrong_formulas import measure_decimal
 from urdfcheck.facts.inertials.ranking import get_mistake_family
 
 if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Bools
+    from urdfcheck.facts.arrays import Bools, Mat3
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 
 # What three typed digits leave of equal numbers.
@@ -27,6 +29,10 @@ _EQUAL = 0.005
 _UNLIKE = 1.2
 # A COM nearer to the frame than this part of the radius of gyration is zero and noise: a power of ten of it shows nothing.
 _NEAR_FRAME = 0.1
+# Half a unit of the last decimal, and what other axes add; and how much of a moment is lost at least.
+_HALF, _LOST = 0.51, 1.05
+# Nobody types more significant digits, and other axes change the ones behind them.
+_TYPED_DIGITS = 12
 # A mistake that is rarer than another by this many nats is not the one (e² = 7 : 1).
 _RARER = 2.0
 
@@ -44,6 +50,9 @@ class TwinSlip:
 
 def find_slip_between_twins(first: DeclaredInertial, second: DeclaredInertial) -> TwinSlip | None:
     """Find the one mistake without which two sides agree, on the side on which it is the likelier one."""
+    for is_first, coarse, fine in ((True, first, second), (False, second, first)):
+        if (rounded := find_rounding(coarse, fine)) is not None:
+            return TwinSlip(rounded, is_first=is_first, is_either=False)
     of_first, of_second = find_twin_slip(first, second), find_twin_slip(second, first)
     if of_second is None:
         return None if of_first is None else TwinSlip(of_first, is_first=True, is_either=False)
@@ -54,6 +63,27 @@ def find_slip_between_twins(first: DeclaredInertial, second: DeclaredInertial) -
         return TwinSlip(of_second, is_first=False, is_either=True) if is_decimal else None
     is_first = of_first.log_prior > of_second.log_prior
     return TwinSlip(of_first if is_first else of_second, is_first=is_first, is_either=False)
+
+
+def find_rounding(coarse: DeclaredInertial, fine: DeclaredInertial) -> Mistake | None:
+    """Find whether the six numbers of a tensor are those of another, apart from signs, rounded to so few decimals that its
+    smallest moment has one digit left."""
+    is_comparable = is_computable(coarse) and is_body(fine)
+    unit, finer = (measure_decimal(_drop_noise(one.tensor)) if is_comparable else None for one in (coarse, fine))
+    if unit is None or (finer is not None and finer >= unit):
+        return None
+    least = float(coarse.tensor.diagonal().min())
+    off = float(np.abs(np.abs(coarse.tensor) - np.abs(fine.tensor)).max())
+    is_rounded = float(f"{least:.0e}") == least and off <= _HALF * unit
+    if not is_rounded or abs(coarse.mass - fine.mass) > _EQUAL * fine.mass or _measure_ratio(coarse, fine) < _LOST:
+        return None
+    return make_mistake("rounded", f"{max(0, -round(math.log10(unit)))} decimals")
+
+
+def _drop_noise(tensor: Mat3) -> Mat3:
+    """Return a tensor without what a change of axes adds to its typed digits."""
+    digits = _TYPED_DIGITS - 1 - math.floor(math.log10(max(float(np.abs(tensor).max()), sys.float_info.min)))
+    return np.round(tensor, digits)
 
 
 def find_twin_slip(wrong: DeclaredInertial, right: DeclaredInertial) -> Mistake | None:

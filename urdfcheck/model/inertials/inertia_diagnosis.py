@@ -24,6 +24,7 @@ from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.parts import Joint, Link, Pose
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import (
+    explain_collision_stand_in,
     has_drawn_shape,
     has_unit_ambiguity,
     has_up_axis_ambiguity,
@@ -53,6 +54,8 @@ _CODE_MODULES = (
 
 # A COM this near the mesh's, in radii of gyration, is that of a part of uniform density.
 _NEAR_COM = 0.05
+# A COM that is so much nearer to one shape than to another, as a share of its distance, belongs to the former.
+_MUCH_NEARER = 1.0 / 3.0
 # Moments that are within 2 % of those of a shape were computed from it; second moments differ by twice that.
 _COMPUTED = 0.04
 # A collision shape that is rotated or moved like the inertial has the same mistake.
@@ -227,6 +230,8 @@ def _diagnose_link(
                 return own
     if not best.sound and best.cause not in _OF_PLACE and (own := _match_collision_shape(model, link, declared)):
         return own
+    if best.cause == "com_missing" and _has_visual_about_com(model, link, declared):
+        return None  # the collision shape is elsewhere, not the COM
     # Whether the tensors of an assembly's parts were added shows only when its mesh is taken apart.
     explained = best.sound if best.com_mismatch > _NEAR_COM else best.tensor_mismatch < EXACT
     is_habit = habit is not None and habit.is_like(best.cause or "", best.detail)
@@ -237,6 +242,17 @@ def _diagnose_link(
         return best
     taken_apart = diagnose_inertial(declared, replace(drawn, pieces=parts), twin, trusted=trusted, habit=habit)
     return taken_apart if taken_apart is not None and taken_apart.cause is not None else best
+
+
+def _has_visual_about_com(model: Model, link: Link, declared: DeclaredInertial) -> bool:
+    """Whether the COM is much nearer to an open visual mesh than to the collision shape that is compared in its place."""
+    if explain_collision_stand_in(model, link) != "open":
+        return False
+    visible, collision = (measure_role_geometry(model, link, role) for role in ("visual", "collision"))
+    if visible is None or collision is None:
+        return False
+    near, far = (float(np.linalg.norm(declared.com - drawn.solid.com)) for drawn in (visible, collision))
+    return near < _MUCH_NEARER * far
 
 
 def _match_collision_shape(model: Model, link: Link, declared: DeclaredInertial) -> Diagnosis | None:

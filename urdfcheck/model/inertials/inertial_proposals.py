@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Edit, Span
+from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
@@ -17,6 +18,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
     compute_parallel_axis_term,
     compute_solid_inertia,
+    list_half_units,
     measure_tensor_rounding,
 )
 from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST
@@ -30,7 +32,7 @@ from urdfcheck.facts.inertials.mistakes.tensor_slips import (
 )
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
-from urdfcheck.model.parts import DeclaredTensor, Link
+from urdfcheck.model.parts import TENSOR_NAMES, DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, has_loose_hull, measure_link_geometry
@@ -54,6 +56,8 @@ _REMAINING, LARGEST_SOUND_MISMATCH = 0.3, 0.75
 _LONE_NUMBER = 0.3
 # A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size.
 _FAR_COM = 0.1
+# A COM is that of a shell within this part of its radius of gyration.
+_SAME_COM = 0.05
 # A tensor is about another point where the COM is half a radius of gyration away.
 _APART = 0.5
 # The nearest possible tensor is offered as an edit without a cause where it changes less than mass properties are known by.
@@ -71,10 +75,13 @@ TRIANGLE_SLACK = 5e-3
 SMALL_EXCESS = 0.05
 # A tensor that was typed with too few digits gets so many more.
 _MORE_DIGITS = 2
-# A tensor that exceeds the moments of all mass at the ends of the part by this factor cannot be made right by a small change.
-_OTHER_SIZE = 10.0
+# The moments of all mass at twice the drawn part's size exceed those of any part like it: no small change makes a tensor right
+# that has more.
+_OTHER_SIZE = 1.0
 # In more links of one file, numbers that would fit with another decimal point have another cause in common.
 _MOST_SLIPS = 2
+# Where the moments are in ``ixx ixy ixz iyy iyz izz``.
+_DIAGONAL = (0, 3, 5)
 # With the right signs the products are so near to the drawn part's, relative to these.
 _NEAR_PRODUCTS = 0.5
 
@@ -132,6 +139,8 @@ class InertialProposal:
     """The id of the cause on the pages of INR003 and INR004, where the numbers show one."""
     detail: str = ""
     """The parameter of the cause."""
+    oversize: str = ""
+    """How many times the drawn part's moments these are, if no part of the drawn size can have them; empty otherwise."""
 
 
 def name_mistake(cause: str) -> str:
@@ -162,10 +171,11 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     if undone is not None and not (undone.cause == "decimal" and has_many_slips(model)):
         return undone
     typed = measure_tensor_rounding(declared.texts)
-    slip = None if typed.explained_by_rounding else _find_sign_slip(model, declared)
+    is_rounded = typed.explained_by_rounding and not _has_lost_moment(model, declared)
+    slip = None if is_rounded else _find_sign_slip(model, declared)
     if slip is not None:
         return _propose_signs(model, link, slip)
-    slipped = None if typed.explained_by_rounding else _find_slipped_moment(model, declared)
+    slipped = None if is_rounded else _find_slipped_moment(model, declared)
     if slipped is not None and not has_many_slips(model):
         claim = "with {detail} times what is written, the tensor is possible, and its moments are like the drawn part's"
         return replace(_propose_slip(link, slipped, claim), edits=())
@@ -182,14 +192,37 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     excess = _measure_size_excess(model, declared)
     if excess > _OTHER_SIZE:
         drawn = describe_drawn_inertial(model, link)
-        claim = f"; for this mass and the drawn size, the moments are too large by a factor of {excess:,.0f} or more"
-        return InertialProposal(message=claim, remedy=f"write {drawn}, or " if drawn else "")
-    if typed.explained_by_rounding:
+        times, least = _format_factor(_compare_with_drawn(model, declared)), _format_factor(excess)
+        claim = f"; for this mass the moments are {times} times the drawn part's, and at least {least} times what its size allows"
+        return InertialProposal(message=claim, remedy=f"write {drawn}, or " if drawn else "", oversize=times)
+    if is_rounded:
         return _propose_nearest(link, declared, "digits", digits=typed.typed_digits + _MORE_DIGITS)
     if find_nearest_tensor(declared.components)[1] < _LARGEST_CHANGE:
         return _propose_nearest(link, declared, None)
     drawn = describe_drawn_inertial(model, link)
-    return InertialProposal(remedy=f"write {drawn}, or " if drawn else "")
+    return InertialProposal(message=_describe_zero_moments(declared), remedy=f"write {drawn}, or " if drawn else "")
+
+
+def _has_lost_moment(model: Model, declared: DeclaredTensor) -> bool:
+    """Whether a moment of zero was not rounded to it: the drawn part's is above a unit of the last place of the others."""
+    zeros = _list_zero_moments(declared)
+    drawn = _compute_drawn_tensor(model, declared) if zeros else None
+    if drawn is None:
+        return False
+    place = 2.0 * max(list_half_units(declared.texts))
+    return any(float(drawn[i, i]) > place for i in zeros)
+
+
+def _list_zero_moments(declared: DeclaredTensor) -> list[int]:
+    """List which of ixx, iyy and izz, as 0, 1 and 2, are zero."""
+    return [i for i, moment in enumerate(declared.tensor.diagonal().tolist()) if moment == 0.0]
+
+
+def _describe_zero_moments(declared: DeclaredTensor) -> str:
+    """Say which moments are zero where these are more than a rod has; empty otherwise."""
+    zeros = _list_zero_moments(declared)
+    names = join_names(TENSOR_NAMES[_DIAGONAL[i]] for i in zeros)
+    return f"; {names} are 0, as if never filled in" if len(zeros) > 1 else ""
 
 
 def _measure_size_excess(model: Model, declared: DeclaredTensor) -> float:
@@ -201,6 +234,18 @@ def _measure_size_excess(model: Model, declared: DeclaredTensor) -> float:
     farthest = 2.0 * measure_extent(drawn.points)
     most = 2.0 * mass * farthest * farthest  # ∫ r² dm is half the sum of the moments
     return float(np.trace(declared.tensor)) / most if most > 0.0 else 0.0
+
+
+def _compare_with_drawn(model: Model, declared: DeclaredTensor) -> float:
+    """Return how many times the moments are those of what the link draws, at its mass; infinite where that has none."""
+    drawn = _compute_drawn_tensor(model, declared)
+    size = 0.0 if drawn is None else float(np.trace(drawn))
+    return float(np.trace(declared.tensor)) / size if size > 0.0 else np.inf
+
+
+def _format_factor(factor: float) -> str:
+    rounded = float(f"{factor:.2g}")
+    return f"{rounded:,.0f}" if 100.0 <= rounded < 1e6 else f"{rounded:g}"
 
 
 def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None:
@@ -353,6 +398,8 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
     diagnosed, inertial = inertial_diagnoses(model).get(link.name), link.inertial
     if diagnosed is None or inertial is None or diagnosed.diagnosis.mended is None:
         return None
+    if diagnosed.diagnosis.cause == "shell" and has_com_of_shell(model, link):
+        return None  # the part may be hollow: then all of its numbers are right
     change = build_inertial_repair(inertial, diagnosed.diagnosis.mended)
     if not change.text or _leaves_com_off(model, link, diagnosed):
         return None
@@ -365,6 +412,16 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
         and not _is_of_either_side(model, link, diagnosed)
     )
     return change if is_certain else replace(change, edits=())
+
+
+def has_com_of_shell(model: Model, link: Link) -> bool:
+    """Whether the COM, which is not that of what the link draws as a solid, is that of its thin, hollow shell."""
+    drawn, matrix = measure_link_geometry(model, link), None if link.inertial is None else link.inertial.origin.matrix
+    if drawn is None or drawn.shell is None or matrix is None:
+        return False
+    size = float(np.sqrt(np.trace(drawn.shell.covariance)))
+    far, near = (float(np.linalg.norm(matrix[:3, 3] - one.com)) for one in (drawn.solid, drawn.shell))
+    return near < _SAME_COM * size < far
 
 
 def _leaves_com_off(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:

@@ -20,7 +20,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.inertial_fit import compute_whitening, measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
-from urdfcheck.facts.inertials.twin_slips import find_slip_between_twins
+from urdfcheck.facts.inertials.twin_slips import find_rounding, find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     find_wrong_signs,
@@ -71,7 +71,7 @@ class PairSide:
     twin: Link
     actual: DeclaredInertial
     expected: DeclaredInertial
-    """Of mirror image and copies of the twin's inertial that the drawings allow, that which is nearest to ``actual``."""
+    """Of mirror image and copies of the twin's inertial that the drawings allow, the inertial that is nearest to ``actual``."""
     image: DeclaredInertial
     """The twin's inertial mirrored."""
     disallowed: tuple[DeclaredInertial, ...]
@@ -188,7 +188,22 @@ def find_wrong_side(
     suspects = [side for side in both if _is_misfit(model, side)]
     if not suspects:
         suspects = [side for side in both if _has_com_on_the_other_side(model, pair, side, threshold=threshold)]
+    if not suspects:
+        # The drawings show which COM was copied, and nothing shows which mass is right.
+        others = [_keep_mass(side) for side in both if side.deviation.mass > threshold]
+        suspects = [side for side in others if _has_com_on_the_other_side(model, pair, side, threshold=threshold)]
     return (suspects[0], ()) if len(suspects) == 1 else None
+
+
+def _keep_mass(side: PairSide) -> PairSide:
+    """Return a side of which everything is expected that the twin's numbers say but for its mass."""
+    mass = side.actual.mass
+    return replace(
+        side,
+        expected=replace(side.expected, mass=mass),
+        image=replace(side.image, mass=mass),
+        disallowed=tuple(replace(copy, mass=mass) for copy in side.disallowed),
+    )
 
 
 def _is_misfit(model: Model, side: PairSide) -> bool:
@@ -256,7 +271,8 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
 
     ``copied`` or ``mirrored`` where the drawings were not; ``products_sign`` where the numbers are right but for the signs
     of all products; ``signs`` for other signs, in frames whose axes are mirror images: only there a mirror changes signs;
-    ``decimal`` where masses differ by a power of ten, alone or as the tensors do.
+    ``decimal`` where masses differ by a power of ten, alone or as the tensors do; ``rounded`` where one tensor is the other's,
+    with too few digits.
     """
     if side.deviation.mass > threshold:
         slip = find_slip_between_twins(side.actual, side.expected)
@@ -265,6 +281,8 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
         return "copied"
     if pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
         return "mirrored"
+    if find_rounding(side.actual, side.expected) or find_rounding(side.expected, side.actual):
+        return "rounded"
     signs = find_wrong_signs(side.actual, side.expected, threshold)
     if signs == PRODUCTS:
         return "products_sign"

@@ -116,6 +116,15 @@ def list_alike_links_elsewhere(model: Model, pair: MirrorPair) -> tuple[str, ...
 
 
 @fact
+def list_named_pairs(model: Model) -> tuple[tuple[str, str], ...]:
+    """List the links whose names differ in nothing but the side.
+
+    :raises FactUnavailableError: when the tree is broken.
+    """
+    return tuple(pair_by_name(model.tree.order))
+
+
+@fact
 def mirror_pairs(model: Model) -> tuple[MirrorPair, ...]:
     """Find left and right links, those nearest to the root first.
 
@@ -125,7 +134,7 @@ def mirror_pairs(model: Model) -> tuple[MirrorPair, ...]:
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     order = {name: i for i, name in enumerate(model.tree.order)}
-    names = [(one, other) for one, other in pair_by_name(order) if not _is_in_line(model, one, other)]
+    names = [(one, other) for one, other in list_named_pairs(model) if not _is_in_line(model, one, other)]
     pairs = [pair for group in _group_by_body(model, names) for pair in _match_group(model, group)]
     paired = {name for names_ in names for name in names_}
     pairs += _pair_by_geometry(model, [name for name in model.tree.order if name not in paired])

@@ -21,6 +21,8 @@ from urdfcheck.model.likeness.origin_slips import (
     iter_coincident_twins,
     iter_odd_signs,
 )
+from urdfcheck.model.likeness.sides.lone_coordinates import iter_lone_coordinates
+from urdfcheck.model.likeness.sides.opposed_axes import OpposedAxes, iter_opposed_axes
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_all_numbers
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
@@ -63,10 +65,12 @@ def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[Pl
     yield from map(_describe_slip, find_origin_slips(model))
     for one, other in iter_coincident_twins(model):
         yield _describe_coincidence(one, other)
+    yield from map(_describe_opposed_axes, iter_opposed_axes(model, pairs))
     for pair in pairs:
         off = find_misplaced_joint(model, pair, pairs)
         if off is not None:
             yield _describe_misplaced_joint(off)
+    yield from map(_describe_slip, iter_lone_coordinates(model))
 
 
 def _describe_misplaced_joint(off: MisplacedJoint) -> PlaceMistake:
@@ -101,7 +105,8 @@ def _describe_slip(slip: OriginSlip) -> PlaceMistake:
         "second": _describe_move(twin, joint, slip.twin_expected),
         "between": _list_subjects((joint, twin)),
     }
-    return PlaceMistake(message="slip", joints=(joint, twin), at=at, related=(related,), cause=slip.kind, data=data)
+    cause = None if slip.kind == "coordinate" else slip.kind
+    return PlaceMistake(message="slip", joints=(joint, twin), at=at, related=(related,), cause=cause, data=data)
 
 
 def _describe_odd_sign(odd: OddSign) -> PlaceMistake:
@@ -164,6 +169,20 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         edits=tuple(edit_all_numbers([(attribute, expected)]) if attribute is not None else ()),
         data=data,
     )
+
+
+def _describe_opposed_axes(found: OpposedAxes) -> PlaceMistake:
+    both = found.joint, found.twin
+    data = {
+        "joint": found.joint.name,
+        "twin": found.twin.name,
+        "one": found.joint.child,
+        "other": found.twin.child,
+        "like": join_names(joint.name for joint in found.others),
+        "between": _list_subjects(both),
+    }
+    at, related = (joint.axis_location for joint in both)
+    return PlaceMistake(message=found.kind, joints=both, at=at, related=(related,), data=data)
 
 
 def _describe_coincidence(one: Joint, other: Joint) -> PlaceMistake:

@@ -42,7 +42,8 @@ class OriginSlip:
     joint: Joint
     twin: Joint
     kind: str
-    """``sign``: one coordinate has the other sign. ``decimal``: a coordinate, or all, are a power of ten larger."""
+    """``sign``: one coordinate has the other sign. ``decimal``: a coordinate, or all, are a power of ten larger. ``coordinate``:
+    one coordinate is another one."""
     expected: Array
     """(3,) in m: the origin of ``joint`` if ``twin`` is right."""
     twin_expected: Array
@@ -217,7 +218,10 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
     for name in model.tree.order[1:]:
         joint = model.tree.parent_joint[name]
         if joint.is_movable and joint.mimic is None:
-            groups.setdefault((joint.type, remove_places(name)), []).append(joint)
+            words = remove_places(name)
+            groups.setdefault((joint.type, words), []).append(joint)
+            kind = tuple(word for word in words if not word.isdigit())
+            groups.setdefault((joint.type, kind, joint.parent), []).append(joint)
     for group in groups.values():
         if len(group) < _MOST_OF:
             continue

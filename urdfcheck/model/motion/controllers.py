@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from urdfcheck.source.launch.launch_file import Launch
 
 _CONTROL_PLUGIN = re.compile(r"ros2?_control")
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _FIND = re.compile(r"\$\((?:find|find-pkg-share)\s+([^\s()]+)\s*\)")
 
 
@@ -158,6 +159,25 @@ def _resolve_launch_path(text: str, launch: Launch) -> Path | None:
 def collect_command_interfaces(model: Model) -> dict[str, set[str]] | None:
     """Collect the command interfaces of each joint in the model's ``<ros2_control>`` blocks; None where it has no such block."""
     return collect_interfaces(model, "command", ("joint", "gpio"))
+
+
+def can_offer_with_other_arguments(model: Model, joint: str, interface: str) -> bool:
+    """Whether other arguments of the model may give a joint this command interface.
+
+    An argument is its interface's name, or a condition leaves out what is typed in the joint's block.
+    """
+    typed = re.compile(rf"""<command_interface\s[^<>]*?name\s*=\s*["']{re.escape(interface)}["']""")
+    blocks = model.robot.find_children("ros2_control")
+    for component in (one for block in blocks for one in block.find_children("joint") if one.get("name") == joint):
+        names = [e.attributes["name"] for e in component.find_children("command_interface") if "name" in e.attributes]
+        if any(definition.kind == "argument" for name in names for definition in name.collect_definitions()):
+            return True
+        file = None if component.span is None else model.source.files.get(component.span.file)
+        if file is not None and component.span is not None:
+            inside = _COMMENT.sub("", file.text[component.span.end :]).partition("</joint")[0]
+            if typed.search(inside):
+                return True
+    return False
 
 
 def collect_interfaces(model: Model, role: str, tags: Iterable[str]) -> dict[str, set[str]] | None:

@@ -61,6 +61,14 @@ def explain_fixed_base(model: Model) -> str:
     return _explain_manipulator(model)
 
 
+def is_bolted(model: Model) -> bool:
+    """Whether the base cannot move in a simulation either: planners hold the base of a mobile manipulator still, but it rolls.
+
+    :raises FactUnavailableError: when the tree is broken or the mass of the root is malformed or negative.
+    """
+    return bool(explain_fixed_base(model)) and not rolling_wheels(model)
+
+
 def is_ballast(model: Model, links: Sequence[str]) -> bool:
     """Whether the body of these ``links`` is the stand of a robot that it outweighs: what it weighs is a choice and has no
     effect.
@@ -73,7 +81,7 @@ def is_ballast(model: Model, links: Sequence[str]) -> bool:
         return False
     own = sum(declared.mass for declared in model.masses if declared.link.name in links)
     rest = sum(declared.mass for declared in model.masses if declared.link.name not in links)
-    return own > _BALLAST * rest > 0.0 and bool(explain_fixed_base(model))
+    return own > _BALLAST * rest > 0.0 and is_bolted(model)
 
 
 def _list_virtual_joint_types(model: Model) -> set[str]:
@@ -95,7 +103,7 @@ def _explain_manipulator(model: Model) -> str:
     if any(joint.type in {"floating", "planar"} for joint in model.joints):
         return ""
     body = model.tree.list_body_links(root)
-    limbs = [joint for name in body for joint in model.tree.child_joints[name] if joint.type != "fixed"]
+    limbs = _list_limb_joints(model, body)
     if len(limbs) == 1 and _count_chain_joints(model, limbs[0]) >= _FEWEST_CHAIN_JOINTS:
         return f"all that moves is one limb on {root}, without wheels or legs"
     is_hand = any(_PALM_NAME.search(name) for name in body)
@@ -110,8 +118,20 @@ def _count_chain_joints(model: Model, first: Joint) -> int:
     while len(following) == 1:
         count += 1
         body = model.tree.list_body_links(following[0].child)
-        following = [joint for name in body for joint in model.tree.child_joints[name] if joint.type != "fixed"]
+        following = _list_limb_joints(model, body)
     return count
+
+
+def _list_limb_joints(model: Model, body: Sequence[str]) -> list[Joint]:
+    """List the joints at the end of a body, without those of empty links beside real ones: they carry a number, such as the
+    stiffness of a real joint."""
+    joints = [joint for name in body for joint in model.tree.child_joints[name] if joint.type != "fixed"]
+    return [joint for joint in joints if not _is_empty_end(model, joint.child)] or joints
+
+
+def _is_empty_end(model: Model, name: str) -> bool:
+    link = model.link_by_name[name]
+    return not (link.visuals or link.collisions or link.inertial or model.tree.child_joints[name])
 
 
 def _is_handling_limb(model: Model, first: Joint) -> bool:

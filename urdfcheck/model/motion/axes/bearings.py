@@ -43,8 +43,8 @@ _MOST_RADII = 4.0
 _SAME_ANGLE, _SAME_PLACE = 0.02, 2e-3
 # A bore may be that of another joint whose origin is so near (m): the second jaw of a gripper.
 _NEIGHBOUR = 0.1
-# A tilted axis is off by so many degrees; one along another coordinate by more.
-_TILTED = (1.0, 30.0)
+# A tilted axis is off by so many degrees: less is a mesh that is drawn askew. One along another coordinate is off by more.
+_TILTED = (2.0, 30.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from urdfcheck.facts.motion.collision_geometry import CollisionGeometry, PlacedGeometry
 from urdfcheck.model.meshes import MEASURING_MODULES
-from urdfcheck.model.motion.collisions.setup import describe_joint
+from urdfcheck.model.motion.collisions.setup import describe_joint, make_geometry
 from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
@@ -25,6 +26,7 @@ _CODE_MODULES = (
     "urdfcheck.facts.likeness.round_surfaces",
     "urdfcheck.facts.motion.collision",
     "urdfcheck.facts.motion.collision_geometry",
+    "urdfcheck.facts.motion.gaps",
     "urdfcheck.facts.motion.kinematics",
     "urdfcheck.model.shapes",
     "urdfcheck.model.motion.axes",
@@ -46,10 +48,12 @@ class DrawnBodies:
     """The rigid bodies of a robot; a body has the name of its first link."""
 
     model: Model
+    roles: tuple[str, ...] = ("visuals", "collisions")
+    """Which shapes count; the second ones where a body has none of the first."""
 
     @cached_property
     def shapes(self) -> dict[str, tuple[BodyShape, ...]]:
-        """What each body draws, or collides with where it draws nothing; bodies without known shapes are left out."""
+        """The shapes of each body; bodies without known shapes are left out."""
         found = {}
         for head in self.model.tree.order:
             if head == self.model.tree.root or self.model.tree.parent_joint[head].type != "fixed":
@@ -57,6 +61,22 @@ class DrawnBodies:
                 if shapes:
                     found[head] = shapes
         return found
+
+    @cached_property
+    def placed(self) -> dict[str, tuple[PlacedGeometry, ...]]:
+        """The geometries of each body in root coordinates, owned by its number in `shapes`; equal shapes share one."""
+        geometries: dict[str, CollisionGeometry] = {}
+        placed: dict[str, tuple[PlacedGeometry, ...]] = {}
+        for number, (head, shapes) in enumerate(self.shapes.items()):
+            contents = [self._describe(one.shape) for one in shapes]
+            for one, content in zip(shapes, contents, strict=True):
+                if content not in geometries:
+                    geometries[content] = make_geometry(self.model, one.shape)
+            placed[head] = tuple(
+                PlacedGeometry(geometries[content], number, one.pose)
+                for one, content in zip(shapes, contents, strict=True)
+            )
+        return placed
 
     def get_parent(self, joint: Joint) -> str:
         """Return the body that holds a joint."""
@@ -93,7 +113,7 @@ class DrawnBodies:
     def _collect(self, head: str) -> tuple[BodyShape, ...]:
         model = self.model
         names = model.tree.list_body_links(head)
-        for role in ("visuals", "collisions"):
+        for role in self.roles:
             found: list[BodyShape] = []
             for name in names:
                 shapes: Sequence[Shape] = getattr(model.link_by_name[name], role)

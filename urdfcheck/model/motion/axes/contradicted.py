@@ -1,13 +1,15 @@
-"""Joints whose axis, its sign or its place contradicts the parts on both sides; kept between runs."""
+"""Joints whose axis, its sign or its place contradicts the parts on both sides, or leaves them apart; kept between runs."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.model.fact import fact
+from urdfcheck.model.motion.axes.apart import ApartPart, find_apart_part
 from urdfcheck.model.motion.axes.bearings import BearingMismatch, find_bearing_mismatches
 from urdfcheck.model.motion.axes.bodies import DrawnBodies
 from urdfcheck.model.motion.axes.sweeps import BlockedSide, find_blocked_sides
@@ -21,15 +23,25 @@ if TYPE_CHECKING:
 _KINDS = ("beside", "tilted", "across")
 
 
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Contradictions:
+    """What contradicts the joints of a robot."""
+
+    bearings: tuple[BearingMismatch, ...] = ()
+    sides: tuple[BlockedSide, ...] = ()
+    apart: ApartPart | None = None
+
+
 @fact
-def find_contradicted_axes(model: Model) -> tuple[tuple[BearingMismatch, ...], tuple[BlockedSide, ...]]:
-    """Find the joints that turn about another line than their bearing, and those whose limits fit the other side.
+def find_contradicted_axes(model: Model) -> Contradictions:
+    """Find the joints that turn about another line than their bearing, those whose limits fit the other side, and the one whose
+    child touches nothing.
 
     :raises FactUnavailableError: when coal is not installed, the tree is broken, or an origin or an axis is malformed.
     """
     bodies = DrawnBodies(model)
     if len(bodies.shapes) < 2:
-        return (), ()
+        return Contradictions()
     entry = model.cache.entry("axes", bodies.compute_key())
     names = [model.tree.parent_joint[name].name for name in model.tree.order[1:]]
     heads = list(bodies.shapes)
@@ -37,6 +49,7 @@ def find_contradicted_axes(model: Model) -> tuple[tuple[BearingMismatch, ...], t
         return _read(entry["found"], names, heads)
     except KeyError:
         mismatches, blocked = find_bearing_mismatches(bodies), find_blocked_sides(bodies)
+        apart = find_apart_part(bodies)
         entry["found"] = {
             "bearings": np.array(
                 [
@@ -57,13 +70,14 @@ def find_contradicted_axes(model: Model) -> tuple[tuple[BearingMismatch, ...], t
                     for b in blocked
                 ]
             ).reshape(-1, 7),
+            "apart": np.array(
+                [(names.index(a.joint), heads.index(a.nearest), a.gap, a.size, a.others) for a in (apart,) if a]
+            ).reshape(-1, 5),
         }
-        return tuple(mismatches), tuple(blocked)
+        return Contradictions(bearings=tuple(mismatches), sides=tuple(blocked), apart=apart)
 
 
-def _read(
-    arrays: Arrays, names: list[str], heads: list[str]
-) -> tuple[tuple[BearingMismatch, ...], tuple[BlockedSide, ...]]:
+def _read(arrays: Arrays, names: list[str], heads: list[str]) -> Contradictions:
     mismatches = [
         BearingMismatch(
             joint=names[int(row[0])],
@@ -86,4 +100,14 @@ def _read(
         )
         for row in arrays["sides"]
     ]
-    return tuple(mismatches), tuple(blocked)
+    apart = [
+        ApartPart(
+            joint=names[int(row[0])],
+            nearest=heads[int(row[1])],
+            gap=float(row[2]),
+            size=float(row[3]),
+            others=int(row[4]),
+        )
+        for row in arrays["apart"]
+    ]
+    return Contradictions(bearings=tuple(mismatches), sides=tuple(blocked), apart=apart[0] if apart else None)

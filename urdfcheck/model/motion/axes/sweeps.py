@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.motion.collision_geometry import PlacedGeometry
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.axes.bodies import DrawnBodies
-from urdfcheck.model.motion.collisions.setup import make_colliders, make_geometry
+from urdfcheck.model.motion.collisions.setup import make_colliders
 from urdfcheck.model.parts import Joint
 
 if TYPE_CHECKING:
@@ -95,11 +94,7 @@ class Sweep:
         self._bodies = bodies
         self._heads = list(bodies.shapes)
         self._number = {head: number for number, head in enumerate(self._heads)}
-        placed = [
-            PlacedGeometry(make_geometry(bodies.model, one.shape), self._number[head], one.pose)
-            for head, shapes in bodies.shapes.items()
-            for one in shapes
-        ]
+        placed = [one for shapes in bodies.placed.values() for one in shapes]
         self._colliders: Colliders = make_colliders(placed)
         # Shapes are placed in root coordinates: at rest, no body moves.
         self._rest = np.repeat(np.eye(4)[None], len(self._heads), axis=0)

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from urdfcheck.source.arguments.usual_environment import choose_variable, find_unset_variable
 from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, find_passed_arguments
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.xacro.expand import Expansion, expand_xacro
-from urdfcheck.source.xacro.usual_environment import choose_variable, find_unset_variable
 
 # How many arguments are found one after the other: the robot with most of them has 79, nearly all with defaults.
 MOST_FOUND = 64

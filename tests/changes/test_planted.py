@@ -1,0 +1,343 @@
+"""A planted change is reported alone, with its size and the line that caused it; the way back is reported the other way round."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+from versions import ARM, compare_texts
+
+from urdfcheck.core.model_diff import MechanismDiff, ModelDiff
+
+
+@dataclass(frozen=True, kw_only=True)
+class Planted:
+    """A change: the text that it replaces, and what must be reported."""
+
+    old: str
+    new: str
+    ids: tuple[str, ...]
+    verdict: str
+    subject: str
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    headline: str = ""
+    """What the verdict line contains."""
+    text: str = ""
+    """What the line about the first change contains."""
+    backwards: Mapping[str, float] = field(default_factory=dict)
+    """The numbers of the change back, where they are not those of a change of the same size."""
+    line: str = ""
+    """The edited line of the first version; by default the first line of `old`."""
+
+
+WRIST = '<origin xyz="0.3 0 0" rpy="0 0 0"/>'
+CHANGES: Mapping[str, Planted] = {
+    "a joint moved": Planted(
+        old=WRIST,
+        new='<origin xyz="0.341 0 0" rpy="0 0 0"/>',
+        ids=("joint-moved",),
+        verdict="kinematic",
+        subject="joint[wrist]",
+        numbers={"distance": 0.041, "shift_x": 0.041, "angle": 0.0},
+        backwards={"shift_x": -0.041},
+        headline="tool0 moves by 41 mm in every configuration",
+        text="joint wrist moves by 41 mm (x +41 mm) in link fore",
+    ),
+    "a joint turned off its axis": Planted(
+        old='<origin xyz="0 0 0.1" rpy="0 0 0"/>',
+        new='<origin xyz="0 0 0.1" rpy="0 0.1 0"/>',
+        ids=("joint-moved",),
+        verdict="kinematic",
+        subject="joint[pan]",
+        numbers={"angle": 0.1, "distance": 0.0, "axis_y": 1.0},
+        backwards={"axis_y": -1.0},
+        text="joint pan rotates by 5.73° about y in link base",
+    ),
+    "a zero shifted": Planted(
+        old='<origin xyz="0 0 0.1" rpy="0 0 0"/>',
+        new='<origin xyz="0 0 0.1" rpy="0 0 0.05"/>',
+        ids=("zero-offset",),
+        verdict="kinematic",
+        subject="joint[pan]",
+        numbers={"offset": 0.05},
+        backwards={"offset": -0.05},
+        text="joint pan has its zero shifted by 2.86°",
+    ),
+    "a fixed frame moved": Planted(
+        old='<origin xyz="0.1 0 0" rpy="0 0 0"/>',
+        new='<origin xyz="0.1 0 0.02" rpy="0 0 0"/>',
+        ids=("joint-moved",),
+        verdict="kinematic",
+        subject="joint[tool]",
+        numbers={"distance": 0.02, "shift_z": 0.02},
+        backwards={"shift_z": -0.02},
+        headline="tool0 moves by 20 mm in every configuration",
+    ),
+    "an axis reversed": Planted(
+        old='<axis xyz="1 0 0"/>',
+        new='<axis xyz="-1 0 0"/>',
+        ids=("axis-reversed",),
+        verdict="kinematic",
+        subject="joint[wrist]",
+        text="joint wrist axis is reversed",
+    ),
+    "an axis tilted": Planted(
+        old='<axis xyz="1 0 0"/>',
+        new='<axis xyz="1 0.1 0"/>',
+        ids=("axis-tilted",),
+        verdict="kinematic",
+        subject="joint[wrist]",
+        numbers={"angle": math.atan(0.1)},
+    ),
+    "a type": Planted(
+        old='name="wrist" type="continuous"',
+        new='name="wrist" type="fixed"',
+        ids=("type",),
+        verdict="kinematic",
+        subject="joint[wrist]",
+        text="joint wrist type continuous → fixed",
+    ),
+    "a limit": Planted(
+        old='<limit lower="-1.8" upper="1.8"',
+        new='<limit lower="-1.8" upper="2.1"',
+        ids=("upper",),
+        verdict="limits",
+        subject="joint[elbow]",
+        numbers={"before": 1.8, "after": 2.1},
+        backwards={"before": 2.1, "after": 1.8},
+        headline="kinematically identical; joint elbow upper limit 1.8 → 2.1 rad",
+    ),
+    "an effort": Planted(
+        old='effort="40"',
+        new='effort="35"',
+        ids=("effort",),
+        verdict="limits",
+        subject="joint[elbow]",
+        numbers={"before": 40.0, "after": 35.0},
+        backwards={"before": 35.0, "after": 40.0},
+        text="effort limit 40 → 35 N·m (-12 %)",
+    ),
+    "damping": Planted(
+        old='damping="0.5"',
+        new='damping="0.7"',
+        ids=("damping",),
+        verdict="dynamic",
+        subject="joint[elbow]",
+        numbers={"before": 0.5, "after": 0.7},
+        backwards={"before": 0.7, "after": 0.5},
+    ),
+    "a mimic": Planted(
+        old='multiplier="-1"',
+        new='multiplier="-0.5"',
+        ids=("mimic",),
+        verdict="kinematic",
+        subject="joint[grip_mirror]",
+        text="joint grip_mirror follows -0.5 × grip instead of -1 × grip",
+    ),
+    "a mass": Planted(
+        old='<mass value="0.6"/>',
+        new='<mass value="0.9"/>',
+        ids=("mass",),
+        verdict="dynamic",
+        subject="link[hand]",
+        numbers={"before": 0.6, "after": 0.9},
+        backwards={"before": 0.9, "after": 0.6},
+        headline="kinematically identical; dynamics change by",
+        text="link hand mass 0.6 → 0.9 kg (+50 %)",
+    ),
+    "a COM": Planted(
+        old='<origin xyz="0.03 0 0" rpy="0 0 0"/>',
+        new='<origin xyz="0.03 0 0.01" rpy="0 0 0"/>',
+        ids=("com",),
+        verdict="dynamic",
+        subject="link[hand]",
+        numbers={"distance": 0.01, "shift_z": 0.01},
+        backwards={"shift_z": -0.01},
+    ),
+    "a tensor": Planted(
+        old='ixx="0.0006"',
+        new='ixx="0.0005"',
+        ids=("tensor",),
+        verdict="dynamic",
+        subject="link[hand]",
+        numbers={"before_1": 0.0006, "after_1": 0.0005},
+        backwards={"before_1": 0.0005, "after_1": 0.0006},
+    ),
+    "a turned inertial frame": Planted(
+        old='<origin xyz="0.03 0 0" rpy="0 0 0"/>',
+        new='<origin xyz="0.03 0 0" rpy="0 0 0.5"/>',
+        ids=("tensor",),
+        verdict="dynamic",
+        subject="link[hand]",
+        text="link hand inertia tensor is rotated; its principal moments are the same",
+    ),
+    "a collision resized": Planted(
+        old='<collision>\n      <origin xyz="0 0 0" rpy="0 0 0"/>\n      <geometry><box size="0.06 0.1 0.04"/></geometry>',
+        new='<collision>\n      <origin xyz="0 0 0" rpy="0 0 0"/>\n      <geometry><box size="0.06 0.2 0.04"/></geometry>',
+        ids=("shape-resized",),
+        verdict="collision",
+        subject="link[hand]",
+        numbers={"volume_before": 0.00024, "volume_after": 0.00048},
+        backwards={"volume_before": 0.00048, "volume_after": 0.00024},
+        headline="kinematically and dynamically identical; link hand collision has another size",
+        line='<geometry><box size="0.06 0.1 0.04"/></geometry>',
+    ),
+    "a visual moved": Planted(
+        old='<visual>\n      <origin xyz="0.15 0 0" rpy="0 0 0"/>',
+        new='<visual>\n      <origin xyz="0.15 0.01 0" rpy="0 0 0"/>',
+        ids=("shape-moved",),
+        verdict="visual",
+        subject="link[fore]",
+        numbers={"distance": 0.01, "angle": 0.0},
+        line='<origin xyz="0.15 0 0" rpy="0 0 0"/>',
+    ),
+    "a name of the robot": Planted(
+        old='<robot name="arm">',
+        new='<robot name="arm_2">',
+        ids=("robot-renamed",),
+        verdict="extension",
+        subject="robot",
+        text="robot name arm → arm_2",
+    ),
+    "a plugin": Planted(
+        old="<mu1>0.8</mu1>",
+        new="<mu1>0.9</mu1>",
+        ids=("extra-changed",),
+        verdict="extension",
+        subject="gazebo[hand]",
+        headline="links, joints and shapes are identical; gazebo[hand] changes",
+    ),
+}
+
+
+def get_mechanism(found: ModelDiff) -> MechanismDiff:
+    assert found.mechanism is not None
+    return found.mechanism
+
+
+def check_change(found: ModelDiff, planted: Planted, numbers: Mapping[str, float], line: str) -> None:
+    """Check that this change is reported alone, with its numbers, at its line."""
+    changes = get_mechanism(found).changes
+    assert tuple(change.id for change in changes) == planted.ids
+    assert found.verdict == planted.verdict
+    assert changes[0].subject == planted.subject
+    for name, value in numbers.items():
+        assert changes[0].numbers[name] == pytest.approx(value, rel=1e-6, abs=1e-9), name
+    (cause,) = get_mechanism(found).causes
+    assert cause.is_edited
+    assert cause.changes == (0,)
+    assert line in [text for _, _, text in cause.before]
+    assert get_mechanism(found).notes == ()
+
+
+@pytest.mark.parametrize("planted", CHANGES.values(), ids=CHANGES)
+def test_a_planted_change_is_reported_alone(tmp_path: Path, planted: Planted) -> None:
+    assert ARM.count(planted.old) >= 1
+    changed = ARM.replace(planted.old, planted.new, 1)
+    if planted.old == '<origin xyz="0.03 0 0" rpy="0 0 0"/>':
+        assert ARM.count(planted.old) == 1
+    there, back = compare_texts(tmp_path / "a", ARM, changed), compare_texts(tmp_path / "b", changed, ARM)
+    old_line = planted.line or _find_line(ARM, planted.old)
+    check_change(there, planted, planted.numbers, old_line)
+    check_change(back, planted, {**planted.numbers, **planted.backwards}, _find_new_line(changed, old_line))
+    assert planted.headline in there.headline
+    assert planted.text in there.texts[0]
+    shifts = get_mechanism(there).shifts, get_mechanism(back).shifts
+    assert bool(shifts[0]) == (planted.verdict == "kinematic")
+    assert [s.distance for s in shifts[0]] == pytest.approx([s.distance for s in shifts[1]], abs=1e-9)
+
+
+def _find_line(text: str, part: str) -> str:
+    return next(line.strip() for line in text.splitlines() if part.splitlines()[0] in line)
+
+
+def _find_new_line(changed: str, old_line: str) -> str:
+    """Return the line of the changed text at the place of a line of the arm that is no longer there."""
+    pairs = zip(ARM.splitlines(), changed.splitlines(), strict=True)
+    return next(new.strip() for old, new in pairs if old.strip() == old_line and new != old)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "label", "line"),
+    [
+        (
+            '<limit effort="10" velocity="3"/>',
+            '<limit effort="10" velocity="3" acceleration="5"/>',
+            "joint[wrist]/limit@acceleration",
+            '<axis xyz="1 0 0"/><limit effort="10" velocity="3" acceleration="5"/>',
+        ),
+        ("<collision>", '<collision name="bumper">', "collision[bumper]", '<collision name="bumper">'),
+        ("<geometry>", "<contact/><geometry>", "link[base]/visual/contact", None),
+        ("</robot>", "<gazebo><static/></gazebo></robot>", "gazebo", "<gazebo><static/></gazebo></robot>"),
+        ('<link name="tool0"/>', '<link name="tool0"><sensor/></link>', "link[tool0]/sensor", None),
+    ],
+)
+def test_what_is_not_physics_is_no_less_a_change(
+    tmp_path: Path, old: str, new: str, label: str, line: str | None
+) -> None:
+    changed = ARM.replace(old, new, 1)
+    for before, after, what in ((ARM, changed, "extra-added"), (changed, ARM, "extra-removed")):
+        found = compare_texts(tmp_path, before, after)
+        assert found.verdict == "extension"
+        assert [(c.id, c.subject) for c in get_mechanism(found).changes] == [(what, label)]
+        (cause,) = get_mechanism(found).causes
+        shown = [text for _, _, text in (*cause.before, *cause.after)]
+        assert shown == ([line] if line else shown)
+        assert len(shown) == 1
+
+
+def test_the_worst_configuration_is_named(tmp_path: Path) -> None:
+    """A joint that is tilted moves the tool by more the farther it reaches."""
+    found = compare_texts(tmp_path, ARM, ARM.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 1 0.05"/>', 1))
+    worst = get_mechanism(found).shifts[0]
+    assert worst.link in {"left", "right", "tool0"}
+    assert set(worst.configuration) >= {"pan", "elbow", "wrist"}
+    assert abs(worst.configuration["elbow"]) > 1.0
+    assert found.headline.startswith(f"{worst.link} moves by up to ")
+    assert f"worst of {get_mechanism(found).samples} configurations at pan " in found.headline
+
+
+def test_gravity_torques_are_those_of_statics(tmp_path: Path) -> None:
+    """The elbow holds the forearm and all that hangs on it; stretched out, each at its lever."""
+    found = compare_texts(tmp_path, ARM, ARM.replace('<mass value="0.6"/>', '<mass value="1.6"/>'))
+    (torque,) = [torque for torque in get_mechanism(found).torques if torque.joint == "elbow"]
+    # One kilogram more at 0.33 m, horizontal: an end of the range or a sample comes near it.
+    assert torque.after - torque.before == pytest.approx(9.81 * 0.33, rel=0.02)
+    assert (torque.effort, torque.unit) == (40.0, "N·m")
+
+
+def test_two_changes_are_two_changes_with_a_cause_each(tmp_path: Path) -> None:
+    changed = ARM.replace(WRIST, '<origin xyz="0.31 0 0" rpy="0 0 0"/>').replace('effort="40"', 'effort="35"')
+    mechanism = get_mechanism(compare_texts(tmp_path, ARM, changed))
+    assert [change.id for change in mechanism.changes] == ["joint-moved", "effort"]
+    assert [cause.changes for cause in mechanism.causes] == [(0,), (1,)]
+
+
+def test_one_line_that_moves_many_parts_is_one_cause(tmp_path: Path) -> None:
+    """A property of a file that another one includes."""
+    legs = "".join(
+        f'<link name="leg_{n}"/><joint name="hip_{n}" type="fixed"><parent link="base"/><child link="leg_{n}"/>'
+        f'<origin xyz="0 ${{reach}} {n}"/></joint>\n'
+        for n in range(5)
+    )
+    main = (
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n<xacro:include filename="sizes.xacro"/>\n'
+        f'<link name="base"/>\n{legs}</robot>\n'
+    )
+    for side, reach in (("old", 0.4), ("new", 0.5)):
+        (tmp_path / side).mkdir()
+        (tmp_path / side / "sizes.xacro").write_text(
+            '<robot xmlns:xacro="http://www.ros.org/wiki/xacro">\n<!-- sizes -->\n'
+            f'<xacro:property name="reach" value="{reach}"/>\n</robot>\n'
+        )
+    found = compare_texts(tmp_path, main, main, name="r.urdf.xacro")
+    mechanism = get_mechanism(found)
+    assert {change.id for change in mechanism.changes} == {"joint-moved"}
+    (cause,) = mechanism.causes
+    assert len(cause.changes) == 5
+    ((file, line, text),) = cause.before
+    assert (file.rpartition("/")[2], line) == ("sizes.xacro", 3)
+    assert text == '<xacro:property name="reach" value="0.4"/>'

@@ -1,0 +1,68 @@
+"""GZB009: what range sensors see of their own robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import box, collision, find, joint, limit, link, robot, visual
+
+TETRAHEDRON = "v 1 0 0\nv 1.2 0.1 0\nv 1.2 -0.1 0\nv 1.1 0 0.3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+
+
+def sensor(kind: str, *, low: float = -1.57, high: float = 1.57, least: float = 0.1, pose: str = "") -> str:
+    """Return a block with a sensor of one layer."""
+    return (
+        f'<gazebo reference="base"><sensor name="scan" type="{kind}">{pose}<ray><scan><horizontal><samples>181</samples>'
+        f"<min_angle>{low}</min_angle><max_angle>{high}</max_angle></horizontal></scan>"
+        f"<range><min>{least}</min><max>5</max></range></ray></sensor></gazebo>"
+    )
+
+
+def list_seen(folder: Path, *parts: str) -> list[str]:
+    return [finding.data["links"] for finding in find(folder, robot(*parts), "GZB009")]
+
+
+AHEAD = joint("mount", "base", "camera", xyz="0.5 0 0") + link("camera", visual(box("0.1 0.2 0.1")))
+
+
+def test_rendered_rays_meet_visuals_and_collided_rays_collisions(tmp_path: Path) -> None:
+    assert list_seen(tmp_path, link("base"), AHEAD, sensor("gpu_ray")) == ["camera"]
+    assert list_seen(tmp_path, link("base"), AHEAD, sensor("ray")) == []
+    solid = AHEAD.replace("visual", "collision")
+    assert list_seen(tmp_path, link("base"), solid, sensor("ray")) == ["camera"]
+
+
+@pytest.mark.parametrize(
+    "scan",
+    [
+        sensor("gpu_ray", least=0.7),
+        sensor("gpu_ray", low=0.5),
+        sensor("gpu_ray", pose="<pose>0 0 0.1 0 0 0</pose>"),
+        sensor("gpu_ray", pose="<pose>0 0 0 0 0 3.14159</pose>"),
+        sensor("gpu_ray", pose='<pose relative_to="camera">0 0 0 0 0 0</pose>'),
+        sensor("camera"),
+    ],
+)
+def test_nothing_is_reported_beside_or_before_the_scan(tmp_path: Path, scan: str) -> None:
+    assert list_seen(tmp_path, link("base"), AHEAD, scan) == []
+
+
+def test_an_arm_may_be_elsewhere_and_a_wheel_is_where_it_is(tmp_path: Path) -> None:
+    arm = AHEAD.replace('type="fixed"', 'type="revolute"').replace("</joint>", f"{limit(-1, 1)}</joint>")
+    assert list_seen(tmp_path, link("base"), arm, sensor("gpu_ray")) == []
+    wheel = AHEAD.replace('type="fixed"', 'type="continuous"')
+    assert list_seen(tmp_path, link("base"), wheel, sensor("gpu_ray")) == ["camera"]
+
+
+def test_a_housing_and_a_mesh(tmp_path: Path) -> None:
+    (tmp_path / "nose.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    housing = link("base", visual(box("0.3 0.3 0.3")), collision(box("0.3 0.3 0.3")))
+    assert list_seen(tmp_path, housing, sensor("gpu_ray")) == []
+    nose = joint("mount", "base", "nose", xyz="0 0 -0.1") + link("nose", visual('<mesh filename="nose.obj"/>'))
+    assert list_seen(tmp_path, housing, nose, sensor("gpu_ray")) == ["nose"]
+
+
+def test_a_graze_is_not_enough(tmp_path: Path) -> None:
+    rod = joint("mount", "base", "rod", xyz="2 0 0") + link("rod", visual(box("0.01 0.01 1")))
+    assert list_seen(tmp_path, link("base"), rod, sensor("gpu_ray")) == []

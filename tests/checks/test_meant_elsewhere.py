@@ -1,0 +1,173 @@
+"""What looks wrong in the model alone and is meant: rollers under a wheel, arguments, fingers, programs that negate a side."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import collision, cylinder, find, inertial, joint, link, robot, sphere, visual
+
+from urdfcheck.core import Severity
+
+TURN = "1.5707963267948966 0 0"
+DISK = collision(cylinder(0.05, 0.02), rpy=TURN)
+DRIVE = """<gazebo><plugin filename="{}" name="p"><left_joint>left_wheel_joint</left_joint>
+<right_joint>right_wheel_joint</right_joint></plugin></gazebo>"""
+DIFFERENTIAL = DRIVE.format("gz-sim-diff-drive-system")
+
+
+def cart(*more: str, left_axis: str = "0 1 0") -> str:
+    """Return a robot on two driven wheels and a ball."""
+    return robot(
+        link("base_link", inertial(3, 0.03)),
+        *(link(f"{side}_wheel", DISK) for side in ("left", "right")),
+        joint("left_wheel_joint", "base_link", "left_wheel", kind="continuous", xyz="0 0.15 0.05", axis=left_axis),
+        joint("right_wheel_joint", "base_link", "right_wheel", kind="continuous", xyz="0 -0.15 0.05", axis="0 1 0"),
+        link("ball", collision(sphere(0.01))),
+        joint("ball_joint", "base_link", "ball", xyz="-0.1 0 0.01"),
+        *more,
+    )
+
+
+def surface(name: str, friction: float) -> str:
+    return f'<gazebo reference="{name}"><mu1>{friction}</mu1><mu2>{friction}</mu2></gazebo>'
+
+
+# -- GZB008 ----------------------------------------------------------------------------------------------------------------
+
+SLIPPERY = surface("left_wheel", 0) + surface("right_wheel", 0) + DIFFERENTIAL
+
+
+def attach_rollers(kind: str, *, collides: bool = True) -> str:
+    shape = (collision if collides else visual)(sphere(0.01))
+    return "".join(
+        link(f"{side}_roller", shape)
+        + joint(f"{side}_r", f"{side}_wheel", f"{side}_roller", kind=kind, xyz="0 0 -0.05")
+        for side in ("left", "right")
+    )
+
+
+@pytest.mark.parametrize("kind", ["continuous", "fixed"])
+def test_a_hub_slides_where_its_rollers_or_its_tyre_touch_the_ground(tmp_path: Path, kind: str) -> None:
+    assert not find(tmp_path, cart(SLIPPERY, attach_rollers(kind)), "GZB008")
+
+
+def test_wheels_slide_with_rollers_that_slide_too_or_touch_nothing(tmp_path: Path) -> None:
+    smooth = surface("left_roller", 0) + surface("right_roller", 0)
+    for i, more in enumerate(("", attach_rollers("fixed") + smooth, attach_rollers("fixed", collides=False))):
+        (finding,) = find(tmp_path / str(i), cart(SLIPPERY, more), "GZB008")
+        assert finding.message_id == "slides"
+
+
+# -- SYM005 ----------------------------------------------------------------------------------------------------------------
+
+CONTROLLER = """controller_manager: {ros__parameters: {d: {type: diff_drive_controller/DiffDriveController}}}
+d: {ros__parameters: {left_wheel_names: [left_wheel_joint], right_wheel_names: [right_wheel_joint]}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("plugin", "severity"),
+    [
+        (DIFFERENTIAL, Severity.WARNING),
+        (DRIVE.format("gz-sim-mecanum-drive-system"), Severity.WARNING),
+        (DIFFERENTIAL.replace("right_wheel_joint", "left_wheel_joint"), Severity.INFO),
+        (DRIVE.format("libmy_drive.so"), Severity.INFO),
+        ("", Severity.INFO),
+    ],
+)
+def test_opposite_axes_are_a_mistake_where_both_sides_get_one_sign(
+    tmp_path: Path, plugin: str, severity: Severity
+) -> None:
+    (finding,) = find(tmp_path, cart(plugin, left_axis="0 -1 0"), "SYM005")
+    assert (finding.message_id, finding.severity) == ("opposed", severity)
+
+
+def test_a_drive_controller_of_the_package_gives_both_sides_one_sign(tmp_path: Path) -> None:
+    files = {
+        "package.xml": '<package format="3"><name>cart</name></package>',
+        "config/c.yaml": CONTROLLER,
+        "urdf/cart.urdf": cart(left_axis="0 -1 0"),
+    }
+    (finding,) = find(tmp_path, files, "SYM005", name="urdf/cart.urdf")
+    assert finding.severity == Severity.WARNING
+
+
+# -- SYM001 ----------------------------------------------------------------------------------------------------------------
+
+
+def hand(*, beside: bool) -> str:
+    """Return two fingers that fan out by 5°, beside each other on one palm or on a palm each."""
+    finger = inertial(0.03, 1e-5, com="0.02 0 0") + visual(cylinder(0.005, 0.05))
+    sides = []
+    for i, (y, rpy) in enumerate((("0", "0 0 0"), ("0.021", "0.0872665 0 0"))):
+        palm = "palm" if beside else f"palm_{i}"
+        place = f"{0.013 * i} {y} {0.0062 * i}"
+        sides += [link(f"finger_{i}", finger)]
+        sides += [joint(f"f{i}", palm, f"finger_{i}", kind="continuous", xyz=place, rpy=rpy, axis="0 0 1")]
+        if not beside:
+            sides += [link(palm), joint(f"p{i}", "wrist", palm, kind="fixed")]
+    return robot(link("wrist"), *([link("palm"), joint("p", "wrist", "palm")] if beside else []), *sides)
+
+
+def test_fingers_of_one_palm_may_fan_out(tmp_path: Path) -> None:
+    assert not find(tmp_path / "a", hand(beside=True), "SYM001")
+    (finding,) = find(tmp_path / "b", hand(beside=False), "SYM001")
+    assert finding.message_id == "pair_tilt"
+
+
+# -- CTL003, CTL004 --------------------------------------------------------------------------------------------------------
+
+TRANSMISSION = """<transmission name="t"><type>transmission_interface/SimpleTransmission</type>
+<joint name="left_wheel_joint">{}</joint></transmission>"""
+CLASSIC = '<gazebo><plugin name="c" filename="libgazebo_ros_control.so"/></gazebo>'
+AMENT = "<export><build_type>ament_cmake</build_type></export>"
+
+
+@pytest.mark.parametrize("inside", ["", "<hardwareInterface>EffortJointInterfce</hardwareInterface>"])
+def test_nothing_in_ros_2_reads_the_interface_of_a_transmission(tmp_path: Path, inside: str) -> None:
+    def count(name: str, more: str = "", export: str = "") -> int:
+        files = {
+            "package.xml": f'<package format="3"><name>cart</name>{export}</package>',
+            "urdf/cart.urdf": cart(TRANSMISSION.format(inside), more),
+        }
+        return len(find(tmp_path / name, files, "CTL003", name="urdf/cart.urdf"))
+
+    assert count("a") == 1
+    assert count("b", export=AMENT) == 0
+    assert count("c", '<ros2_control name="s" type="system"/>') == 0
+    assert count("d", CLASSIC, export=AMENT) == 1
+
+
+LOADER = """<gazebo><plugin filename="libgz_ros2_control-system.so" name="p">
+<parameters>$(find cart)/config/c.yaml</parameters></plugin></gazebo>"""
+VELOCITY = """controller_manager: {ros__parameters: {v: {type: velocity_controllers/JointGroupVelocityController}}}
+v: {ros__parameters: {joints: [left_wheel_joint]}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("interface", "count"),
+    [
+        ('<command_interface name="position"/>', 1),
+        ('<command_interface name="${kind}"/>', 1),
+        ('<command_interface name="$(arg mode)"/>', 0),
+        ('<command_interface name="${mode}"/>', 0),
+        ('<xacro:if value="$(arg fast)"><command_interface name="velocity"/></xacro:if>', 0),
+        ('<!-- <command_interface name="velocity"/> --><command_interface name="position"/>', 1),
+    ],
+)
+def test_a_controller_may_be_for_the_interface_of_another_argument(tmp_path: Path, interface: str, count: int) -> None:
+    block = (
+        '<xacro:arg name="mode" default="position"/><xacro:arg name="fast" default="false"/>'
+        '<xacro:property name="kind" value="position"/><xacro:property name="mode" value="$(arg mode)"/>'
+        f'<ros2_control name="s" type="system"><joint name="left_wheel_joint">{interface}</joint></ros2_control>'
+    )
+    text = cart(block, LOADER).replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    files = {
+        "package.xml": '<package format="3"><name>cart</name></package>',
+        "config/c.yaml": VELOCITY,
+        "urdf/cart.urdf.xacro": text,
+    }
+    found = find(tmp_path, files, "CTL004", name="urdf/cart.urdf.xacro")
+    assert len(found) == count

@@ -1,0 +1,158 @@
+"""What differs between two versions of a robot: what every output of ``urdfcheck diff`` renders. Standard library only."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from urdfcheck.core.findings import Finding
+from urdfcheck.core.mechanism import NO_TRACE, Trace
+
+# What a change is about, the most important first. The first that a model has is its verdict.
+CATEGORIES = ("structure", "kinematic", "limits", "dynamic", "collision", "visual", "extension")
+# Verdicts of models without a change: the texts are equal; they differ, and the robot is the same.
+IDENTICAL, COSMETIC = "identical", "cosmetic"
+# The model cannot be compared, because one side gives no robot.
+UNKNOWN = "unknown"
+VERDICTS = (UNKNOWN, *CATEGORIES, COSMETIC, IDENTICAL)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MechanismChange:
+    """One difference between two versions of a robot, at the part that was changed."""
+
+    category: str
+    """One of `CATEGORIES`."""
+    id: str
+    """What changed, such as ``mass`` or ``joint-moved``."""
+    subject: str
+    """The part as the first version names it, ``joint[shoulder]``; as the second does where the part is new."""
+    new_name: str = ""
+    """What the second version calls the part, where that differs."""
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    """The sizes, by name: lengths in m, angles in rad, masses in kg; ``before`` and ``after`` in the unit of the value."""
+    words: Mapping[str, str] = field(default_factory=dict)
+    """Names that belong to it, such as the parent before and after."""
+    before: Trace = NO_TRACE
+    """Where the first version has it."""
+    after: Trace = NO_TRACE
+    """Where the second version has it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkShift:
+    """How far a link is from where it was, at the same joint positions."""
+
+    link: str
+    """Its name in the first version."""
+    distance: float
+    """The most, in m."""
+    angle: float
+    """The most, in rad."""
+    configuration: Mapping[str, float]
+    """Joint positions at which the distance is largest; empty where it is the same in all."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointTorque:
+    """The most that gravity asks of a joint, root upright and fixed."""
+
+    joint: str
+    """Its name in the first version."""
+    before: float
+    """N·m or N."""
+    after: float
+    """N·m or N."""
+    effort: float | None
+    """Effort limit of the second version."""
+    unit: str
+    """``N·m`` or ``N``."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChangeCause:
+    """The lines that caused one or more changes."""
+
+    before: tuple[tuple[str, int, str], ...]
+    """File, line and text in the first version."""
+    after: tuple[tuple[str, int, str], ...]
+    """File, line and text in the second version."""
+    changes: tuple[int, ...]
+    """Indices into `ModelDiff.changes`."""
+    is_edited: bool
+    """Whether these lines differ between the versions; otherwise they are where the value is typed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MechanismDiff:
+    """The differences of two mechanisms."""
+
+    changes: tuple[MechanismChange, ...]
+    notes: tuple[MechanismChange, ...]
+    """What differs in the description and not in the robot: merged links, frames that were moved and compensated."""
+    shifts: tuple[LinkShift, ...]
+    """The links that move, the largest distance first."""
+    torques: tuple[JointTorque, ...]
+    """The joints whose worst gravity torque changes, the largest change first."""
+    mass: tuple[float, float]
+    """Total mass in kg, before and after."""
+    com_shift: float
+    """How far the COM of the whole robot moves, all joints at zero, in m."""
+    samples: int
+    """Number of joint configurations in which motion was compared; 0 where none was needed."""
+    causes: tuple[ChangeCause, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FindingsDiff:
+    """The findings of two checks, one for each subject."""
+
+    new: tuple[Finding, ...] = ()
+    gone: tuple[Finding, ...] = ()
+    unchanged: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelDiff:
+    """Two versions of one model."""
+
+    before: str
+    """Id of the model in the first version; empty where it is new."""
+    after: str
+    """Id of the model in the second version; empty where it is gone."""
+    verdict: str
+    """One of `VERDICTS`."""
+    headline: str
+    """The verdict in words, with the number that matters."""
+    mechanism: MechanismDiff | None
+    """None where a side gives no robot."""
+    texts: tuple[str, ...] = ()
+    """Each change in words, in the order of ``mechanism.changes``."""
+    notes: tuple[str, ...] = ()
+    """Each note in words."""
+    problem: str = ""
+    """Why the models cannot be compared."""
+    matched_by: str = "path"
+    """How the two were found to be one model: named | path | name | structure."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diff:
+    """What a change does to the robots of two files, packages or folders."""
+
+    before: str
+    """The first version as it was named."""
+    after: str
+    """The second version as it was named."""
+    models: tuple[ModelDiff, ...]
+    findings: FindingsDiff = field(default_factory=FindingsDiff)
+    failures: tuple[str, ...] = ()
+    """Why a side or a part of it is unknown: they make the exit code 2."""
+    version: str = ""
+    """Version of urdfcheck."""
+
+    @property
+    def verdict(self) -> str:
+        """The most important verdict of all models."""
+        found = {model.verdict for model in self.models}
+        return next((verdict for verdict in VERDICTS if verdict in found), UNKNOWN if self.failures else IDENTICAL)

@@ -1,0 +1,1 @@
+"""Two versions of a mechanism compared: matched by name and structure, aligned part by part, moved and loaded alike."""

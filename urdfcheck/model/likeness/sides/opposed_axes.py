@@ -1,0 +1,167 @@
+"""Axes of joints on both sides that send their parts to sides that do not match: one of them is reversed."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_named_pairs
+from urdfcheck.model.likeness.mirrored_joints import find_pair_joints
+from urdfcheck.model.likeness.shape_comparison import compute_centroid, is_alike
+from urdfcheck.model.parts import Joint
+from urdfcheck.model.robot import Model
+from urdfcheck.model.wheel_names import WHEEL_NAME
+from urdfcheck.source.text.values import read_attribute_number
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
+# Axes are parallel, or across each other, within this (1 - cosine, and cosine).
+_PARALLEL, _ACROSS = 2e-3, 0.1
+# Ends of a range agree within this share of it, with each other or with zero.
+_SAME = 1e-3
+# A slide is one-sided if one end is so many times as far from zero as the other.
+_ONE_SIDED = 2.0
+# The parts of a gripper are apart (m) along the line on which they slide, to within this cosine.
+_LEAST_SPACE, _ALONG = 1e-3, 0.9
+_GRIPPER = re.compile(r"finger|jaw|grip|claw|pinc|tong|effector|(?<![a-z])ee(?![a-z])", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class OpposedAxes:
+    """Two joints of which one is reversed; the file does not show which."""
+
+    joint: Joint
+    """The one whose axis has the negative number, where only one has."""
+    twin: Joint
+    kind: Literal["opposed", "steering", "together"]
+    """``opposed``: left and right bend to opposite sides, unlike those of ``others``. ``steering``: so do steered wheels.
+    ``together``: the two parts of a gripper slide the same way."""
+    others: tuple[Joint, ...] = ()
+
+
+def iter_opposed_axes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[OpposedAxes]:
+    """Yield pairs of joints of which one is reversed.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    yield from _find_bending_apart(model, pairs)
+    yield from _find_steering_apart(model)
+    yield from _find_sliding_together(model)
+
+
+def _find_bending_apart(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[OpposedAxes]:
+    """Yield the only pair of left and right joints that bend to opposite sides about the line from left to right.
+
+    About this line alone a mirror and a copy of the limb bend the same way.
+    """
+    alike: list[tuple[MirrorPair, tuple[Joint, Joint]]] = []
+    opposed: list[tuple[MirrorPair, tuple[Joint, Joint]]] = []
+    for pair in pairs:
+        joints = find_pair_joints(model, pair)
+        if joints is None or not pair.is_named or joints[0].type != "revolute":
+            continue
+        axes = [model.axes[joint.name] for joint in joints]
+        if min(abs(float(axis @ pair.plane.normal)) for axis in axes) < 1 - _PARALLEL:
+            continue
+        (opposed if float(axes[0] @ axes[1]) < 0 else alike).append((pair, joints))
+    if len(opposed) == 1 and alike and opposed[0][0].is_in_place and _have_one_range(*opposed[0][1]):
+        one, other = opposed[0][1]
+        yield _order(one, other, "opposed", tuple(joint for _, joints in alike for joint in joints))
+
+
+def _find_steering_apart(model: Model) -> Iterator[OpposedAxes]:
+    """Yield left and right joints that steer wheels to opposite sides."""
+    for names in list_named_pairs(model):
+        one, other = (model.tree.parent_joint.get(name) for name in names)
+        if one is None or other is None or not all(_steers(model, joint) for joint in (one, other)):
+            continue
+        if float(model.axes[one.name] @ model.axes[other.name]) < _PARALLEL - 1 and _have_one_range(one, other):
+            yield _order(one, other, "steering")
+
+
+def _steers(model: Model, joint: Joint) -> bool:
+    """Whether a joint turns a wheel about a line across the wheel's axis."""
+    if joint.type != "revolute" or joint.mimic is not None or joint.name not in model.axes:
+        return False
+    below = [one for name in model.tree.list_body_links(joint.child) for one in model.tree.child_joints[name]]
+    wheels = [
+        one
+        for one in below
+        if one.type == "continuous" and one.name in model.axes and WHEEL_NAME.search(f"{one.name} {one.child}")
+    ]
+    return bool(wheels) and all(abs(float(model.axes[w.name] @ model.axes[joint.name])) < _ACROSS for w in wheels)
+
+
+def _have_one_range(one: Joint, other: Joint) -> bool:
+    """Whether two joints have the same range, as far to either side of zero: it does not show which way they turn."""
+    (a, b), (c, d) = (_get_range(joint) for joint in (one, other))
+    return b > a and max(abs(a + b), abs(a - c), abs(b - d)) <= _SAME * (b - a)
+
+
+def _find_sliding_together(model: Model) -> Iterator[OpposedAxes]:
+    """Yield two fingers of a gripper that slide to the same side."""
+    slides = [joint for joint in model.joints if joint.type == "prismatic" and joint.name in model.axes]
+    for one, other in combinations(slides, 2):
+        if one.parent != other.parent or not all(_GRIPPER.search(f"{j.name} {j.child}") for j in (one, other)):
+            continue
+        ways = _compute_ways(model, one, other)
+        if ways is None or float(ways[0] @ ways[1]) < (1 - _PARALLEL) * float(np.linalg.norm(ways[0]) ** 2):
+            continue
+        siblings = [joint for joint in slides if joint.parent == one.parent]
+        places = [compute_centroid(model, joint.child) for joint in (one, other)]
+        if len(siblings) != 2 or places[0] is None or places[1] is None or not is_alike(model, one.child, other.child):
+            continue
+        apart = places[1] - places[0]
+        space = float(np.linalg.norm(apart))
+        if space > _LEAST_SPACE and abs(float(apart @ model.axes[one.name])) > _ALONG * space:
+            yield _order(one, other, "together")
+
+
+def _compute_ways(model: Model, one: Joint, other: Joint) -> tuple[Array, Array] | None:
+    """Compute where two slides go (3,) from zero to the far ends of their ranges (m), where these are as long; None where a
+    range is on both sides of zero."""
+    follower, leader = (one, other) if one.mimic is not None else (other, one)
+    far = _get_far_end(leader)
+    if far is None:
+        return None
+    if follower.mimic is not None:
+        target = follower.mimic.attributes.get("joint")
+        if target is None or target.value != leader.name or leader.mimic is not None:
+            return None
+        factor = read_attribute_number(follower.mimic, "multiplier")
+        end: float | None = far if factor is None else factor * far
+    else:
+        end = _get_far_end(follower)
+    if end is None or abs(abs(end) - abs(far)) > _SAME * abs(far):
+        return None
+    return far * model.axes[leader.name], end * model.axes[follower.name]
+
+
+def _get_far_end(joint: Joint) -> float | None:
+    """Return the end of a range that is far from zero (m); None where both are."""
+    both = _get_range(joint)
+    if not all(map(math.isfinite, both)):
+        return None
+    near, far = sorted(both, key=abs)
+    return far if abs(far) > _ONE_SIDED * abs(near) else None
+
+
+def _get_range(joint: Joint) -> tuple[float, float]:
+    lower, upper = (joint.get_limit_value(name) for name in ("lower", "upper"))
+    return math.nan if lower is None else lower, math.nan if upper is None else upper
+
+
+def _order(
+    one: Joint, other: Joint, kind: Literal["opposed", "steering", "together"], others: tuple[Joint, ...] = ()
+) -> OpposedAxes:
+    """Put the joint with the negative axis first, else the second one."""
+    is_first = sum(one.axis or ()) < 0 <= sum(other.axis or ())
+    joint, twin = (one, other) if is_first else (other, one)
+    return OpposedAxes(joint=joint, twin=twin, kind=kind, others=others)
