@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from builders import box, inertial, joint, link, robot, visual
-from conftest import check_text
+from conftest import check, check_text
 
 from urdfcheck.core import FactUnavailableError, Run, Severity
 from urdfcheck.model.parts import Joint, Link
@@ -384,3 +384,35 @@ def test_slip_in_a_robot_of_more_pieces_leaves_them_to_be_told(tmp_path: Path) -
         joint("camera_joint", "top", "camera_link"),
     )
     assert sorted(codes(check_text(tmp_path, text, codes=TREE))) == ["KIN003", "KIN005"]
+
+
+@pytest.mark.parametrize(
+    ("whole", "parent", "message"),
+    [
+        (robot(link("base"), link("arm"), name="car"), "base", "fragment"),
+        (robot(link("base"), name="car"), "base", "unknown"),  # a copy that still has the link
+        (robot(link("other"), link("arm"), name="car"), "base", "unknown"),
+        (robot(link("base"), link("arm"), name="truck"), "base", "unknown"),
+        (robot(link("lazer"), link("arm"), name="car"), "lazer", "near"),
+        ('<robot name="car"', "base", "unknown"),
+        (None, "base", "unknown"),
+    ],
+)
+def test_a_part_of_another_model_of_the_robot_is_no_error(
+    tmp_path: Path, whole: str | None, parent: str, message: str
+) -> None:
+    (tmp_path / "package.xml").write_text('<package format="3"><name>car</name></package>', encoding="utf-8")
+    if whole is not None:
+        (tmp_path / "car.urdf").write_text(whole, encoding="utf-8")
+    joint = f'<joint name="j" type="fixed"><parent link="{parent}"/><child link="laser"/></joint>'
+    text = f'<robot name="car"><link name="laser"/>{joint}</robot>'
+    (tmp_path / "laser.urdf").write_text(text, encoding="utf-8")
+    (finding,) = check(tmp_path / "laser.urdf", codes={"KIN002"}).findings
+    assert finding.message_id == message
+    assert finding.severity == (Severity.INFO if message == "fragment" else Severity.ERROR)
+    for other in (
+        text.replace('<child link="laser"/>', '<child link="arm"/>'),
+        text.replace("<joint", '<link name="root"/><joint'),
+    ):
+        (tmp_path / "laser.urdf").write_text(other, encoding="utf-8")
+        assert "fragment" not in {f.message_id for f in check(tmp_path / "laser.urdf", codes={"KIN002"}).findings}
