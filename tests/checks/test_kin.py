@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from builders import box, inertial, joint, link, robot, visual
-from conftest import check_text
+from conftest import check, check_text
 
 from urdfcheck.core import FactUnavailableError, Run, Severity
 from urdfcheck.model.parts import Joint, Link
@@ -421,3 +421,35 @@ def test_an_unknown_parent_does_not_hide_what_is_wrong_in_links(tmp_path: Path, 
 def test_a_body_to_which_a_missing_link_is_fixed_is_not_judged(tmp_path: Path) -> None:
     text = robot(link("base"), *DEFECTS, *hang("lost", "fixed"))
     assert not [code for code in codes(check_text(tmp_path, text, codes=LOCAL | {"KIN002"})) if code in LOCAL]
+
+
+@pytest.mark.parametrize(
+    ("whole", "parent", "message"),
+    [
+        (robot(link("base"), link("arm"), name="car"), "base", "fragment"),
+        (robot(link("base"), name="car"), "base", "unknown"),  # a copy that still has the link
+        (robot(link("other"), link("arm"), name="car"), "base", "unknown"),
+        (robot(link("base"), link("arm"), name="truck"), "base", "unknown"),
+        (robot(link("lazer"), link("arm"), name="car"), "lazer", "near"),
+        ('<robot name="car"', "base", "unknown"),
+        (None, "base", "unknown"),
+    ],
+)
+def test_a_part_of_another_model_of_the_robot_is_no_error(
+    tmp_path: Path, whole: str | None, parent: str, message: str
+) -> None:
+    (tmp_path / "package.xml").write_text('<package format="3"><name>car</name></package>', encoding="utf-8")
+    if whole is not None:
+        (tmp_path / "car.urdf").write_text(whole, encoding="utf-8")
+    joint = f'<joint name="j" type="fixed"><parent link="{parent}"/><child link="laser"/></joint>'
+    text = f'<robot name="car"><link name="laser"/>{joint}</robot>'
+    (tmp_path / "laser.urdf").write_text(text, encoding="utf-8")
+    (finding,) = check(tmp_path / "laser.urdf", codes={"KIN002"}).findings
+    assert finding.message_id == message
+    assert finding.severity == (Severity.INFO if message == "fragment" else Severity.ERROR)
+    for other in (
+        text.replace('<child link="laser"/>', '<child link="arm"/>'),
+        text.replace("<joint", '<link name="root"/><joint'),
+    ):
+        (tmp_path / "laser.urdf").write_text(other, encoding="utf-8")
+        assert "fragment" not in {f.message_id for f in check(tmp_path / "laser.urdf", codes={"KIN002"}).findings}

@@ -861,7 +861,8 @@ def test_the_numbers_of_a_twin_whose_com_is_outside_its_part_are_not_copied(tmp_
     robot = with_(with_(ROBOT, f"{LEFT}/origin", xyz=lost), f"{RIGHT}/origin", xyz=lost)
     robot = with_(robot, f"{RIGHT}/inertia", **numbers(ROBOT, f"{LEFT}/inertia"))
     finding = one(tmp_path, robot)
-    assert finding.message_id == "inertial" and finding.fix is not None
+    assert finding.message_id == "inertial"
+    assert finding.fix is not None
     assert not finding.fix.edits
     assert "repair the COM of left_arm first" in finding.fix.title
 

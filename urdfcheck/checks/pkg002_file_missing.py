@@ -69,10 +69,10 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     by_package: dict[str, list[tuple[ResourceUse, Path]]] = {}
     for use, path in missing:
         by_package.setdefault(use.resource.package or "", []).append((use, path))
-    for name, uses in by_package.items():
-        package = source.finder.find_package_of(_normalise_path(uses[0][1])) if name else None
-        data = select_python_data((path for _, path in uses), package, index, source.finder)
-        inside = [(use, path) for use, path in uses if path in data]
+    for name, absent in by_package.items():
+        package = source.finder.find_package_of(_normalise_path(absent[0][1])) if name else None
+        data = select_python_data((path for _, path in absent), package, index, source.finder)
+        inside = [(use, path) for use, path in absent if path in data]
         if inside:
             yield _build_python_finding(inside, name, rule)
         missing = [(use, path) for use, path in missing if path not in data]

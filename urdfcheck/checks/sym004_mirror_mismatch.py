@@ -177,9 +177,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     if written is not None and deviation.com_offset > note and _has_com_outside(model, side.twin):
         written = None
         name = side.twin.name
-        remedies = [
-            f"repair the COM of {name} first, which is outside what {name} draws, then copy its numbers with the signs"
-        ]
+        remedies = [f"repair the COM of {name} first: it is outside the drawn part; then compare the two again"]
     else:
         remedies = [] if written is None else [_describe_remedy(written, note)]
     edits = () if shared or written is None else make_attribute_edits(list_inertial_changes(written, note))
