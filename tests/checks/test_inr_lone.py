@@ -110,6 +110,7 @@ def test_tensors_of_one_density_are_one_finding(tmp_path: Path, is_one_density: 
     assert any(f.message_id == "density" for f in found) == is_one_density
     if is_one_density:
         (finding,) = found
+        assert "at 100,000 kg/m³, 100 times those at 1,000 kg/m³, but" in finding.message
         assert "100,000 kg/m³" in finding.message
         assert finding.cause is None
         assert finding.fix is not None
@@ -138,3 +139,13 @@ def write_box(size: tuple[float, float, float]) -> str:
         points = "".join("vertex {:.9g} {:.9g} {:.9g}\n".format(*corners[i]) for i in face)
         lines.append(f"facet normal 0 0 0\nouter loop\n{points}endloop\nendfacet\n")
     return "".join(lines) + "endsolid o\n"
+
+
+@pytest.mark.parametrize(("density", "said"), [(1006.0, "at 1,000 kg/m³, but"), (2712.0, "at 2,710 kg/m³, but")])
+def test_facets_do_not_change_the_density_that_programs_assume(tmp_path: Path, density: float, said: str) -> None:
+    numbers = []
+    for i, edges in enumerate(EDGES):
+        solid = make_box_solid(edges)
+        tensor = compute_solid_inertia(solid, density * solid.volume)
+        numbers.append(DeclaredInertial((9000 + 800 * i) * solid.volume, PLACE, tensor))
+    assert [said in f.message for f in find(tmp_path, make_chain(numbers), "INR009")] == [True]

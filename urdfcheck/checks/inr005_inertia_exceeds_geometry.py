@@ -21,7 +21,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     list_half_units,
 )
 from urdfcheck.facts.inertials.materials import DENSEST_PART
-from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_unknown_mass
 from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
@@ -74,7 +74,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
             continue
-        if excess < VAST and _is_stand_in(part):
+        if (excess < VAST and _is_stand_in(part)) or _has_unknown_mass(model, part, declared):
             continue
         is_vast = excess >= VAST and part.has_own_geometry
         if unit is not None and not _has_other_unit(model, part.link.name, unit.name):
@@ -98,6 +98,12 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
     if unit is not None and in_unit:
         yield _build_unit_finding(model, rule, unit, [*in_unit, *_list_others_in_unit(model, unit.name, in_unit)])
+
+
+def _has_unknown_mass(model: Model, part: EnclosedInertial, declared: DeclaredTensor) -> bool:
+    """Whether the mass of a link is a placeholder, which is the mistake (INR012, INR015), not the tensor."""
+    drawn = measure_link_geometry(model, part.link)
+    return drawn is not None and is_unknown_mass(part.mass, declared.tensor, drawn.solid)
 
 
 def _has_other_unit(model: Model, link: str, unit: str) -> bool:

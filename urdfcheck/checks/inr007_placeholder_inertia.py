@@ -13,8 +13,8 @@ from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule, Severity, 
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
-from urdfcheck.facts.inertials.materials import DENSEST, DENSEST_PART
-from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round
+from urdfcheck.facts.inertials.materials import DENSEST
+from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
@@ -34,8 +34,6 @@ _FEWEST_MASSES = 3
 _ALONG = 0.9
 # The diagonal in m above which a model without moving joints is no object that a robot handles.
 _SCENERY = 10.0
-# A round mass (kg) up to this is a placeholder too (INR012, INR015): it does not show what the tensor should be.
-_NO_MASS = 1e-6
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
 _TOO_LARGE = {"gazebo": "too much inertia makes a joint sluggish", "mujoco": "loads it"}
 _TOO_SMALL = {
@@ -144,8 +142,7 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed
     for unit in units:
         drawn = measure_link_geometry(model, declared.link, apply_unit=unit)
         if drawn is not None:
-            heaviest = compute_solid_inertia(drawn.solid, DENSEST_PART * drawn.solid.volume)
-            if mass <= _NO_MASS and is_round(mass) and np.trace(declared.tensor) <= np.trace(heaviest):
+            if is_unknown_mass(mass, declared.tensor, drawn.solid):
                 return None
             solid = compute_solid_inertia(drawn.solid, mass)
             misfit = _compare_moments(declared.tensor, solid, allowed)

@@ -9,6 +9,7 @@ import numpy as np
 from urdfcheck.core import Confidence, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import join_names
+from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
@@ -63,6 +64,8 @@ from urdfcheck.source.text.xml import Attribute
 AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
 PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
+# The density (kg/m³) that CAD programs assume for a part without a material, and how far the facets of a mesh are off.
+_ASSUMED, _FACETS = 1000.0, 0.01
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.
 MIRROR_CAUSES = frozenset({"unmirrored"})
 
@@ -161,9 +164,25 @@ def _build_density_finding(model: Model, rule: Rule, density: float, names: Sequ
         [tensor.element for tensor in tensors],
         links=join_names(names),
         count=len(names),
-        density=f"{float(f'{density:.3g}'):,.0f}",
+        density=_format_density(density),
+        times=_describe_slip(density),
         edit=f"; {names[0]}: write {drawn}" if drawn else "",
     )
+
+
+def _format_density(density: float) -> str:
+    """Format a density (kg/m³): that of water, which programs assume, where the mesh is off by its facets only."""
+    return f"{float(f'{density:.3g}') if abs(density / _ASSUMED - 1.0) > _FACETS else _ASSUMED:,.0f}"
+
+
+def _describe_slip(density: float) -> str:
+    """Say that tensors are a power of ten times those of parts of the density that programs assume, if no material has that of
+    the tensors; else nothing."""
+    factor = density / _ASSUMED
+    slip = 10.0 ** round(float(np.log10(factor)))
+    if density <= DENSEST or abs(factor / slip - 1.0) > _FACETS:
+        return ""
+    return f", {slip:,.0f} times those at {_ASSUMED:,.0f} kg/m³"
 
 
 def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Finding:

@@ -4,6 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.materials import DENSEST_PART
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+    from urdfcheck.facts.inertials.inertia_tensor import Solid
 
 # First digits of placeholders: the steps of a 1-2-5 series.
 _ROUND = (1.0, 2.0, 5.0)
@@ -11,6 +21,8 @@ _ROUND = (1.0, 2.0, 5.0)
 _FEW_DIGITS = 2
 # The radius of gyration below which a tensor describes a point mass (see `urdfcheck.model.rigid_bodies.POINT_RADIUS`).
 _POINT = 1e-6
+# A round mass (kg) up to this is a placeholder too.
+_NO_MASS = 1e-6
 
 
 def describe_placeholder(mass: float, components: Sequence[float]) -> str | None:
@@ -37,6 +49,15 @@ def describe_placeholder(mass: float, components: Sequence[float]) -> str | None
 def is_round(value: float) -> bool:
     """Whether a positive number has 1, 2 or 5 as its only significant digit."""
     return _extract_significand(value) in _ROUND
+
+
+def is_unknown_mass(mass: float, tensor: Array, solid: Solid) -> bool:
+    """Whether a ``mass`` (kg) is a placeholder that does not show what the ``tensor`` (3, 3) in kg m² should be, which is one
+    that the drawn ``solid`` can have at its real mass."""
+    if not 0.0 < mass <= _NO_MASS or not is_round(mass):
+        return False
+    heaviest = compute_solid_inertia(solid, DENSEST_PART * solid.volume)
+    return bool(np.trace(tensor) <= np.trace(heaviest))
 
 
 def _extract_significand(value: float) -> float:
