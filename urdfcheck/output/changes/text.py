@@ -24,11 +24,14 @@ def render(diff: Diff, *, show_all: bool = False) -> str:
         if len(diff.models) > 1 and model.verdict == IDENTICAL and not show_all:
             continue
         lines += _iter_model_lines(model, is_only=len(diff.models) == 1, show_all=show_all)
+    if not diff.models and not diff.failures:
+        lines.append("identical: no robot uses a file that differs")
     same = sum(model.verdict == IDENTICAL for model in diff.models)
     if len(diff.models) > 1 and same and not show_all:
         lines.append(f"{format_count(same, 'model is', 'models are')} identical")
     lines += _iter_finding_lines(diff, show_all=show_all)
     lines += [f"not compared: {failure}" for failure in diff.failures if not _is_headline(diff, failure)]
+    lines += [f"not compared: {note}" for note in diff.notes]
     return "".join(f"{escape_for_log(escape_one_line(line))}\n" for line in lines)
 
 
