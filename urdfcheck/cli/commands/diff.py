@@ -51,7 +51,9 @@ def build_parser() -> argparse.ArgumentParser:
         nargs="*",
         help="with revisions: only these models, and those that use these files",
     )
-    p.add_argument("--format", choices=("text", "json"), default="text", help="output format (default: text)")
+    p.add_argument(
+        "--format", choices=("text", "json", "markdown"), default="text", help="output format (default: text)"
+    )
     p.add_argument(
         "--fail-on",
         action="append",
@@ -91,6 +93,10 @@ def main(words: Sequence[str]) -> int:
         from urdfcheck.output.changes import json
 
         print_document(json.render(diff))
+    elif options.format == "markdown":
+        from urdfcheck.output.changes import markdown
+
+        print_document(markdown.render(diff))
     else:
         from urdfcheck.output.changes import text
 
