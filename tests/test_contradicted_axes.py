@@ -50,6 +50,18 @@ def test_bore_beside_the_axis_is_measured(tmp_path: Path) -> None:
     assert found.radius == found.hub == pytest.approx(0.03, rel=0.03)
 
 
+@pytest.mark.parametrize(("bore", "found"), [("-0.2 0 0.1", True), ("-0.212 0 0.1", False), ("-0.2 0.012 0.1", True)])
+def test_a_mesh_that_is_shifted_at_two_joints_is_not_the_fault_of_one(tmp_path: Path, bore: str, found: bool) -> None:
+    """The second joint is at x = -0.2 and moves a part that draws nothing."""
+    second = (
+        '<origin xyz="0.012 0 0.1"/><axis xyz="0 0 1"/><limit lower="-0.1" upper="2" effort="1" velocity="1"/></joint>'
+        '<link name="rod"/><joint name="k" type="revolute"><parent link="base"/><child link="rod"/>'
+        '<origin xyz="-0.2 0 0.1"/><axis xyz="0 0 1"/>'
+    )
+    model = make_model(tmp_path, place_tubes("0 0 0.1", bore), second, place_tubes("0 0 0"))
+    assert [m.joint for m in find_contradicted_axes(model).bearings] == (["j"] if found else [])
+
+
 @pytest.mark.parametrize(("distance", "found"), [(0.012, True), (0.03, False)])
 def test_a_screw_hole_far_from_the_axis_is_not_its_bearing(tmp_path: Path, distance: float, found: bool) -> None:
     """A pin with a radius of 5 mm: the one hole of its size is 2.4 or 6 radii away."""

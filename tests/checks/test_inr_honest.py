@@ -196,6 +196,41 @@ def test_moments_of_zero_are_rounded_only_where_the_drawn_part_has_small_ones(
     assert ("ixx, izz are 0, as if never filled in" in finding.message) != is_rounded
 
 
+def test_a_tensor_that_exceeds_is_undone_like_those_of_other_links(tmp_path: Path) -> None:
+    """A shin whose numbers fit no drawing exactly, in a file whose thighs have their tensors about the link's origin."""
+    true = uniform(geometry(CASTING).solid)
+    thigh = replace(true, tensor=true.tensor + steiner(true.mass, true.com))
+    box_tensor = compute_solid_inertia(make_box_solid((0.03, 0.03, 0.24)), 0.13)
+    shin = DeclaredInertial(0.13, np.array((0.009, 0.007, -0.13)), 1.3 * box_tensor)
+    shin = replace(shin, tensor=shin.tensor + steiner(shin.mass, shin.com))
+    calf = link("shin", format_inertial(shin), visual(box("0.03 0.03 0.24"), xyz="0 0 -0.12"))
+    text = arm_on_base(
+        format_inertial(thigh), drawn_boxes(CASTING), more=calf + joint("knee", "arm", "shin", kind="continuous")
+    )
+    (finding,) = (f for f in find(tmp_path, text, {"INR005", "INR009"}) if "shin" in f.message)
+    assert finding.code == "INR005"
+    assert "possible without the mistake of arm: tensor about the origin" in finding.message
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert f'ixx="{1.3 * box_tensor[0, 0]:.5g}' in finding.fix.title
+
+
+@pytest.mark.parametrize("is_com_of_shell", [True, False])
+def test_a_hollow_part_with_the_com_of_its_shell_needs_no_repair(tmp_path: Path, is_com_of_shell: bool) -> None:
+    blocks = (((0.08, 0.08, 0.08), (0.0, 0.0, 0.0)), ((0.01, 0.08, 0.12), (0.0, 0.0, 0.1)))
+    write_stl(tmp_path / "hand.stl", blocks)
+    drawn = geometry(blocks)
+    assert drawn.shell is not None
+    com = drawn.shell.com if is_com_of_shell else drawn.solid.com
+    numbers = DeclaredInertial(2.0, com, compute_solid_inertia(drawn.shell, 2.0))
+    (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers), visual(mesh("hand.stl"))), "INR009")
+    assert finding.cause is not None
+    assert finding.cause.id == "shell"
+    assert (finding.message_id == "hollow") == is_com_of_shell
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("nothing if the part is hollow") == is_com_of_shell
+
+
 # -- what disagrees, and what stays so -----------------------------------------------------------------------------------
 
 

@@ -97,6 +97,25 @@ def test_a_com_of_zero_is_compared_with_those_of_the_file(tmp_path: Path, is_hab
     assert said == is_habit
 
 
+@pytest.mark.parametrize("is_one_density", [True, False])
+def test_tensors_of_one_density_are_one_finding(tmp_path: Path, is_one_density: bool) -> None:
+    """Weighed masses beside tensors of a hundred times 1000 kg/m³: alone, each link fits another mass or decimal point."""
+    numbers = []
+    for i, edges in enumerate(EDGES):
+        solid = make_box_solid(edges)
+        density = 1e5 if is_one_density else 1e5 * 1.3**i
+        tensor = compute_solid_inertia(solid, density * solid.volume)
+        numbers.append(DeclaredInertial((900 + 130 * i) * solid.volume, PLACE, tensor))
+    found = find(tmp_path, make_chain(numbers), "INR009")
+    assert any(f.message_id == "density" for f in found) == is_one_density
+    if is_one_density:
+        (finding,) = found
+        assert "100,000 kg/m³" in finding.message
+        assert finding.cause is None
+        assert finding.fix is not None
+        assert not finding.fix.edits
+
+
 @pytest.mark.parametrize("moved", [0.0, 0.3])
 def test_a_collision_shape_that_is_elsewhere_is_no_missing_com(tmp_path: Path, moved: float) -> None:
     """The visual mesh is open, so that the collision box is compared; in the second case it is beside the drawn part."""

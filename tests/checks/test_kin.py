@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from builders import box, inertial, joint, link, robot, visual
-from conftest import check_text
+from conftest import check, check_text
 
 from urdfcheck.core import FactUnavailableError, Run, Severity
 from urdfcheck.model.parts import Joint, Link
@@ -384,3 +384,72 @@ def test_slip_in_a_robot_of_more_pieces_leaves_them_to_be_told(tmp_path: Path) -
         joint("camera_joint", "top", "camera_link"),
     )
     assert sorted(codes(check_text(tmp_path, text, codes=TREE))) == ["KIN003", "KIN005"]
+
+
+LOCAL = {"INR004", "INR005", "INR006", "INR007", "INR010", "INR012"}
+BOX = visual(box("0.1 0.1 0.3"))
+DEFECTS = (
+    link("rod", inertial(mass=1, ixx=0.01, iyy=0.01, izz=0), BOX),
+    link("spread", inertial(mass=1.37, ixx=0.0913, iyy=0.0874, izz=0.0415), BOX),
+    link("outside", inertial(com="0 0 0.4", mass=1, ixx=0.008, iyy=0.008, izz=0.0017), BOX),
+    link("ones", inertial(mass=1, ixx=1e-9, iyy=1e-9, izz=1e-9), BOX),
+    link("dense", inertial(mass=200, ixx=1.6, iyy=1.6, izz=0.34), BOX),
+    link("light", inertial(mass=1e-6, ixx=1e-9, iyy=1e-9, izz=1e-9), BOX),
+)
+NAMES = ("rod", "spread", "outside", "ones", "dense", "light")
+
+
+def hang(parent: str, kind: str = "continuous") -> list[str]:
+    """Return the joint that carries each faulty link."""
+    return [joint(f"to_{name}", parent, name, kind=kind, axis="0 1 0") for name in NAMES]
+
+
+@pytest.mark.parametrize("parent", ["base", "lost"])
+def test_an_unknown_parent_does_not_hide_what_is_wrong_in_links(tmp_path: Path, parent: str) -> None:
+    heavy = link("base", inertial(mass=5, ixx=0.1, iyy=0.1, izz=0.1), visual(box("0.4 0.4 0.4")))
+    lost = joint("mount", "lost", "lamp")
+    sound = check_text(tmp_path, robot(heavy, *DEFECTS, *hang("base")), codes=LOCAL)
+    broken = check_text(tmp_path, robot(heavy, link("lamp"), *DEFECTS, *hang(parent), lost), codes={*LOCAL, "KIN002"})
+    assert {f.code for f in sound.findings} == LOCAL
+    assert [(f.code, f.message) for f in broken.findings if f.code != "KIN002"] == [
+        (f.code, f.message) for f in sound.findings
+    ]
+    assert "KIN002" in codes(broken)
+    assert not [skip for skip in broken.skipped if skip.code in LOCAL]
+
+
+def test_a_body_to_which_a_missing_link_is_fixed_is_not_judged(tmp_path: Path) -> None:
+    text = robot(link("base"), *DEFECTS, *hang("lost", "fixed"))
+    assert not [code for code in codes(check_text(tmp_path, text, codes=LOCAL | {"KIN002"})) if code in LOCAL]
+
+
+@pytest.mark.parametrize(
+    ("whole", "parent", "message"),
+    [
+        (robot(link("base"), link("arm"), name="car"), "base", "fragment"),
+        (robot(link("base"), name="car"), "base", "unknown"),  # a copy that still has the link
+        (robot(link("other"), link("arm"), name="car"), "base", "unknown"),
+        (robot(link("base"), link("arm"), name="truck"), "base", "unknown"),
+        (robot(link("lazer"), link("arm"), name="car"), "lazer", "near"),
+        ('<robot name="car"', "base", "unknown"),
+        (None, "base", "unknown"),
+    ],
+)
+def test_a_part_of_another_model_of_the_robot_is_no_error(
+    tmp_path: Path, whole: str | None, parent: str, message: str
+) -> None:
+    (tmp_path / "package.xml").write_text('<package format="3"><name>car</name></package>', encoding="utf-8")
+    if whole is not None:
+        (tmp_path / "car.urdf").write_text(whole, encoding="utf-8")
+    joint = f'<joint name="j" type="fixed"><parent link="{parent}"/><child link="laser"/></joint>'
+    text = f'<robot name="car"><link name="laser"/>{joint}</robot>'
+    (tmp_path / "laser.urdf").write_text(text, encoding="utf-8")
+    (finding,) = check(tmp_path / "laser.urdf", codes={"KIN002"}).findings
+    assert finding.message_id == message
+    assert finding.severity == (Severity.INFO if message == "fragment" else Severity.ERROR)
+    for other in (
+        text.replace('<child link="laser"/>', '<child link="arm"/>'),
+        text.replace("<joint", '<link name="root"/><joint'),
+    ):
+        (tmp_path / "laser.urdf").write_text(other, encoding="utf-8")
+        assert "fragment" not in {f.message_id for f in check(tmp_path / "laser.urdf", codes={"KIN002"}).findings}

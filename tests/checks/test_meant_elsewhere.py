@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import collision, cylinder, find, inertial, joint, link, robot, sphere, visual
+from builders import box, collision, cylinder, find, inertial, joint, limit, link, robot, sphere, visual
 
 from urdfcheck.core import Severity
 
@@ -171,3 +171,111 @@ def test_a_controller_may_be_for_the_interface_of_another_argument(tmp_path: Pat
     }
     found = find(tmp_path, files, "CTL004", name="urdf/cart.urdf.xacro")
     assert len(found) == count
+
+
+# -- GZB001, GZB003, GZB004 ------------------------------------------------------------------------------------------------
+
+SHAPE = collision(box("0.1 0.1 0.1"))
+LEG = robot(
+    link("leg", inertial(), SHAPE),
+    link("foot", inertial(), SHAPE),
+    joint("foot_fixed", "leg", "foot"),
+    '<gazebo reference="foot"><sensor name="s" type="contact"><contact><collision>foot_collision</collision></contact>'
+    "</sensor></gazebo>",
+    '<gazebo reference="{}"><preserveFixedJoint>true</preserveFixedJoint></gazebo>',
+)
+
+
+@pytest.mark.parametrize(
+    ("kept", "found"),
+    [
+        ("foot_joint", [("GZB001", "unknown")]),
+        ("foot", [("GZB003", "link")]),
+        ("foot_fixed", []),
+        ("hand_joint", [("GZB001", "unknown"), ("GZB004", "collision")]),
+    ],
+)
+def test_a_foot_that_is_to_be_kept_needs_no_other_name_in_its_sensor(
+    tmp_path: Path, kept: str, found: list[tuple[str, str]]
+) -> None:
+    findings = find(tmp_path, LEG.format(kept), {"GZB001", "GZB003", "GZB004"})
+    assert sorted((f.code, f.message_id) for f in findings) == found
+    assert any("did you mean 'foot_fixed'?" in f.message for f in findings) == (kept == "foot_joint")
+    assert not any(f.fix is not None and f.fix.edits for f in findings if f.code == "GZB001")
+
+
+@pytest.mark.parametrize(
+    ("frame", "guess"),
+    [("us_1_link", ""), ("scaner_link", "scanner_link"), ("wrist_link", "wrist_1_link"), ("link", "")],
+)
+def test_a_frame_is_guessed_by_its_own_words(tmp_path: Path, frame: str, guess: str) -> None:
+    links = [link("base"), *(link(name) for name in ("wrist_1_link", "scanner_link"))]
+    joints = [joint(f"j{i}", "base", name) for i, name in enumerate(("wrist_1_link", "scanner_link"))]
+    sensor = (
+        f'<gazebo reference="base"><sensor name="s" type="imu"><gz_frame_id>{frame}</gz_frame_id></sensor></gazebo>'
+    )
+    (finding,) = find(tmp_path, robot(*links, *joints, sensor), "GZB004")
+    assert finding.data["meant"] == guess
+    assert finding.message_id == ("frame" if guess else "frame-elsewhere")
+
+
+def test_a_named_shape_is_not_said_to_lack_a_name_that_it_has(tmp_path: Path) -> None:
+    text = robot(link("wheel", inertial(), collision(sphere(0.1), name="collision")), surface("wheel", 0.7))
+    (finding,) = find(tmp_path, text, "GZB003")
+    assert "wheel_fixed_joint_lump__collision_collision" in finding.message
+    assert "In that name lump__ is not followed by wheel" in finding.message
+
+
+# -- NAM004 ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("reference", "kind", "moved"),
+    [("eye_optical", "camera", True), ("eye_link", "camera", False), ("eye_optical", "imu", False)],
+)
+def test_a_camera_on_its_optical_frame_is_moved_before_the_frame_is_rotated(
+    tmp_path: Path, reference: str, kind: str, moved: bool
+) -> None:
+    text = robot(
+        link("eye_link"),
+        link("eye_optical"),
+        joint("j", "eye_link", "eye_optical", rpy="3.14159265 0 0"),
+        f'<gazebo reference="{reference}"><sensor name="s" type="{kind}"/></gazebo>',
+    )
+    (finding,) = find(tmp_path, text, "NAM004")
+    assert finding.fix is not None
+    assert ("attach sensor s to eye_link" in finding.fix.title) == moved
+    assert 'write rpy="-1.5707963267948966 0 -1.5707963267948966"' in finding.fix.title
+    # A block that these arguments leave out is read as typed.
+    left_out = text.replace("<gazebo", '<xacro:if value="false"><gazebo').replace("</gazebo>", "</gazebo></xacro:if>")
+    left_out = left_out.replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    (same,) = find(tmp_path / "x", left_out, "NAM004", name="r.urdf.xacro")
+    assert same.fix is not None
+    assert same.fix.title == finding.fix.title
+
+
+# -- XML003 ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("properties", "words", "edits"),
+    [
+        ('<joint_properties damping="0.5" friction="2"/>', "programs then use damping 0.5, friction 2", 1),
+        ('<joint_properties damping="100" friction="1000"/>', "less friction than `1000`", 0),
+        (
+            '<joint_properties damping="1"/><joint_properties friction="1"/>',
+            "a single `<dynamics>` where a <joint> has the element twice",
+            0,
+        ),
+    ],
+)
+def test_numbers_that_no_program_has_read_are_named_before_they_take_effect(
+    tmp_path: Path, properties: str, words: str, edits: int
+) -> None:
+    text = robot(
+        link("a"), link("b"), joint("j", "a", "b", limit(-1, 1, effort=1000), properties, kind="revolute", axis="0 1 0")
+    )
+    (finding,) = find(tmp_path, text, "XML003")
+    assert finding.fix is not None
+    assert words in finding.fix.title
+    assert len(finding.fix.edits) == edits

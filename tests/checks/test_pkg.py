@@ -365,6 +365,8 @@ def test_include_that_leads_out_of_the_package(tmp_path: Path) -> None:
     ("path", "found", "edit"),
     [
         ("package://p\\meshes\\a.stl", ("PKG011", "backslash", Severity.ERROR), "package://p/meshes/a.stl"),
+        ("package:\\\\p\\meshes\\a.stl", ("PKG011", "backslash", Severity.ERROR), "package://p/meshes/a.stl"),
+        ("package:\\p\\meshes\\a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
         ("..\\meshes\\a.stl", ("PKG011", "backslash", Severity.ERROR), "../meshes/a.stl"),
         (" package://p/meshes/a.stl ", ("PKG011", "blank", Severity.ERROR), "package://p/meshes/a.stl"),
         ("package:/p/meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
@@ -1117,6 +1119,33 @@ def test_a_file_of_the_same_name_may_be_another_robots(tmp_path: Path, there: tu
     write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": robot, **dict.fromkeys(there, "")})
     (finding,) = findings(tmp_path, "PKG002")
     assert bool(finding.data["near"]) == told
+
+
+@pytest.mark.parametrize(
+    ("elsewhere", "told"),
+    [
+        (("old/a.stl", "old/b.stl", "old/c.stl"), 3),
+        (("old/a.stl", "old/b.stl", "old/c.stl", "new/a.stl"), 3),
+        (("old/a.stl", "old/b.stl", "old/c.stl", "new/a.stl", "new/b.stl", "new/c.stl"), 0),
+        (("old/a.stl", "old/b.stl"), 0),
+    ],
+)
+def test_files_that_are_together_in_another_folder_are_those_that_are_meant(
+    tmp_path: Path, elsewhere: tuple[str, ...], told: int
+) -> None:
+    links = "".join(make_mesh_link(name, f"package://p/meshes/{name}.stl") for name in "abc")
+    joints = "".join(f'<joint name="j{c}" type="fixed"><parent link="a"/><child link="{c}"/></joint>' for c in "bc")
+    files = ("meshes/base.stl", *elsewhere)
+    write(
+        tmp_path,
+        {
+            "package.xml": manifest(),
+            "urdf/r.urdf": f'<robot name="r">{links}{joints}</robot>',
+            **dict.fromkeys(files, ""),
+        },
+    )
+    hints = [one.data["hint"] for f in findings(tmp_path, "PKG002") for one in (f.occurrences or (f,))]
+    assert sum("did you mean" in hint and "old/" in hint for hint in hints) == told
 
 
 def test_a_package_around_a_folder_that_is_no_repository_is_no_duplicate(

@@ -854,6 +854,19 @@ def test_the_com_that_is_on_the_other_side_of_the_drawn_part_is_wrong(
         assert float(edit.replacement.split()[1]) == pytest.approx(-y)
 
 
+def test_the_numbers_of_a_twin_whose_com_is_outside_its_part_are_not_copied(tmp_path: Path) -> None:
+    """The left inertial was copied to the right one, unmirrored, after the sign of z had been lost."""
+    x, y, z = numbers(ROBOT, f"{LEFT}/origin")["xyz"].split()
+    lost = f"{x} {y} {-float(z)}"
+    robot = with_(with_(ROBOT, f"{LEFT}/origin", xyz=lost), f"{RIGHT}/origin", xyz=lost)
+    robot = with_(robot, f"{RIGHT}/inertia", **numbers(ROBOT, f"{LEFT}/inertia"))
+    finding = one(tmp_path, robot)
+    assert finding.message_id == "inertial"
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert "repair the COM of left_arm first" in finding.fix.title
+
+
 @pytest.mark.parametrize("cad_signs", [False, True])
 def test_a_tensor_that_contradicts_the_twins_drawing_is_not_copied(tmp_path: Path, cad_signs: bool) -> None:
     """The right inertial is the left one, unmirrored: with the signs of CAD programs, two of its products are correct."""

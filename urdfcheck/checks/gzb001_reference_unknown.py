@@ -9,6 +9,7 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
 from urdfcheck.model import Model
+from urdfcheck.model.fixed_joint_lumping import PRESERVE, names_fixed_part
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -60,7 +61,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 related=[*uses[0].collect_definitions(), *uses[1:]],
                 edits=build_replacement_edits(uses, near) if near is not None else (),
                 reference=name,
-                near=f" (did you mean {near!r}?)" if near is not None else format_name_hint(name, meant),
+                near=f" (did you mean {near!r}?)"
+                if near is not None
+                else _hint_fixed_joint(model, free, uses) or format_name_hint(name, meant),
                 content=_join_child_tags(uses),
             )
 
@@ -72,6 +75,14 @@ def _list_meant(model: Model, free: set[str], uses: Sequence[Attribute]) -> set[
     if of_links != of_joints:
         return free & set(model.link_by_name if of_links else model.joint_by_name)
     return free
+
+
+def _hint_fixed_joint(model: Model, free: set[str], uses: Sequence[Attribute]) -> str:
+    """Return a hint at the fixed joint that a block wants to keep: ``foot_fixed`` for ``foot_joint``, or nothing."""
+    if not any(child.tag in PRESERVE for use in uses for child in use.owner.children):
+        return ""
+    found = [joint.name for joint in model.joints if joint.name in free and names_fixed_part(uses[0].value, joint)]
+    return f" (did you mean {found[0]!r}?)" if len(found) == 1 else ""
 
 
 def _find_by_suffix(name: str, known: set[str]) -> str | None:

@@ -5,12 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names, split_name_words
 from urdfcheck.model import Model
-from urdfcheck.model.fixed_joint_lumping import FixedJointReduction, reduce_fixed_joints
-from urdfcheck.model.gazebo import GazeboSensor, is_for_new_gazebo, list_sensors
+from urdfcheck.model.fixed_joint_lumping import (
+    FixedJointReduction,
+    find_preserved_names,
+    names_fixed_part,
+    reduce_fixed_joints,
+)
+from urdfcheck.model.gazebo import CAMERA_TYPE, GazeboSensor, is_for_new_gazebo, list_sensors
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
@@ -28,7 +34,8 @@ _FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_fr
 _EXTERNAL_FRAMES = frozenset({"world", "map", "odom", "earth", "ground_plane"})
 # Each unknown frame is compared with all links; more links than this were generated and not typed.
 _MOST_COMPARED = 1_000
-_CAMERA = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox")
+# Of two names without the words "link" and "frame".
+_STEM_LIKENESS = 0.75
 # Names of collisions that a message lists.
 _MOST_NAMED = 4
 # What stands for "no topic given": SDFormat's default is written out where a model was converted or copied from its description.
@@ -65,6 +72,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     yield from _check_duplicate_names(sensors, reduction, rule)
     for unknown in _iter_unknown_collisions(sensors, reduction):
+        if _is_meant_to_be_kept(model, unknown.sensor.reference, reduction):
+            continue  # GZB001 and GZB003 report the block that does not keep the link
         element, names, files = unknown.element, unknown.candidates, model.source.files
         yield rule.finding(
             "collision",
@@ -123,7 +132,7 @@ def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Map
 
 def _find_optical_frame(sensor: GazeboSensor, model: Model) -> str | None:
     """Return the only optical frame on a camera's link or below it: pictures are stamped with that (REP 103)."""
-    if not _CAMERA.search(sensor.type) or sensor.reference not in model.link_by_name:
+    if not CAMERA_TYPE.search(sensor.type) or sensor.reference not in model.link_by_name:
         return None
     try:
         children = model.tree.child_joints
@@ -141,9 +150,20 @@ def _guess_frame(frame: str, sensor: GazeboSensor, model: Model) -> str | None:
     """Return the link that an unknown frame may mean: the sensor's own if only the words "link" and "frame" differ."""
     if sensor.reference in model.link_by_name and _strip_kind_words(frame) == _strip_kind_words(sensor.reference):
         return sensor.reference
-    if _CAMERA.search(sensor.type):
+    if CAMERA_TYPE.search(sensor.type):
         return None  # a picture needs an optical frame, whatever the names are like
-    return find_nearest_name(frame, model.link_by_name) if len(model.link_by_name) <= _MOST_COMPARED else None
+    if len(model.link_by_name) > _MOST_COMPARED:
+        return None
+    return find_nearest_name(frame, (name for name in model.link_by_name if _names_like_part(frame, name)))
+
+
+def _names_like_part(one: str, other: str) -> bool:
+    """Whether two names may mean one part: not `us_1_link` and `wrist_1_link`, which are alike only in `1_link`."""
+    words, others = _strip_kind_words(one), _strip_kind_words(other)
+    if not words or not others:
+        return False
+    is_part = set(words) <= set(others) or set(others) <= set(words)
+    return is_part or SequenceMatcher(None, "".join(words), "".join(others)).ratio() >= _STEM_LIKENESS
 
 
 def _strip_kind_words(name: str) -> list[str]:
@@ -190,6 +210,18 @@ def _check_duplicate_names(
                 body=body,
                 merged=merged,
             )
+
+
+def _is_meant_to_be_kept(model: Model, link: str, reduction: FixedJointReduction) -> bool:
+    """Whether a block asks to keep a merged link, under a name that is not that of its fixed joint."""
+    body = reduction.body_by_link.get(link)
+    wrong = [name for name in find_preserved_names(model) if name not in model.joint_by_name]
+    while wrong and link != body:
+        joint = model.tree.parent_joint[link]
+        if any(names_fixed_part(name, joint) for name in wrong):
+            return True
+        link = joint.parent
+    return False
 
 
 def _iter_unknown_collisions(

@@ -19,7 +19,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_all_numbers
-from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass
+from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
 
 if TYPE_CHECKING:
     from urdfcheck.model.inertials.inertial_proposals import InertialProposal
@@ -208,15 +208,17 @@ def _check_singular_links(
     """Warn about each link whose whole body is singular, and report all others together: a warning for lines, which MuJoCo
     refuses in each link before it adds up those that fixed joints connect."""
     placeholders = _describe_placeholders(links) if message == "line" else {}
+    bodies = {name: body for body in list_whole_bodies(model) for name in body.links} if links else {}
     alone: list[DeclaredTensor] = []
     harmless: list[DeclaredTensor] = []
     for declared in links:
         name = declared.link.name
-        fused = compute_body_tensor(model, model.tree.list_body_links(name))
-        if fused is None:
-            continue  # no mass, or a malformed inertial: other rules
+        body = bodies.get(name)
+        fused = None if body is None else compute_body_tensor(model, body.links)
+        if body is None or fused is None:
+            continue  # not known to the last link, no mass, or a malformed inertial: other rules
         moments, _ = compute_principal_moments(fused)
-        singular = model.tree.is_movable_link(name) and moments[0] <= rel_tol * moments[2]
+        singular = body.is_movable and moments[0] <= rel_tol * moments[2]
         (alone if singular else harmless).append(declared)
     for declared in alone:
         point = NAN if message == "point" and _is_on_joint_axis(model, declared) else "loads it as a point mass"
@@ -286,10 +288,10 @@ def _predict_mujoco(message: str, links: Sequence[DeclaredTensor]) -> dict[str, 
 def _is_on_joint_axis(model: Model, declared: DeclaredTensor) -> bool:
     """Whether a joint rotates the point about itself, with nothing behind it."""
     name = declared.link.name
-    body = model.tree.list_body_links(name)
-    joint, centre = model.tree.parent_joint[body[0]], declared.inertial.origin.xyz
-    alone = len(body) == 1 and not model.tree.child_joints[name]
-    if not alone or joint.type == "prismatic" or joint.axis is None or centre is None:
+    body = model.pieces.list_body_links(name)
+    joint, centre = model.pieces.parent_joint.get(body[0]), declared.inertial.origin.xyz
+    alone = len(body) == 1 and not model.pieces.child_joints[name]
+    if not alone or joint is None or joint.type == "prismatic" or joint.axis is None or centre is None:
         return False
     (x, y, z), (a, b, c) = centre, joint.axis
     return not any((y * c - z * b, z * a - x * c, x * b - y * a))

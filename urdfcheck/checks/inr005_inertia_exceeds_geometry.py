@@ -11,8 +11,15 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent, measure_hull_distance
-from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, list_half_units
+from urdfcheck.facts.inertials.inertia_tensor import (
+    check_inertia_validity,
+    compute_mass_covariance,
+    compute_parallel_axis_term,
+    compute_solid_inertia,
+    list_half_units,
+)
 from urdfcheck.facts.inertials.materials import DENSEST_PART
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.mesh.measure import compute_convex_hull
@@ -32,7 +39,7 @@ from urdfcheck.model.inertials.inertial_proposals import (
 )
 from urdfcheck.model.inertials.shared_mistakes import list_habitual_links
 from urdfcheck.model.parts import TENSOR_NAMES
-from urdfcheck.model.repairs.inertial_edits import InertialRepair
+from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, measure_link_geometry
 
 if TYPE_CHECKING:
@@ -43,6 +50,8 @@ if TYPE_CHECKING:
 _UNIT_RANGE, _MOMENT_RANGE = 10.0, 30.0
 # A part that is not drawn may be larger than what it is fixed to, but not ten times: variances, (10)².
 _OTHER_PART = 100.0
+# Tensors that were taken about the link's origin.
+_ABOUT_ORIGIN = frozenset({"about_origin", "positive_notation"})
 _LACKS_COM = ". Mass and tensor are the drawn part's: only the COM is missing"
 
 
@@ -157,6 +166,8 @@ def _propose(
     is_known = has_drawn_shape(part.link) and len(part.readings) == 1
     drawn = describe_drawn_inertial(model, part.link, with_com=has_com_apart(model, part.link)) if is_known else ""
     computed = f"write {drawn}" if drawn else "compute them from the mesh"
+    if (like_others := _propose_undo_of_others(model, part, declared, ratio=ratio)) is not None:
+        return None, *like_others
     if part.link.name in (about_root := find_root_tensors(model)):
         root = f"the origin of {model.tree.root}, the root link"
         return (
@@ -174,6 +185,37 @@ def _propose(
     if is_known and lacks_only_com(model, part.link):
         return None, computed, _LACKS_COM
     return None, computed, _describe_missing_com(model, part.link)
+
+
+def _propose_undo_of_others(
+    model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, ratio: float
+) -> tuple[str, str] | None:
+    """Return what the advice and the message say where other links have their tensors about the link's origin, and without this
+    mistake the tensor is possible inside the geometry; None elsewhere."""
+    causes = {
+        name: judged.diagnosis.cause
+        for name, judged in inertial_diagnoses(model).items()
+        if judged.diagnosis.at_fault and judged.diagnosis.cause in _ABOUT_ORIGIN and name != part.link.name
+    }
+    inertial, matrix = declared.inertial, declared.inertial.origin.matrix
+    if len(set(causes.values())) != 1 or matrix is None:
+        return None
+    tensor, rotation = declared.tensor, matrix[:3, :3]
+    if "positive_notation" in causes.values():
+        tensor = 2.0 * np.diag(tensor.diagonal()) - tensor
+    undone = tensor - compute_parallel_axis_term(part.mass, rotation.T @ matrix[:3, 3])
+    validity = check_inertia_validity(undone)
+    if not (validity.positive_definite and validity.triangle_inequality):
+        return None
+    covariance = rotation @ compute_mass_covariance(undone, part.mass) @ rotation.T
+    if any(compute_spread_ratios(p, part.com, covariance, margin=0.0)[0].max() > ratio for p in part.readings):
+        return None
+    numbers = DeclaredInertial(mass=part.mass, com=matrix[:3, 3], tensor=undone, rotation=rotation)
+    what, names = describe_mistake(next(iter(causes.values())) or "", ""), join_names(causes)
+    return (
+        f"write {build_inertial_repair(inertial, numbers).text} if it has the mistake of {names} (INR009)",
+        f". It is possible without the mistake of {names}: {what}",
+    )
 
 
 def _describe_missing_com(model: Model, link: Link) -> str:

@@ -19,7 +19,7 @@ from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
 from urdfcheck.model.motion.fixed_base import is_ballast, is_bolted
-from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
 
@@ -98,7 +98,7 @@ def _count_masses(suspects: Iterable[_PlaceholderInertial]) -> int:
 
 
 def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderInertial]:
-    for body in list_rigid_bodies(model):
+    for body in list_whole_bodies(model):
         descriptions = {
             name: what
             for name in body.links
@@ -158,13 +158,13 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed
 def _turns_about_length(model: Model, link: Link, solid: Array) -> bool:
     """Whether the joint that moves a link turns it about the axis of the least moment of its ``solid`` (3, 3): a rod that swings
     does not show that moment."""
-    body = model.tree.list_body_links(link.name)
-    joint = model.tree.parent_joint.get(body[0])
+    body = model.pieces.list_body_links(link.name)
+    joint = model.pieces.parent_joint.get(body[0])
     if joint is None or joint.type not in {"revolute", "continuous"} or joint.axis is None:
         return False
     _, axes = np.linalg.eigh(solid)
-    along = model.frames[link.name][:3, :3] @ axes[:, 0]
-    axis = model.frames[body[0]][:3, :3] @ np.array(joint.axis)
+    along = model.piece_frames[link.name][:3, :3] @ axes[:, 0]
+    axis = model.piece_frames[body[0]][:3, :3] @ np.array(joint.axis)
     return bool(abs(float(along @ axis)) > _ALONG * float(np.linalg.norm(axis)) > 0.0)
 
 

@@ -37,6 +37,7 @@ from urdfcheck.model.inertials.inertial_effects import (
 from urdfcheck.model.inertials.inertial_proposals import (
     describe_drawn_inertial,
     describe_mistake,
+    has_com_of_shell,
     name_mistake,
     propose_undo,
 )
@@ -44,6 +45,7 @@ from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.shared_mistakes import (
     find_disputed_units,
     find_rotated_tensors,
+    find_tensor_density,
     is_proven,
     list_habitual_links,
     list_pointlike_links,
@@ -78,6 +80,10 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
         if group:
             yield _build_habit_finding(model, rule, group)
     grouped = {link.name for group in groups for link in group}
+    density, of_density = find_tensor_density(model)
+    if of_density and not grouped & of_density.keys():
+        yield _build_density_finding(model, rule, density, list(of_density))
+        grouped |= of_density.keys()
     rotated = find_rotated_tensors(model)
     for name in rotated:
         yield _build_axes_finding(model, rule, name, rotated)
@@ -145,6 +151,21 @@ def _build_axes_finding(model: Model, rule: Rule, name: str, rotated: Mapping[st
     )
 
 
+def _build_density_finding(model: Model, rule: Rule, density: float, names: Sequence[str]) -> Finding:
+    """Report tensors that one density made, whatever the parts weigh."""
+    tensors = [model.tensor_by_name[name] for name in names]
+    drawn = describe_drawn_inertial(model, tensors[0].link)
+    return build_group_finding(
+        rule,
+        "density",
+        [tensor.element for tensor in tensors],
+        links=join_names(names),
+        count=len(names),
+        density=f"{float(f'{density:.3g}'):,.0f}",
+        edit=f"; {names[0]}: write {drawn}" if drawn else "",
+    )
+
+
 def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Finding:
     """Report a mistake of the program that exported the file, once."""
     diagnoses = inertial_diagnoses(model)
@@ -193,6 +214,8 @@ def _build_cause_finding(
     message = "cause" if mended is None else "exact" if exact else "named"
     if mended is not None and diagnosis.judged_by == "twin":
         message = "twin"
+    elif cause == "shell" and has_com_of_shell(model, link):
+        message = "hollow"
     elif cause in {"com_missing", "mesh_scale"}:
         message = cause
     elif others:

@@ -20,7 +20,7 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.motion.fixed_base import is_ballast
-from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_rigid_bodies
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import (
@@ -65,7 +65,7 @@ def check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: fl
     for part in enclosed_inertials(model):
         if has_drawn_shape(part.link) and part.mass_share >= NEGLIGIBLE_SHARE:
             yield from _check_too_dense(model, rule, part, margin=margin)
-    for body in list_rigid_bodies(model):
+    for body in list_whole_bodies(model):
         yield from _check_too_light(model, rule, body, least=least, thinnest=thinnest)
 
 
@@ -84,7 +84,7 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin
     )
     # A mass that was typed to keep a stand in its place is a choice, unless a slip explains it.
     is_typed = float(f"{part.mass:.{_TYPED_DIGITS}g}") == part.mass
-    if slip["cause"] is None and is_typed and is_ballast(model, model.tree.list_body_links(part.link.name)):
+    if slip["cause"] is None and is_typed and is_ballast(model, model.pieces.list_body_links(part.link.name)):
         return
     if slip["cause"] is None and _is_token_drawing(model, part):
         return

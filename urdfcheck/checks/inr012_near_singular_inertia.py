@@ -11,7 +11,7 @@ from urdfcheck.facts.inertials.engine_floors import MUJOCO_REFUSAL, is_refused_b
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments, compute_triangle_excess
 from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.model import Model
-from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_inertia, list_rigid_bodies
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_inertia, list_whole_bodies
 
 # MuJoCo's mjMINVAL, in kg and kg m², and its error message.
 LEAST = 1e-15
@@ -19,7 +19,7 @@ REFUSED = "refuses to compile: mass and inertia of moving bodies must be larger 
 
 
 def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: float) -> Iterator[Finding]:
-    for body in list_rigid_bodies(model):
+    for body in list_whole_bodies(model):
         inertia = compute_body_inertia(model, body.links) if body.is_movable else None
         if inertia is None:
             continue  # bolted down, without mass, or malformed: other rules

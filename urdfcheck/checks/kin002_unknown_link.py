@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.likeness.whole_models import find_whole_model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_values
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
 
 
@@ -23,8 +25,35 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             name = element.attributes.get("link") if element is not None else None
             if element is not None and name is not None and name.value and name.value not in graph.links:
                 unknown.setdefault(name.value, []).append((joint, name))
+    fragment = _build_fragment_finding(rule, model, graph, unknown)
+    if fragment is not None:
+        yield fragment
+        return
     for places in unknown.values():
         yield _build_finding(rule, graph, places)
+
+
+def _build_fragment_finding(
+    rule: Rule, model: Model, graph: KinematicGraph, unknown: Mapping[str, list[tuple[Joint, Attribute]]]
+) -> Finding | None:
+    """Report a file whose unknown links are all parents that another model of the same robot has; None if it is not one."""
+    attributes = [attribute for places in unknown.values() for _, attribute in places]
+    is_attached = all(a.owner.tag == "parent" and graph.guess_link("parent", a.value) is None for a in attributes)
+    # A link without a parent is a root: then the file is a robot, and the joint is wrong.
+    is_attached = is_attached and {joint.child for joint in model.joints}.issuperset(graph.links)
+    whole = find_whole_model(model, unknown.keys()) if attributes and is_attached else None
+    if whole is None:
+        return None
+    finding = rule.finding(
+        "fragment",
+        at=attributes[0],
+        related=[a.location for a in attributes[1:10]],
+        severity=Severity.INFO,
+        robot=spell_breaks(model.robot.get("name")),
+        links=join_names(map(spell_breaks, unknown), 3),
+        file=format_path(whole),
+    )
+    return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 
 
 def _build_finding(rule: Rule, graph: KinematicGraph, places: list[tuple[Joint, Attribute]]) -> Finding:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_numbers
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.gazebo import CAMERA_TYPE, list_sensors
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 
 # Frames allowed above base_link: the fixed world, frames that localisation moves, and the footprint (REP 105, REP 120).
@@ -19,6 +20,10 @@ _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
 _OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 # Frames of inertial sensors in cameras, which drivers give the word too: no picture is in them.
 _INERTIAL = re.compile(r"(?:^|_)(?:accel|gyro|imu)(?:_|$)", re.IGNORECASE)
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_SENSOR_BLOCK = re.compile(r"""<gazebo\s+reference\s*=\s*["']([^"'<>]+)["']\s*>(.*?)</gazebo\s*>""", re.DOTALL)
+_SENSOR = re.compile(r"<sensor\s([^<>]*)>")
+_ATTRIBUTE = re.compile(r"""(\w+)\s*=\s*["']([^"'<>]*)["']""")
 # Words that a camera link and its optical frame add to the camera's name.
 _FRAME_SUFFIX = re.compile(r"_?(?:optical|frame|link|joint|parent)(?=_|$)")
 
@@ -128,9 +133,29 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
             parent=joints[0].parent,
             look=_describe_direction(rotation[:, 2]),
             top=_describe_direction(-rotation[:, 1]),
+            first=_describe_sensor_move(model, joints),
             typed=join_numbers(joints[0].origin.rpy or (), separator=" "),
         )
         yield replace(finding, subjects=tuple(place.subject for place in places))
+
+
+def _describe_sensor_move(model: Model, joints: Sequence[Joint]) -> str:
+    """Return what must be done before the frame is rotated: Gazebo looks along the x axis of the link that a camera is on."""
+    cameras = {sensor.reference: sensor.name for sensor in list_sensors(model) if CAMERA_TYPE.search(sensor.type)}
+    # Blocks that only other arguments bring in are read as typed.
+    for file in model.source.files.values() if model.source.is_xacro else ():
+        for reference, sensors in _SENSOR_BLOCK.findall(_COMMENT.sub("", file.text)):
+            for tag in _SENSOR.findall(sensors):
+                typed = dict(_ATTRIBUTE.findall(tag))
+                if CAMERA_TYPE.search(typed.get("type", "")):
+                    cameras.setdefault(reference, typed.get("name", ""))
+    for joint in joints:
+        if joint.child in cameras:
+            return (
+                f"attach sensor {cameras[joint.child]} to {joint.parent}, along whose x axis Gazebo looks, "
+                f"and keep {joint.child} as the frame of its data; then "
+            )
+    return ""
 
 
 def _is_optical_frame(child: str, parent: str) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -30,6 +30,9 @@ from urdfcheck.source.resources import ResourceUse, find_missing_path, is_misspe
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.xml import flatten_definitions
 
+# So many missing files of one folder that are in one other folder are those that are meant.
+_MOVED = 3
+
 
 @dataclass(slots=True, eq=False)
 class _MissingFiles:
@@ -54,11 +57,11 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             special.setdefault(_normalise_path(path), []).append(use)
         else:
             missing.append((use, path))
-    for path, uses in special.items():
-        what = "a folder" if path.is_dir() else "a pipe, a socket or a device"
-        consequences = describe_missing_mesh(use.attribute.owner for use in uses)
+    for place, found in special.items():
+        what = "a folder" if place.is_dir() else "a pipe, a socket or a device"
+        consequences = describe_missing_mesh(use.attribute.owner for use in found)
         yield rule.finding(
-            "kind", at=uses[0], related=uses[1:], consequences=consequences, path=format_path(path), what=what
+            "kind", at=found[0], related=found[1:], consequences=consequences, path=format_path(place), what=what
         )
     if not missing:
         return
@@ -66,15 +69,16 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     by_package: dict[str, list[tuple[ResourceUse, Path]]] = {}
     for use, path in missing:
         by_package.setdefault(use.resource.package or "", []).append((use, path))
-    for name, uses in by_package.items():
-        package = source.finder.find_package_of(_normalise_path(uses[0][1])) if name else None
-        data = select_python_data((path for _, path in uses), package, index, source.finder)
-        inside = [(use, path) for use, path in uses if path in data]
+    for name, absent in by_package.items():
+        package = source.finder.find_package_of(_normalise_path(absent[0][1])) if name else None
+        data = select_python_data((path for _, path in absent), package, index, source.finder)
+        inside = [(use, path) for use, path in absent if path in data]
         if inside:
             yield _build_python_finding(inside, name, rule)
         missing = [(use, path) for use, path in missing if path not in data]
+    moved = _find_moved_files({_normalise_path(path) for _, path in missing}, index)
     for gap in _group_missing_files(missing):
-        yield _build_finding(gap, index, rule, source)
+        yield _build_finding(gap, index, rule, source, moved=moved)
 
 
 def _build_python_finding(uses: list[tuple[ResourceUse, Path]], package: str, rule: Rule) -> Finding:
@@ -122,12 +126,35 @@ def _find_missing_folder(path: Path) -> Path | None:
     return next((folder for folder in reversed(path.parents) if not folder.is_dir()), None)
 
 
-def _build_finding(gap: _MissingFiles, index: FilesByName, rule: Rule, source: Source) -> Finding:
+def _find_moved_files(missing: Iterable[Path], index: FilesByName) -> dict[Path, Path]:
+    """Find the missing files of one folder that are together in another: each with its place there.
+
+    One file of the same name may be another robot's, several are the robot's own.
+    """
+    by_folder: dict[Path, dict[Path, dict[Path, Path]]] = {}
+    for path in sorted(missing):
+        for other in index.get(path.name.lower(), []):
+            if other.name == path.name and other != path:
+                by_folder.setdefault(path.parent, {}).setdefault(other.parent, {}).setdefault(path, other)
+    found: dict[Path, Path] = {}
+    for folders in by_folder.values():
+        most, *others = sorted(folders.values(), key=len, reverse=True)
+        # As many in a second folder leave open which one is meant.
+        if len(most) >= _MOVED and not (others and len(others[0]) == len(most)):
+            found |= most
+    return found
+
+
+def _build_finding(
+    gap: _MissingFiles, index: FilesByName, rule: Rule, source: Source, *, moved: Mapping[Path, Path]
+) -> Finding:
     at, path = gap.uses[0], gap.path
     related = {use.attribute.span: use for use in gap.uses if use.attribute.span != at.attribute.span}
     package = source.finder.find_package_of(_normalise_path(path)) if at.resource.package else None
     elsewhere = find_uninstalled_file(path, package, index)
-    near = [format_path(similar) for similar in ([elsewhere] if elsewhere else _find_similar_files(path, index))]
+    similar = moved.get(_normalise_path(path))
+    similar_files = [similar] if similar else _find_similar_files(path, index)
+    near = [format_path(one) for one in ([elsewhere] if elsewhere else similar_files)]
     argued, places = _explain_by_argument(gap, source)
     hint = argued or (
         describe_uninstalled_file(elsewhere) if elsewhere else f" (did you mean {join_names(near, 2)}?)" if near else ""

@@ -57,7 +57,7 @@ def _classify_path_problem(use: ResourceUse) -> _PathProblem | None:
             return _PathProblem("remote", name, None)
         near = find_nearest_name(name, _SCHEMES)
         return _PathProblem("scheme", name, None if near is None else near + text.strip()[len(name) :])
-    if _ONE_SLASH.match(text.strip()):
+    if _ONE_SLASH.match(text.strip().replace("\\", "/")):  # of package:\\car no slash is missing
         return _PathProblem("slashes", "", normalize_spelling(text))
     if "\\" in text:
         return _PathProblem("backslash", "", normalize_spelling(text))

@@ -12,6 +12,7 @@ import numpy as np
 from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import FAR
+from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.twin_slips import TwinSlip
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs
@@ -25,6 +26,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     find_cause,
     find_wrong_side,
     fit_own_drawings_alike,
+    get_comparable_inertial,
     is_tensor_against_drawing,
     limit_to_com,
     list_inertial_changes,
@@ -51,6 +53,8 @@ _MASS_CAUSES = frozenset({"mass_unit", "units", "other_mass", "decimal_point", "
 _SAME_MASS = 0.2
 # A COM is the drawn part's within this share of a radius of gyration.
 _OWN_COM = 0.02
+# A COM is outside its drawing beyond this share of the drawing's size, as for INR006.
+_OUTSIDE = 0.1
 # A coordinate of a COM that is smaller than this share of its distance may have been rounded to zero.
 _SAME_COM = 0.01
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
@@ -170,8 +174,13 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         # Several numbers that are off by a few percent are two exports of one assembly; one that was lost is a slip.
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
+    if written is not None and deviation.com_offset > note and _has_com_outside(model, side.twin):
+        written = None
+        name = side.twin.name
+        remedies = [f"repair the COM of {name} first: it is outside the drawn part; then compare the two again"]
+    else:
+        remedies = [] if written is None else [_describe_remedy(written, note)]
     edits = () if shared or written is None else make_attribute_edits(list_inertial_changes(written, note))
-    remedies = [] if written is None else [_describe_remedy(written, note)]
     if is_barred:
         remedies.append(
             f"{_COMPUTE_TENSOR}: {side.twin.name} has products of inertia with other signs than those of its drawing"
@@ -187,6 +196,14 @@ def _has_lost_number(both: Sequence[PairSide]) -> bool:
         for side in both
         for typed, wanted in zip(side.actual.com.tolist(), side.expected.com.tolist(), strict=True)
     )
+
+
+def _has_com_outside(model: Model, link: Link) -> bool:
+    """Whether the COM is outside the hull of what the link draws: then the numbers are no model for its twin."""
+    numbers, drawn = get_comparable_inertial(link), measure_link_geometry(model, link)
+    if numbers is None or drawn is None:
+        return False
+    return measure_hull_distance(drawn.points, numbers.com) > _OUTSIDE * measure_extent(drawn.points)
 
 
 def _has_com_elsewhere(model: Model, link: Link) -> bool:

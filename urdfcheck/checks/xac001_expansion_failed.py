@@ -213,7 +213,8 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         "unknown-macro",
         extra=extra,
         name=name,
-        files=len(failure.source.trees),
+        files=(count := len(failure.source.trees)),
+        read="the file" if count == 1 else f"the {count} files read so far",
         hint=format_name_hint(name, known) if known else "; no file defines any macro",
     )
 

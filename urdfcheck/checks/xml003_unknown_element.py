@@ -60,6 +60,7 @@ _REPEATED = {"robot": CHILDREN["robot"], "link": frozenset({"visual", "collision
 # The parts of a joint that a fixed one does not use.
 _OF_MOVING_JOINTS = frozenset({"axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"})
 RENAMING = "write `<{near}>`, also in the end tag"
+MERGING = "write a single `<{near}>` where a <{parent}> has the element twice"
 DELETION = "delete it: <{parent}> already has a <{near}>"
 
 
@@ -82,11 +83,17 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         edits: tuple[Edit, ...] = ()
         if message == "misspelt":
             taken = _is_taken(parent_tag, data["near"], places)
-            data["repair"] = DELETION.format(parent=parent_tag, **data) if taken else RENAMING.format(**data)
+            repeated = not taken and _is_repeated(parent_tag, data["near"], places)
+            template = DELETION if taken else MERGING if repeated else RENAMING
+            data["repair"] = template.format(parent=parent_tag, **data)
             wrong = [] if taken else _find_wrong_numbers(places, data["near"])
-            edits = () if taken or wrong else build_rename_edits(places, data["near"], model.source.files)
+            wrong += _find_stuck_joints(places) if data["near"] == "dynamics" and not taken else []
+            is_safe = not (taken or repeated or wrong)
+            edits = build_rename_edits(places, data["near"], model.source.files) if is_safe else ()
             if wrong:
                 data["repair"] += ", and " + join_names(wrong)
+            elif data["near"] == "dynamics" and not taken:
+                data["repair"] += "; programs then use " + _list_values(places)
         data = {"tag": tag, "parent": parent_tag, "times": format_repetition(len(places)), **data}
         finding = rule.finding(
             message,
@@ -141,6 +148,30 @@ def _find_wrong_numbers(places: list[Element], tag: str) -> list[str]:
             forgotten = re.fullmatch(r"\{[A-Za-z_]\w*\}", value)
             wrong[f"`${value}` for the {name} `{value}`" if forgotten else f"a number for the {name}"] = None
     return list(wrong)
+
+
+def _find_stuck_joints(places: list[Element]) -> list[str]:
+    """Return what must be written instead of a friction that is not less than the effort limit of its joint."""
+    stuck: dict[str, None] = {}
+    for place in places:
+        limit = None if place.parent is None else place.parent.find_child("limit")
+        effort = None if limit is None else parse_number(limit.get("effort"))
+        friction = parse_number(place.get("friction"))
+        if effort is not None and friction is not None and friction >= effort > 0:
+            stuck[f"less friction than `{place.get('friction')}`: the effort limit of the joint is {effort:g}"] = None
+    return list(stuck)
+
+
+def _list_values(places: list[Element]) -> str:
+    """Join the values that no program has read so far, for the end of a repair."""
+    values = dict.fromkeys(f"{a.name} {a.value.strip()}" for place in places for a in place.attributes.values())
+    return join_names(values) or "it"
+
+
+def _is_repeated(parent: str, tag: str, places: list[Element]) -> bool:
+    """Whether one parent has two of the places, of which parsers would read only one."""
+    parents = [id(place.parent) for place in places]
+    return tag not in _REPEATED.get(parent, frozenset()) and len(set(parents)) < len(parents)
 
 
 def _is_taken(parent: str, tag: str, places: list[Element]) -> bool:

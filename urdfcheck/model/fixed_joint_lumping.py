@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from urdfcheck.core.text import split_name_words
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
 from urdfcheck.source.text.xml import Element
@@ -82,6 +83,20 @@ def find_preserved_names(model: Model) -> Mapping[str, Element]:
             if child.tag in PRESERVE and is_true_flag(child):
                 preserved.setdefault(block.get("reference"), child)
     return preserved
+
+
+def names_fixed_part(name: str, joint: Joint) -> bool:
+    """Whether a name is that of a fixed joint or of its link, but for the words that say what is named: ``foot_joint``."""
+    words = _strip_kind_words(name)
+    return (
+        joint.type == "fixed"
+        and bool(words)
+        and words in (_strip_kind_words(joint.name), _strip_kind_words(joint.child))
+    )
+
+
+def _strip_kind_words(name: str) -> list[str]:
+    return [word.lower() for word in split_name_words(name) if word.lower() not in {"link", "joint", "fixed", "frame"}]
 
 
 def is_true_flag(element: Element) -> bool:

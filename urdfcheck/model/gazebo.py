@@ -10,6 +10,9 @@ from urdfcheck.source.text.xml import Element
 
 _NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
 
+# The types of sensors that take pictures.
+CAMERA_TYPE = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GazeboSensor:

@@ -58,6 +58,30 @@ def list_rigid_bodies(model: Model) -> tuple[RigidLinkGroup, ...]:
     return tuple(RigidLinkGroup(tree.list_body_links(name), name in tree.parent_joint) for name in heads)
 
 
+@fact
+def list_whole_bodies(model: Model) -> tuple[RigidLinkGroup, ...]:
+    """Return the rigid bodies that are known to the last link, from the roots outwards, also of a robot in pieces.
+
+    Where a joint names a link that does not exist, the rest of the robot is known: left out are the bodies to which a joint that
+    does not move fixes the missing link.
+
+    :raises FactUnavailableError: when the pieces of the robot are not trees.
+    """
+    try:
+        return list_rigid_bodies(model)
+    except FactUnavailableError:
+        pieces = model.pieces
+    cut = [joint for joint in model.joints if not {joint.parent, joint.child} <= pieces.child_joints.keys()]
+    incomplete = {name for joint in cut if not joint.is_movable for name in (joint.parent, joint.child)}
+    moved = {joint.child for joint in cut if joint.is_movable}
+    bodies = dict.fromkeys(pieces.list_body_links(name) for name in pieces.order)
+    return tuple(
+        RigidLinkGroup(links, links[0] in pieces.parent_joint or links[0] in moved)
+        for links in bodies
+        if incomplete.isdisjoint(links)
+    )
+
+
 def has_collision_geometry(model: Model, body: RigidLinkGroup) -> bool:
     """Whether a link of the body has a ``<collision>``."""
     return any(model.link_by_name[name].collisions for name in body.links)
@@ -105,7 +129,9 @@ def compute_body_inertia(model: Model, links: tuple[str, ...]) -> tuple[float, A
 
     from urdfcheck.facts.inertials.inertia_tensor import compute_parallel_axis_term
 
-    inertials = [(model.frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None]
+    inertials = [
+        (model.piece_frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None
+    ]
     parts: list[tuple[float, Array, Array]] = []
     for frame, inertial in inertials:
         matrix, tensor = inertial.origin.matrix, inertial.tensor_in_link
@@ -130,7 +156,7 @@ def find_merged_body(model: Model, link: Link) -> MergedBody | None:
     None when nothing else in it has mass, or when that is not known.
     """
     try:
-        names = model.tree.list_body_links(link.name)
+        names = model.pieces.list_body_links(link.name)
         moments, total = _compute_body_moments(model, names), compute_body_mass(model, names)
     except FactUnavailableError:
         return None

@@ -133,6 +133,24 @@ class Model:
         return _build_tree(self)
 
     @property
+    def pieces(self) -> Tree:
+        """The kinematic tree, or its pieces where joints name links that do not exist or links are in several trees.
+
+        For what can be said of one rigid body alone.
+
+        :raises FactUnavailableError: when the pieces are not trees.
+        """
+        return _build_pieces(self)
+
+    @property
+    def piece_frames(self) -> Mapping[str, Array]:
+        """The `frames`; in a robot in pieces 4x4 placements in the root of each link's piece, which place the links of one body.
+
+        :raises FactUnavailableError: when the pieces are not trees or an origin is malformed.
+        """
+        return _compute_piece_frames(self)
+
+    @property
     def frames(self) -> Mapping[str, Array]:
         """4x4 placement of each link's frame in the root link's frame, all joints at zero.
 
@@ -167,20 +185,45 @@ def _build_tree(model: Model) -> Tree:
 
 
 @fact
+def _build_pieces(model: Model) -> Tree:
+    try:
+        return model.tree
+    except FactUnavailableError:
+        return Tree.build_pieces(model.links, model.joints)
+
+
+@fact
 def _compute_frames(model: Model) -> Mapping[str, Array]:
+    return _place_links(model.tree)
+
+
+@fact
+def _compute_piece_frames(model: Model) -> Mapping[str, Array]:
+    try:
+        _ = model.tree
+    except FactUnavailableError:
+        return _place_links(model.pieces)
+    return model.frames
+
+
+def _place_links(tree: Tree) -> Mapping[str, Array]:
+    """Return the placement (4, 4) of each link in the root of its tree, all joints at zero.
+
+    :raises FactUnavailableError: when an origin is malformed.
+    """
     import numpy as np
 
     from urdfcheck.facts.motion.kinematics import compute_forward_kinematics
 
-    order = model.tree.order
-    index = {name: i for i, name in enumerate(order)}
-    parents, placements = [-1], [np.eye(4)]
-    for name in order[1:]:
-        joint = model.tree.parent_joint[name]
-        matrix = joint.origin.matrix
+    index = {name: i for i, name in enumerate(tree.order)}
+    parents: list[int] = []
+    placements: list[Array] = []
+    for name in tree.order:
+        joint = tree.parent_joint.get(name)
+        matrix = np.eye(4) if joint is None else joint.origin.matrix
         if matrix is None:
-            raise FactUnavailableError(f"the origin of joint {joint.name!r} is malformed")
-        parents.append(index[joint.parent])
+            raise FactUnavailableError(f"the origin of joint {joint.name if joint else name!r} is malformed")
+        parents.append(-1 if joint is None else index[joint.parent])
         placements.append(matrix)
     world = compute_forward_kinematics(parents, np.array(placements))
-    return dict(zip(order, world, strict=True))
+    return dict(zip(tree.order, world, strict=True))

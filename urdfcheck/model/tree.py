@@ -36,15 +36,7 @@ class Tree:
         """
         _ensure_names(links, joints)
         names = dict.fromkeys(link.name for link in links)
-        parent_joint: dict[str, Joint] = {}
-        child_joints: dict[str, list[Joint]] = {name: [] for name in names}
-        for joint in joints:
-            _ensure_links(joint, names.keys())
-            child_joints[joint.parent].append(joint)
-        for joint in joints:
-            if joint.child in parent_joint:
-                raise FactUnavailableError(_explain_two_parents(joint.child, joints, child_joints))
-            parent_joint[joint.child] = joint
+        parent_joint, child_joints = _connect_links(names, joints)
         roots = [name for name in names if name not in parent_joint]
         if len(roots) != 1:
             raise FactUnavailableError(
@@ -55,6 +47,34 @@ class Tree:
             raise FactUnavailableError("some links form a cycle apart from the root (KIN004)")
         if level > MOST_LEVELS:
             raise TreeTooDeepError(level, order[-1])
+        return cls(
+            root=roots[0],
+            order=tuple(order),
+            parent_joint=parent_joint,
+            child_joints={name: tuple(below) for name, below in child_joints.items()},
+        )
+
+    @classmethod
+    def build_pieces(cls, links: Sequence[Link], joints: Sequence[Joint]) -> Tree:
+        """Build the trees of a model in pieces: joints that name a link that does not exist are left out, several roots are kept.
+
+        ``root`` is the first of them. Bodies, and what is fixed to what in them, are known; how the pieces are placed is not.
+
+        :raises FactUnavailableError: when a name is missing or shared, when a link has several parents, and for a cycle.
+        """
+        _ensure_names(links, joints)
+        names = dict.fromkeys(link.name for link in links)
+        connected = [joint for joint in joints if joint.parent in names and joint.child in names]
+        parent_joint, child_joints = _connect_links(names, connected)
+        order: list[str] = []
+        roots = [name for name in names if name not in parent_joint]
+        for root in roots:
+            below, level = _order_from_root(root, child_joints)
+            if level > MOST_LEVELS:
+                raise TreeTooDeepError(level, below[-1])
+            order += below
+        if len(order) != len(names):
+            raise FactUnavailableError("some links form a cycle (KIN004)")
         return cls(
             root=roots[0],
             order=tuple(order),
@@ -89,6 +109,25 @@ class Tree:
     def is_movable_link(self, link: str) -> bool:
         """Whether the link's body hangs on a joint that moves (the root's body does not)."""
         return self.list_body_links(link)[0] in self.parent_joint
+
+
+def _connect_links(
+    names: Mapping[str, None], joints: Sequence[Joint]
+) -> tuple[dict[str, Joint], dict[str, list[Joint]]]:
+    """Return the joint on which each link hangs, and those that hang on each.
+
+    :raises FactUnavailableError: when a joint names a link that does not exist, or a link has several parents.
+    """
+    parent_joint: dict[str, Joint] = {}
+    child_joints: dict[str, list[Joint]] = {name: [] for name in names}
+    for joint in joints:
+        _ensure_links(joint, names.keys())
+        child_joints[joint.parent].append(joint)
+    for joint in joints:
+        if joint.child in parent_joint:
+            raise FactUnavailableError(_explain_two_parents(joint.child, joints, child_joints))
+        parent_joint[joint.child] = joint
+    return parent_joint, child_joints
 
 
 class TreeTooDeepError(FactUnavailableError):

@@ -290,7 +290,7 @@ def _list_geometry_readings(model: Model, link: Link) -> Iterator[VisualGeometry
 def _list_massless_covers(model: Model, link: Link) -> list[Link]:
     """Return the links that are fixed to one, have no inertial, and draw something; none where their placement is not known."""
     try:
-        tree, _ = model.tree, model.frames
+        tree, _ = model.pieces, model.piece_frames
     except FactUnavailableError:
         return []
     covers = []
@@ -334,7 +334,9 @@ def _compute_cache_key(
 ) -> str:
     """Return a digest of what the verdict on a link depends on."""
     covers = _list_massless_covers(model, link)
-    places = [repr((np.linalg.inv(model.frames[link.name]) @ model.frames[one.name]).tolist()) for one in covers]
+    places = [
+        repr((np.linalg.inv(model.piece_frames[link.name]) @ model.piece_frames[one.name]).tolist()) for one in covers
+    ]
     expected = () if reference is None else (_format_numbers(reference.numbers), str(reference.trusted))
     return _hash_drawing(model, [link, *covers], [*places, _format_numbers(declared), *expected])
 

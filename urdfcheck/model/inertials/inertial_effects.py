@@ -151,7 +151,7 @@ def is_tiny(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
 def is_light(model: Model, link: Link) -> bool:
     """Whether the link is a small part of a rigid body, whose motion its numbers hardly change."""
     try:
-        body = model.tree.list_body_links(link.name)
+        body = model.pieces.list_body_links(link.name)
     except FactUnavailableError:
         return False
     whole = compute_body_mass(model, body)

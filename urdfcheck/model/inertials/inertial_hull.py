@@ -11,7 +11,7 @@ import numpy as np
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Inertial, Link
-from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
+from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_whole_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, has_up_axis_ambiguity
@@ -66,14 +66,14 @@ def enclosed_inertials(model: Model) -> tuple[EnclosedInertial, ...]:
 
 
 def _generate_enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
-    for body in list_rigid_bodies(model):
+    for body in list_whole_bodies(model):
         readings = tuple(_list_corner_readings(model, body.links))
         if not readings:
             continue
         shares = compute_body_shares(model, body.links)
         drawing = {name for name in body.links if has_drawn_shape(model.link_by_name[name])}
         for name in body.links:
-            link, frame = model.link_by_name[name], model.frames[name]
+            link, frame = model.link_by_name[name], model.piece_frames[name]
             inertial = link.inertial
             if name not in shares or inertial is None or inertial.mass is None or inertial.tensor_in_link is None:
                 continue

@@ -56,6 +56,8 @@ _REMAINING, LARGEST_SOUND_MISMATCH = 0.3, 0.75
 _LONE_NUMBER = 0.3
 # A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size.
 _FAR_COM = 0.1
+# A COM is that of a shell within this part of its radius of gyration.
+_SAME_COM = 0.05
 # A tensor is about another point where the COM is half a radius of gyration away.
 _APART = 0.5
 # The nearest possible tensor is offered as an edit without a cause where it changes less than mass properties are known by.
@@ -396,6 +398,8 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
     diagnosed, inertial = inertial_diagnoses(model).get(link.name), link.inertial
     if diagnosed is None or inertial is None or diagnosed.diagnosis.mended is None:
         return None
+    if diagnosed.diagnosis.cause == "shell" and has_com_of_shell(model, link):
+        return None  # the part may be hollow: then all of its numbers are right
     change = build_inertial_repair(inertial, diagnosed.diagnosis.mended)
     if not change.text or _leaves_com_off(model, link, diagnosed):
         return None
@@ -408,6 +412,16 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
         and not _is_of_either_side(model, link, diagnosed)
     )
     return change if is_certain else replace(change, edits=())
+
+
+def has_com_of_shell(model: Model, link: Link) -> bool:
+    """Whether the COM, which is not that of what the link draws as a solid, is that of its thin, hollow shell."""
+    drawn, matrix = measure_link_geometry(model, link), None if link.inertial is None else link.inertial.origin.matrix
+    if drawn is None or drawn.shell is None or matrix is None:
+        return False
+    size = float(np.sqrt(np.trace(drawn.shell.covariance)))
+    far, near = (float(np.linalg.norm(matrix[:3, 3] - one.com)) for one in (drawn.solid, drawn.shell))
+    return near < _SAME_COM * size < far
 
 
 def _leaves_com_off(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:

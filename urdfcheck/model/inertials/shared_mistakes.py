@@ -12,6 +12,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
 )
 from urdfcheck.model import Link, Model
+from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.diagnosis_words import NOTABLE
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import is_light, is_possible, measure_difference, measure_mismatch
@@ -21,6 +22,8 @@ from urdfcheck.model.shapes.visual_solid import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
 
@@ -35,6 +38,9 @@ _PROVEN = 0.1
 # Principal moments that agree in this share, of a part with its COM where it is drawn, are those of the part; moments that
 # differ by less than this share of the largest do not show their axes. The tensor differs by this share at least.
 _SAME_MOMENTS, _DISTINCT, _OTHER_AXES = 0.02, 0.1, 0.1
+
+# Tensors of one density are those of so many links of different mass densities, to within this share.
+_FEWEST_DENSITIES, _SAME_DENSITY = 3, 0.03
 
 
 def list_habitual_links(model: Model) -> list[Link]:
@@ -159,3 +165,28 @@ def find_disputed_units(model: Model) -> dict[str, str]:
         if set(links.values()) != {"none"}
         and not set.intersection(*(set(detail.split(" or ")) for detail in links.values()))
     }
+
+
+@fact
+def find_tensor_density(model: Model) -> tuple[float, Mapping[str, float]]:
+    """Find the one density in kg/m³ at which the drawn parts have the tensors of links whose masses give other densities, and
+    these links, each with that of its tensor; empty where no three different links share one.
+
+    Each of them alone fits another mass or another decimal point.
+    """
+    densities, masses = {}, {}
+    for name, judged in inertial_diagnoses(model).items():
+        drawn, diagnosis = measure_link_geometry(model, model.link_by_name[name]), judged.diagnosis
+        is_scaled = diagnosis.cause == "other_mass" or (
+            diagnosis.cause == "decimal_point" and diagnosis.detail.startswith("tensor")
+        )
+        if drawn is not None and drawn.closed and diagnosis.at_fault and is_scaled:
+            tensor = compute_solid_inertia(drawn.solid, drawn.solid.volume)
+            densities[name] = float(np.trace(judged.declared.inertia) / np.trace(tensor))
+            masses[name] = judged.declared.mass / drawn.solid.volume
+    if not densities:
+        return 0.0, {}
+    median = float(np.median(list(densities.values())))
+    shared = {name: one for name, one in densities.items() if abs(one - median) < _SAME_DENSITY * median}
+    different = {f"{masses[name]:.2g}" for name in shared}
+    return (median, shared) if len(different) >= _FEWEST_DENSITIES else (0.0, {})

@@ -77,11 +77,22 @@ def is_ballast(model: Model, links: Sequence[str]) -> bool:
 
     :raises FactUnavailableError: when the tree is broken or the mass of the root is malformed or negative.
     """
-    if model.tree.root not in links:
+    head = model.pieces.list_body_links(links[0])[0]
+    # In a robot in pieces the parent of the joint that moves the body may not exist.
+    if head in model.pieces.parent_joint or any(joint.child == head and joint.is_movable for joint in model.joints):
         return False
     own = sum(declared.mass for declared in model.masses if declared.link.name in links)
     rest = sum(declared.mass for declared in model.masses if declared.link.name not in links)
-    return own > _BALLAST * rest > 0.0 and is_bolted(model)
+    return own > _BALLAST * rest > 0.0 and (_is_in_pieces(model) or is_bolted(model))
+
+
+def _is_in_pieces(model: Model) -> bool:
+    """Whether the robot is not one tree: then it is not known what carries a piece."""
+    try:
+        _ = model.tree
+    except FactUnavailableError:
+        return True
+    return False
 
 
 def _list_virtual_joint_types(model: Model) -> set[str]:

@@ -31,7 +31,8 @@ class AttributeChange:
 
     def __str__(self) -> str:
         # A mass is in the attribute `value` of its element.
-        return f'{"mass value" if self.name == "mass" else self.name}="{self.text}"'
+        # The blanks that align columns in a file are noise in a sentence.
+        return f'{"mass value" if self.name == "mass" else self.name}="{" ".join(self.text.split())}"'
 
 
 def change_numbers(attribute: Attribute | None, name: str, text: str) -> AttributeChange:

@@ -61,7 +61,7 @@ def build_inertial_repair(inertial: Inertial, expected: DeclaredInertial, digits
         if is_possible:
             break
     edits = [edit for attribute, _, new in changes if (edit := _make_edit(attribute, new)) is not None]
-    text = " ".join(f'{name}="{new}"' for _, name, new in changes)
+    text = " ".join(f'{name}="{" ".join(new.split())}"' for _, name, new in changes)
     targets = tuple(place for place, _, _ in changes)
     return InertialRepair(tuple(edits) if is_possible and len(edits) == len(changes) else (), text, targets)
 

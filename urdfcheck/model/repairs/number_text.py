@@ -20,6 +20,8 @@ _WORD = re.compile(r"\S+")
 _LEAST_FIXED, _MOST_FIXED = -4, 6
 # A fraction with so many more zeros behind the point than its neighbour gets an exponent.
 _MOST_ZEROS = 3
+# A double holds so many decimal digits; a number of fewer that came out of a computation has an error in the last ones.
+_MOST_EXACT, _MOST_TYPED = 15, 10
 # Zeros at the end of a number (0.50) are a style up to so many decimals, and the padding of a program beyond.
 _MOST_STYLED = 4
 
@@ -61,8 +63,18 @@ def write_number(typed: str, value: float, others: Iterable[str] = (), digits: i
             shift = round(math.log10(abs(value)) - math.log10(abs(float(old)))) if powers else 0
             scaled = old.scaleb(shift).copy_sign(Decimal(value))
             if math.isclose(float(scaled), value, rel_tol=NEGLIGIBLE_DIFFERENCE):
+                is_own = powers and shift == 0  # the sign alone
+                if not is_own and (clean := _drop_noise(scaled)) is not None:
+                    return clean
                 return word.strip() if scaled == old else _rewrite_number(word.strip(), scaled, shift)
     return keep_notation(typed.strip(), f"{value:.{digits}g}") if value else "0"
+
+
+def _drop_noise(number: Decimal) -> str | None:
+    """Return a number without the rounding error of its computation (3.7500000000000003e-05); None if it has none."""
+    clean = Decimal(f"{number:.{_MOST_EXACT}g}").normalize()
+    is_noise = len(number.as_tuple().digits) > _MOST_EXACT and len(clean.as_tuple().digits) <= _MOST_TYPED
+    return f"{float(clean):.{_MOST_TYPED}g}" if is_noise else None
 
 
 def _parse_decimal(word: str) -> Decimal | None:

@@ -29,10 +29,10 @@ def collect_rigid_corners(model: Model, link: Link, *, apply_unit: bool = True) 
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    points = collect_body_corners(model, model.tree.list_body_links(link.name), apply_unit=apply_unit)
+    points = collect_body_corners(model, model.pieces.list_body_links(link.name), apply_unit=apply_unit)
     if points is None:
         return None
-    to_link = np.linalg.inv(model.frames[link.name])
+    to_link = np.linalg.inv(model.piece_frames[link.name])
     in_link: Array = points @ to_link[:3, :3].T + to_link[:3, 3]
     return in_link
 
@@ -43,7 +43,7 @@ def collect_body_corners(
     """Collect the corners of the links of one body in the root link's frame, like `collect_rigid_corners`."""
     parts = []
     for name in links:
-        link, frame = model.link_by_name[name], model.frames[name]
+        link, frame = model.link_by_name[name], model.piece_frames[name]
         for shape in (*link.visuals, *link.collisions):
             if is_dummy_shape(shape):
                 continue

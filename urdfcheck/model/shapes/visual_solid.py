@@ -135,13 +135,13 @@ def merge_geometry(model: Model, link: Link, others: Iterable[Link]) -> VisualGe
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    to_link = np.linalg.inv(model.frames[link.name])
+    to_link = np.linalg.inv(model.piece_frames[link.name])
     parts = []
     for one in (link, *others):
         drawn = measure_link_geometry(model, one)
         if drawn is None:
             return None
-        parts.append(_transform_geometry(drawn, to_link @ model.frames[one.name]))
+        parts.append(_transform_geometry(drawn, to_link @ model.piece_frames[one.name]))
     points = np.concatenate([drawn.points for drawn in parts])
     closed = all(drawn.closed for drawn in parts)
     return VisualGeometry(solid=combine_solids([drawn.solid for drawn in parts]), closed=closed, points=points)

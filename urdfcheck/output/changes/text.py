@@ -81,7 +81,7 @@ def _iter_cause_lines(causes: Sequence[ChangeCause], *, show_all: bool) -> Itera
     shown = causes if show_all else sorted(causes, key=lambda cause: -len(cause.changes))[:MOST_CAUSES]
     for cause in shown:
         count = format_count(len(cause.changes), "change")
-        yield f"  why: {count} by" if cause.is_edited else f"  why: {count}, no edited line; typed at"
+        yield f"  {count}, caused by" if cause.is_edited else f"  {count}, typed in a line that was not edited"
         for sign, lines in (("-", cause.before), ("+", cause.after)):
             for file, line, text in lines:
                 yield f"    {sign} {file}:{line}  {text}"

@@ -41,6 +41,8 @@ _BESIDE, _REACH = 2e-3, 0.035
 _MOST_RADII = 4.0
 # Two axes are one line within this angle (rad) and distance (m).
 _SAME_ANGLE, _SAME_PLACE = 0.02, 2e-3
+# Two bores are as far beside their axes within this distance (m).
+_SAME_OFFSET = 1e-3
 # A bore may be that of another joint whose origin is so near (m): the second jaw of a gripper.
 _NEIGHBOUR = 0.1
 # A tilted axis is off by so many degrees: less is a mesh that is drawn askew. One along another coordinate is off by more.
@@ -82,9 +84,28 @@ def find_bearing_mismatches(bodies: DrawnBodies) -> list[BearingMismatch]:
         place, axis = model.frames[joint.child][:3, 3], model.axes[joint.name]
         others = list(_iter_near_axes(model, joint))
         mismatch = compare_bearing(joint.name, place, axis, parent=parent, child=child, others=others)
-        if mismatch is not None:
+        if mismatch is not None and not _shares_offset(bodies, joint, mismatch, parent):
             found.append(mismatch)
     return found
+
+
+def _shares_offset(bodies: DrawnBodies, joint: Joint, found: BearingMismatch, parent: RoundStrips) -> bool:
+    """Whether the parent has its bore at the same place beside another joint too: then the mesh is off, and not one joint."""
+    model, axis = bodies.model, bodies.model.axes[joint.name]
+    head = bodies.get_parent(joint)
+    for name in model.tree.order[1:] if found.kind == "beside" else ():
+        other = model.tree.parent_joint[name]
+        if other is joint or other.name not in model.axes or bodies.get_parent(other) != head:
+            continue
+        place, direction = model.frames[other.child][:3, 3], model.axes[other.name]
+        is_parallel = _measure_angle(direction, axis) < math.degrees(_SAME_ANGLE)
+        if not is_parallel or parent.list_rings_about(place, direction):
+            continue
+        for line in parent.list_parallel_lines(place, direction, _REACH):
+            is_bore = any(ring.coverage >= _HUB and ring.radius >= _LEAST_HUB for ring in line.rings)
+            if is_bore and np.linalg.norm(line.point - place - found.vector) < _SAME_OFFSET:
+                return True
+    return False
 
 
 class _Surfaces:

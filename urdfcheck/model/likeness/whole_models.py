@@ -1,0 +1,54 @@
+"""The models of a repository that a file without all its links is a part of, although none includes it."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
+from itertools import islice
+from pathlib import Path
+
+from urdfcheck.model.robot import Model
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.reach import find_project_folder
+from urdfcheck.source.xacro.argument_values import read_included_trees
+from urdfcheck.system.files import read_regular, walk
+
+_SUFFIXES = (".urdf", ".xacro")
+_ROBOT = re.compile(r"""<robot\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
+# Limits on files of a repository that are compared, on folders that are searched, and on the size of a file.
+_MOST_FILES, _MOST_FOLDERS, _LARGEST = 400, 5_000, 1_000_000
+
+
+def find_whole_model(model: Model, links: AbstractSet[str]) -> Path | None:
+    """Return another model of the repository with the same robot name in which all these links are spelled out, or None.
+
+    It has other links too, at least half as many as the model: a copy with nearly the same links is not what the model lacks.
+    """
+    name, own = model.robot.get("name"), model.link_by_name.keys()
+    if not name:
+        return None
+    for path in islice(_iter_robot_files(model), _MOST_FILES):
+        try:
+            match = _ROBOT.search(read_regular(path, _LARGEST).decode("utf-8", "replace"))
+        except OSError:
+            continue
+        if match is None or name not in match.groups():
+            continue
+        trees = read_included_trees(path, model.source.finder)
+        spelled = {e.get("name") for tree, _ in trees for e in tree.walk() if e.tag == "link"}
+        if links <= spelled and 2 * len(spelled - links - own) >= len(own):
+            return path
+    return None
+
+
+def _iter_robot_files(model: Model) -> Iterator[Path]:
+    """Yield the robot files of the repository around a model, or of its package, that the model does not use itself."""
+    source = model.source
+    used = {os.path.realpath(file.path) for file in source.files.values()}
+    for here, names, files in islice(walk(find_project_folder(source.path)), _MOST_FOLDERS):
+        names[:] = sorted(n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS)
+        for path in (Path(here, name) for name in sorted(files) if name.lower().endswith(_SUFFIXES)):
+            if os.path.realpath(path) not in used and source.finder.can_open(path):
+                yield path
