@@ -36,13 +36,15 @@ class _CheckedVersion:
 def compare_versions(before: Request, after: Request, execution: Execution = IN_WORKERS) -> Diff:
     """Check two versions and compare their models; each request has one path.
 
+    Requests that name what they want of it may find no model.
+
     :raises UrdfcheckError: if a path does not exist, or no model is found in either version.
     :raises KeyboardInterrupt: if the user interrupts.
     """
     first = _read_side(before, execution)
     second = _read_side(after, execution.without_start())
-    pairs = pair_models(first.models, second.models)
-    if not pairs:
+    pairs = pair_models(first.models, second.models, are_named=before.only is None)
+    if not pairs and before.only is None:
         raise UrdfcheckError(f"{before.paths[0]}, {after.paths[0]}: no model to compare")
     in_process = execution.audit is not None
     models = tuple(_compare_pairs(pairs, first.folder, second.folder, before, in_process=in_process))

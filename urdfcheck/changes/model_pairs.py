@@ -38,9 +38,14 @@ class ModelPair:
     matched_by: str
 
 
-def pair_models(before: Sequence[VersionedModel], after: Sequence[VersionedModel]) -> list[ModelPair]:
-    """Pair the models of two versions, in the order of the first; those that only the second has come last."""
-    if len(before) == len(after) == 1:
+def pair_models(
+    before: Sequence[VersionedModel], after: Sequence[VersionedModel], *, are_named: bool = True
+) -> list[ModelPair]:
+    """Pair the models of two versions, in the order of the first; those that only the second has come last.
+
+    ``are_named``: whether two lone models are versions of one because the user says so.
+    """
+    if are_named and len(before) == len(after) == 1:
         return [ModelPair(before[0], after[0], "named")]
     left, right = list(before), list(after)
     found: dict[int, ModelPair] = {}

@@ -9,7 +9,6 @@ from typing import Any
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.likeness.whole_models import find_whole_model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_values
 from urdfcheck.source.package.finder import format_path
@@ -41,7 +40,11 @@ def _build_fragment_finding(
     is_attached = all(a.owner.tag == "parent" and graph.guess_link("parent", a.value) is None for a in attributes)
     # A link without a parent is a root: then the file is a robot, and the joint is wrong.
     is_attached = is_attached and {joint.child for joint in model.joints}.issuperset(graph.links)
-    whole = find_whole_model(model, unknown.keys()) if attributes and is_attached else None
+    if not (attributes and is_attached):
+        return None
+    from urdfcheck.model.likeness.whole_models import find_whole_model  # loaded only for such a file
+
+    whole = find_whole_model(model, unknown.keys())
     if whole is None:
         return None
     finding = rule.finding(

@@ -8,6 +8,7 @@ from pathlib import Path
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_count, truncate_text
 from urdfcheck.source.load import Source, has_unbound_xacro
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, SUBSTITUTION, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
 
@@ -29,7 +30,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     if source.is_xacro:
         for element in iter_urdf_elements(root):
             for where, text, number in _find_unexpanded_xacro(element):
-                yield rule.finding("left", at=where, consequences=CONSEQUENCES[number], text=_shorten_expression(text))
+                consequences = _predict_consequences([element], is_number_missing=number)
+                yield rule.finding("left", at=where, consequences=consequences, text=_shorten_expression(text))
         return
     if has_unbound_xacro(source):
         return  # XML001: xacro cannot read it either
@@ -44,11 +46,11 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         for inside in (False, True)
     )
     if read or unread:
-        yield _build_plain_finding(source, rule, [*read, *unread], has_read=bool(read))
+        yield _build_plain_finding(source, root, rule, [*read, *unread], has_read=bool(read))
 
 
 def _build_plain_finding(
-    source: Source, rule: Rule, left: list[tuple[Location, str, bool]], *, has_read: bool
+    source: Source, root: Element, rule: Rule, left: list[tuple[Location, str, bool]], *, has_read: bool
 ) -> Finding:
     """Report all xacro of a plain URDF together; as a note if the launch files of its package replace all of it.
 
@@ -69,7 +71,9 @@ def _build_plain_finding(
         return rule.finding(
             "not_expanded",
             at=where,
-            consequences=CONSEQUENCES[any(number for *_, number in remaining)],
+            consequences=_predict_consequences(
+                iter_urdf_elements(root), is_number_missing=any(number for *_, number in remaining)
+            ),
             text=_shorten_expression(text),
             held=held,
         )
@@ -80,10 +84,30 @@ def _build_plain_finding(
         at=where,
         related=[place],
         severity=Severity.INFO,
+        consequences=_predict_mesh_consequences(iter_urdf_elements(root)),
         text=_shorten_expression(text),
         held=held,
         launch=launch,
     )
+
+
+def _predict_consequences(elements: Iterable[Element], *, is_number_missing: bool) -> dict[str, str]:
+    """Predict the reactions to the unexpanded texts of elements; a missing number is the worse one."""
+    meshes = _predict_mesh_consequences(elements)
+    return CONSEQUENCES[False] | meshes | (CONSEQUENCES[True] if is_number_missing else {})
+
+
+def _predict_mesh_consequences(elements: Iterable[Element]) -> dict[str, str]:
+    """Predict the reactions to mesh paths that are not expanded: those to missing meshes (PKG002)."""
+    paths = [element for element in elements if element.tag == "mesh" and is_unexpanded(element.get("filename") or "")]
+    if not paths:
+        return {}
+    whole = {
+        "pinocchio": "refuses the geometry of the whole robot",
+        "drake": "refuses the file",
+        "bullet": "refuses the file",
+    }
+    return whole | describe_missing_mesh(paths)
 
 
 def _is_replaced(text: str, replaced: Iterable[str]) -> bool:

@@ -148,6 +148,8 @@ class Diff:
     findings: FindingsDiff = field(default_factory=FindingsDiff)
     failures: tuple[str, ...] = ()
     """Why a side or a part of it is unknown: they make the exit code 2."""
+    notes: tuple[str, ...] = ()
+    """What of the versions of a repository was not compared."""
     version: str = ""
     """Version of urdfcheck."""
 

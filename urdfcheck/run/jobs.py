@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -98,11 +99,20 @@ class Request:
     """Finds the configuration of each file, which decides about rules and packages; None: `policy` holds for all."""
     all_arguments: bool = False
     """See :func:`urdfcheck.source.discover.discover_targets`."""
+    only: frozenset[str] | None = None
+    """Real paths of the files and folders that are checked of what the paths lead to; None for all."""
 
     @property
     def reach(self) -> FileReach:
         """Which files may be opened."""
         return FileReach.from_paths(self.paths, (*self.packages.all_folders, *self.allowed))
+
+    def wants(self, path: str) -> bool:
+        """Whether a file or folder that the paths lead to is to be checked."""
+        if self.only is None:
+            return True
+        real = Path(os.path.realpath(path))
+        return any(str(folder) in self.only for folder in (real, *real.parents))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

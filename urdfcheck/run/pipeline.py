@@ -348,6 +348,7 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
         )
         for path in plan.packages
     ]
+    units = [unit for unit in units if request.wants(unit.path)]
     find_baseline = _make_baseline_lookup(request)
     counts = Counter(unit.id for unit in units)
     return [

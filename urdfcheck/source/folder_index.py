@@ -22,6 +22,7 @@ from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_mo
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS
 from urdfcheck.source.reach import find_project_folder
+from urdfcheck.system import git as git_program
 from urdfcheck.system.programs import find_program, make_program_environment
 
 # Limit on the file names that are compared with the patterns of includes: beyond it a file counts as not included, and is
@@ -436,8 +437,8 @@ def _list_git_ignored(root: Path) -> set[str]:
     git = find_program("git", outside=[find_project_folder(root)])
     if git is None:
         return set()
-    safe = ["-c", "core.fsmonitor=false", "-c", "safe.bareRepository=explicit", "-c", "fetch.bundleURI="]
-    alone = make_program_environment(GIT_ALLOW_PROTOCOL="", GIT_NO_LAZY_FETCH="1", GIT_TERMINAL_PROMPT="0")
+    safe = [word for setting in git_program.SETTINGS for word in ("-c", setting)]
+    alone = make_program_environment(**git_program.VARIABLES)
     listing = ["ls-files", "-z", "--others", "--ignored", "--exclude-standard", "--directory"]
     try:
         done = subprocess.run(

@@ -11,10 +11,10 @@ from collections.abc import Mapping
 
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.argument_values import FIRST_GENERATION, KNOWN_VARIABLES, VARIABLE
 from urdfcheck.source.xacro.expand import expand_xacro
 from urdfcheck.source.xacro.expressions.varying_values import SET_ORDERS
 from urdfcheck.source.xacro.outside_access import HASH_SEED
+from urdfcheck.source.xacro.ros_variables import FIRST_GENERATION, KNOWN_VARIABLES, VARIABLE
 
 
 def find_other_environments(source: Source) -> list[dict[str, str]]:

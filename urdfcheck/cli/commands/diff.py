@@ -1,10 +1,12 @@
-"""``urdfcheck diff A B``: what a change does to the robot."""
+"""``urdfcheck diff A B`` and ``urdfcheck diff [REV[..REV]] [-- PATH...]``: what a change does to the robot."""
 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.cli.options import CommandParser, add_options, build_request
@@ -13,7 +15,13 @@ from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.run.preload import start_warm_worker
 
 if TYPE_CHECKING:
+    from urdfcheck.core.model_diff import Diff
     from urdfcheck.run.jobs import Request
+    from urdfcheck.run.pipeline import Execution
+
+USAGE = """\
+urdfcheck diff A B [options]
+       urdfcheck diff [REV[..REV]] [options] [-- PATH...]"""
 
 EPILOG = """\
 exit codes: 0 nothing that --fail-on or a tolerance names, 1 such a change, 2 a version could not be read
@@ -24,14 +32,28 @@ def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck diff``."""
     p = CommandParser(
         prog="urdfcheck diff",
+        usage=USAGE,
         description="Compare two versions of a robot: structure, motion, limits, mass, shapes and findings, each with the lines "
-        "that caused it.",
+        "that caused it. Without two paths: two states of a git repository, by default HEAD and the work tree.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    p.add_argument("before", metavar="A", help="the first version: a model, a package or a folder")
-    p.add_argument("after", metavar="B", help="the second version: models are matched by path, name, then structure")
-    p.add_argument("--format", choices=("text", "json"), default="text", help="output format (default: text)")
+    p.add_argument(
+        "versions",
+        metavar="A B|REV[..REV]",
+        nargs="*",
+        help="two models, packages or folders: models are matched by path, name, then structure; or REV (default: HEAD) to "
+        "compare a revision with the work tree, REV..REV to compare two, REV...REV to begin at their common ancestor",
+    )
+    p.add_argument(
+        "paths",
+        metavar="-- PATH",
+        nargs="*",
+        help="with revisions: only these models, and those that use these files",
+    )
+    p.add_argument(
+        "--format", choices=("text", "json", "markdown"), default="text", help="output format (default: text)"
+    )
     p.add_argument(
         "--fail-on",
         action="append",
@@ -53,26 +75,28 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = build_parser().parse_args(words)
+    given, paths = _split_words(words)
+    options = build_parser().parse_args(given)
     from urdfcheck.changes.gate import make_gate
     from urdfcheck.run.request import split_words
 
     gate = make_gate(split_words(options.fail_on), options.max_tool_shift, options.max_mass)
-    if not options.before or not options.after:
+    if "" in (*options.versions, *(paths or ())):
         raise UrdfcheckError("a path is empty (urdfcheck diff A B)")
     warm_worker = start_warm_worker()
 
-    from urdfcheck.changes.compare_versions import compare_versions
     from urdfcheck.run.pipeline import Execution
-    from urdfcheck.system import libraries
 
-    first, second = (_build_side(options, path) for path in (options.before, options.after))
-    libraries.prefer_own_folders()
-    diff = compare_versions(first, second, Execution(warm_worker=warm_worker, on_progress=make_progress_printer()))
+    execution = Execution(warm_worker=warm_worker, on_progress=make_progress_printer())
+    diff = _compare(options, paths, execution)
     if options.format == "json":
         from urdfcheck.output.changes import json
 
         print_document(json.render(diff))
+    elif options.format == "markdown":
+        from urdfcheck.output.changes import markdown
+
+        print_document(markdown.render(diff))
     else:
         from urdfcheck.output.changes import text
 
@@ -82,10 +106,69 @@ def main(words: Sequence[str]) -> int:
     return FINDINGS if gate.list_reasons(diff) else OK
 
 
-def _build_side(options: argparse.Namespace, path: str) -> Request:
-    """Return the request for one version: the options hold for both, the configuration is that of the path."""
-    # `fail_on` has other values here than the severities of a check.
-    request, _ = build_request(
-        argparse.Namespace(**{**vars(options), "paths": [path], "fail_on": None, "verbose": False})
+def _split_words(words: Sequence[str]) -> tuple[list[str], list[str] | None]:
+    """Return the words before ``--`` and those after it; None where there is no ``--``."""
+    place = words.index("--") if "--" in words else len(words)
+    return list(words[:place]), None if place == len(words) else list(words[place + 1 :])
+
+
+def _compare(options: argparse.Namespace, paths: Sequence[str] | None, execution: Execution) -> Diff:
+    """Compare what the words name: two paths, or two states of a repository.
+
+    :raises UrdfcheckError: if the words mean neither.
+    """
+    from urdfcheck.system import libraries
+
+    versions: list[str] = options.versions
+    if len(versions) == 2 and not paths:
+        from urdfcheck.changes.compare_versions import compare_versions
+
+        if not any(map(os.path.lexists, versions)):
+            raise UrdfcheckError(
+                f"{versions[0]}, {versions[1]}: there is no such file or folder; two revisions are written "
+                f"{versions[0]}..{versions[1]}"
+            )
+        first, second = (_build_request(options, path) for path in versions)
+        libraries.prefer_own_folders()
+        return compare_versions(first, second, execution)
+    if len(versions) > 1:
+        raise UrdfcheckError("name two paths (urdfcheck diff A B), or one REV[..REV], with its paths after --")
+    from urdfcheck.changes.commits.compare_states import compare_states
+
+    if paths is None and versions and os.path.lexists(versions[0]):
+        name = versions[0]
+        raise UrdfcheckError(
+            f"{name} is the name of a file or folder: write -- {name} to compare its state in HEAD with the work tree, or "
+            f"{name} -- for a revision of this name"
+        )
+    libraries.prefer_own_folders()
+    return compare_states(
+        versions[0] if versions else "",
+        paths or [],
+        lambda folder, translate: _build_request(options, str(folder), translate),
+        allowed=options.allow_read,
+        execution=execution,
     )
+
+
+def _build_request(options: argparse.Namespace, path: str, translate: Callable[[str], str] = str) -> Request:
+    """Return the request for one version: the options hold for both, the configuration is that of the path.
+
+    ``translate``: leads from a path that an option names to that of the version.
+    """
+
+    def translate_package(text: str) -> str:
+        name, assigned, folder = text.partition("=")
+        return f"{name}{assigned}{translate(folder)}" if folder and Path(folder).is_dir() else text
+
+    # `fail_on` has other values here than the severities of a check.
+    changes = {
+        "paths": [path],
+        "fail_on": None,
+        "verbose": False,
+        "package": list(map(translate_package, options.package)),
+        "package_path": list(map(translate, options.package_path)),
+        "allow_read": list(map(translate, options.allow_read)),
+    }
+    request, _ = build_request(argparse.Namespace(**{**vars(options), **changes}))
     return request

@@ -28,6 +28,7 @@ def render(diff: Diff) -> str:
             "unchanged": diff.findings.unchanged,
         },
         "failures": list(diff.failures),
+        "notes": list(diff.notes),
     }
     return escape_for_json(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 

@@ -14,7 +14,8 @@ from urdfcheck.output.shared.wording import format_place
 MOST_CHANGES, MOST_CAUSES, MOST_OTHERS = 12, 4, 3
 # Columns of the names of the categories.
 _COLUMN = 10
-_LABELS = {"kinematic": "motion", "dynamic": "dynamics", "extension": "other"}
+# What the categories are called, where that is not their name.
+LABELS = {"kinematic": "motion", "dynamic": "dynamics", "extension": "other"}
 
 
 def render(diff: Diff, *, show_all: bool = False) -> str:
@@ -24,15 +25,19 @@ def render(diff: Diff, *, show_all: bool = False) -> str:
         if len(diff.models) > 1 and model.verdict == IDENTICAL and not show_all:
             continue
         lines += _iter_model_lines(model, is_only=len(diff.models) == 1, show_all=show_all)
+    if not diff.models and not diff.failures:
+        lines.append("identical: no robot uses a file that differs")
     same = sum(model.verdict == IDENTICAL for model in diff.models)
     if len(diff.models) > 1 and same and not show_all:
         lines.append(f"{format_count(same, 'model is', 'models are')} identical")
     lines += _iter_finding_lines(diff, show_all=show_all)
-    lines += [f"not compared: {failure}" for failure in diff.failures if not _is_headline(diff, failure)]
+    lines += [f"not compared: {failure}" for failure in diff.failures if not has_headline(diff, failure)]
+    lines += [f"not compared: {note}" for note in diff.notes]
     return "".join(f"{escape_for_log(escape_one_line(line))}\n" for line in lines)
 
 
-def _is_headline(diff: Diff, failure: str) -> bool:
+def has_headline(diff: Diff, failure: str) -> bool:
+    """Whether a failure is the headline of a model, which is shown anyway."""
     return any(failure.endswith(model.headline) for model in diff.models)
 
 
@@ -56,15 +61,16 @@ def _iter_model_lines(model: ModelDiff, *, is_only: bool, show_all: bool) -> Ite
 def _iter_change_lines(model: ModelDiff, found: MechanismDiff, *, show_all: bool) -> Iterator[str]:
     most = len(model.texts) if show_all else MOST_CHANGES
     for change, text in list(zip(found.changes, model.texts, strict=True))[:most]:
-        yield f"  {_LABELS.get(change.category, change.category):{_COLUMN}} {text}"
+        yield f"  {LABELS.get(change.category, change.category):{_COLUMN}} {text}"
     if len(model.texts) > most:
         yield f"  … {format_count(len(model.texts) - most, 'more change')} (-v lists all)"
     torques = found.torques if show_all else found.torques[:2]
     for torque in torques:
-        yield f"  {'gravity':{_COLUMN}} {_describe_torque(torque)}"
+        yield f"  {'gravity':{_COLUMN}} {describe_torque(torque)}"
 
 
-def _describe_torque(torque: JointTorque) -> str:
+def describe_torque(torque: JointTorque) -> str:
+    """Return what gravity asks of a joint in both versions."""
     text = f"joint {torque.joint} holds up to {torque.before:.3g} → {torque.after:.3g} {torque.unit}"
     if torque.effort is None:
         return text

@@ -18,6 +18,7 @@ from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
+from urdfcheck.source.xacro.ros_variables import KNOWN_VARIABLES, VARIABLE
 
 # Up to this number, every combination is a variant; beyond it, each value alone, and each pair of values in some variant.
 MOST_COMBINATIONS = 32
@@ -27,15 +28,6 @@ MOST_ARGUMENTS, MOST_VALUES, MOST_FILES = 48, 16, 400
 # The longest expression of published robots has 166 characters.
 MOST_CHARACTERS = 2_000
 
-# What the name of an argument begins with that stands for a variable of the environment: `env:ROS_DISTRO`.
-VARIABLE = "env:"
-# The distributions of ROS that are or were in use, and what they set.
-KNOWN_VARIABLES: Mapping[str, tuple[str, ...]] = {
-    "ROS_DISTRO": ("noetic", "humble", "jazzy", "kilted", "lyrical", "rolling"),
-    "ROS_PYTHON_VERSION": ("3", "2"),
-    "ROS_VERSION": ("2", "1"),
-}
-FIRST_GENERATION = frozenset({"noetic"})
 _VARIABLE_READ = re.compile(r"""env[\s('"]+(\w+)""")
 
 _ARGUMENT = r"""\$\(arg\s+([^\s()$]+)\s*\)"""

@@ -19,11 +19,11 @@ from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile
-from urdfcheck.source.xacro.argument_values import VARIABLE
 from urdfcheck.source.xacro.expansion_state import ExpansionTrace
 from urdfcheck.source.xacro.origins import InvalidOutputError, OutputDefect, convert_document
 from urdfcheck.source.xacro.outside_access import FileAccess
 from urdfcheck.source.xacro.patches import TracedArguments
+from urdfcheck.source.xacro.ros_variables import VARIABLE
 from urdfcheck.source.xacro.tracer import Tracer
 
 
