@@ -522,7 +522,7 @@ def test_one_placeholder_in_place_of_every_mass_is_one_finding(tmp_path: Path) -
     """Not a model in tonnes, whose leg would weigh milligrams, and not a tensor that is too large for this mass."""
     part = inertial("1e-9", "1e-9") + BOX
     text = make_arm(part, base=part)
-    rules = {"INR007", "INR012", "INR015", "KIN010"}
+    rules = {"INR007", "INR010", "INR012", "INR015", "KIN010"}
     found = {f.code: f for f in check_text(tmp_path, text, codes=rules).findings}
     assert set(found) == {"INR015", "KIN010"}
     assert (found["INR015"].message_id, found["INR015"].cause) == ("placeholder", None)

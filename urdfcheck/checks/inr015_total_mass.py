@@ -63,7 +63,7 @@ def _build_placeholder_finding(model: Model, rule: Rule, mass: float) -> Finding
     """Build the finding about one round number in place of every ``mass`` (kg). It explains what is reported of the links."""
     declared = [one for one in model.masses if one.mass > 0]
     links = [one.link.location.subject for one in declared]
-    explained = [f"{code} {subject}" for code in ("INR007", "INR012") for subject in links]
+    explained = [f"{code} {subject}" for code in ("INR007", "INR010", "INR012") for subject in links]
     return rule.finding(
         "placeholder",
         at=model.name_location,
