@@ -471,7 +471,7 @@ def test_the_command_compares_revisions_and_fails_as_asked(repository: Path) -> 
         (("HEAD...absent",), "absent: there is no such revision"),
         (("HEAD", "HEAD~1"), "two revisions are written HEAD..HEAD~1"),
         (("arm_description",), "write -- arm_description to compare"),
-        (("HEAD", "--", "../elsewhere.urdf"), "../elsewhere.urdf: it is outside of the repository"),
+        (("HEAD", "--", "../elsewhere.urdf"), "../elsewhere.urdf: it is outside the repository"),
         (("a", "b", "--", "c"), "name two paths"),
         (("--", ""), "a path is empty"),
         (("HEAD\x1b[31m",), "there is no such revision"),

@@ -110,7 +110,7 @@ def _find_place(path: str, top: Path) -> str:
     real = os.path.join(os.path.realpath(os.path.dirname(absolute)), os.path.basename(absolute))
     relative = Path(os.path.relpath(str(top) if absolute == str(top) else real, top)).as_posix()
     if relative.split("/")[0] == ".." or os.path.isabs(relative):
-        raise UrdfcheckError(f"{path}: it is outside of the repository")
+        raise UrdfcheckError(f"{path}: it is outside the repository")
     return "" if relative == "." else relative
 
 

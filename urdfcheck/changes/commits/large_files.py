@@ -1,4 +1,4 @@
-"""Contents that Git LFS keeps outside of the objects: the repository has pointers to them."""
+"""Contents that Git LFS keeps outside the objects: the repository has pointers to them."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ class Repository:
     def find(cls, start: Path, allowed: Sequence[Path]) -> Repository:
         """Return the repository around a path.
 
-        ``allowed``: folders outside of it that may hold objects that it borrows.
+        ``allowed``: folders outside it that may hold objects that it borrows.
 
         :raises UrdfcheckError: if there is none, git is missing, or its objects are elsewhere.
         """
@@ -72,7 +72,7 @@ class Repository:
         if not common or not _belongs_to(git, top, Path(os.path.realpath(common))):
             raise UrdfcheckError(f"{shown}: its .git leads to another repository, which does not know this folder")
         if not store.is_relative_to(os.path.realpath(common)):
-            raise UrdfcheckError(f"{shown}: the objects of the repository are outside of it")
+            raise UrdfcheckError(f"{shown}: the objects of the repository are outside it")
         _refuse_borrowed_objects(store, [*(Path(os.path.realpath(f)) for f in allowed), top])
         return cls(git, top, store)
 
@@ -198,7 +198,7 @@ def _refuse_borrowed_objects(store: Path, allowed: Sequence[Path]) -> None:
             other = Path(os.path.realpath(folder / name))
             if len(seen) > _MOST_ALTERNATES or not any(other.is_relative_to(root) for root in allowed):
                 raise UrdfcheckError(
-                    "the repository borrows objects from a folder outside of it (objects/info/alternates); "
+                    "the repository borrows objects from a folder outside it (objects/info/alternates); "
                     "--allow-read with that folder allows it"
                 )
             if other not in seen:
