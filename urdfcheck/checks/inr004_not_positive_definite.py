@@ -253,7 +253,7 @@ def _check_singular_links(
 
 
 def _describe_placeholders(lines: Sequence[DeclaredTensor]) -> dict[tuple[float, ...], str]:
-    """Describe the tensors of a line that links of three masses or more share, of one digit each: they do not have the shape of a rod."""
+    """Describe the tensors of a line that links of three masses or more share, of one digit each: they are not rods."""
     shared: dict[tuple[float, ...], list[float]] = {}
     for declared in lines:
         if declared.inertial.mass is not None:
