@@ -265,7 +265,7 @@ def cut_text(text: str, most: int) -> str:
 
 
 def cut_name(name: str, most: int) -> str:
-    """Return at most ``most`` characters of a name (at least 2 of its own): its first words, or the last ones of a file's."""
+    """Return at most ``most`` characters of a name (2 of its letters at least): its first words, or the last ones of a file's."""
     kept = max(most - 1, 2)
     if len(name) <= most:
         return name
