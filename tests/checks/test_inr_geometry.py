@@ -338,6 +338,17 @@ def test_a_root_that_outweighs_the_robot_tenfold_is_ballast(tmp_path: Path) -> N
     assert [f.message_id for f in told[1000.0, "wheel"]] == ["placeholder"]
 
 
+def test_the_base_of_a_hand_moves_with_the_arm_that_carries_it(tmp_path: Path) -> None:
+    palm = Part(size=(0.1, 0.1, 0.1), mass=1.0, tensor=np.eye(3)).xml("palm")
+    fingers = [
+        Part(size=(0.02, 0.02, 0.06), mass=0.05, tensor=np.diag((1.7e-5, 1.7e-5, 3.3e-6))).xml(f"finger{n}")
+        for n in range(2)
+    ]
+    joints = [joint(f"j{n}", "palm", f"finger{n}", kind="continuous") for n in range(2)]
+    (finding,) = find(tmp_path, robot(palm, *fingers, *joints), {"INR007"})
+    assert finding.message_id == "placeholder"
+
+
 @pytest.mark.parametrize(("size", "told"), [(5.0, True), (50.0, False)])
 def test_the_ground_of_a_simulated_world_is_not_a_part(tmp_path: Path, size: float, told: bool) -> None:
     ground = Part(size=(size, size, 0.1), mass=1.0, tensor=0.1 * np.eye(3)).xml("ground")

@@ -18,7 +18,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
-from urdfcheck.model.motion.fixed_base import is_ballast, is_bolted
+from urdfcheck.model.motion.fixed_base import is_ballast, is_bolted_arm
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
@@ -228,7 +228,7 @@ def _build_tensor_finding(
 def _list_bolted_links(model: Model) -> tuple[str, ...]:
     """List the links of the base if it cannot move: then nothing depends on their inertia."""
     try:
-        return model.tree.list_body_links(model.tree.root) if is_bolted(model) else ()
+        return model.tree.list_body_links(model.tree.root) if is_bolted_arm(model) else ()
     except FactUnavailableError:  # the mass of the base is not known
         return ()
 

@@ -49,7 +49,7 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
 
 def _drop_idle_joints(model: Model, joints: Sequence[Joint]) -> list[Joint]:
     """Leave out the joints that move nothing, neither a mass nor a shape nor another joint: they carry a number (the stiffness of
-    a real joint) to a controller, and no drive. All are kept if none moves anything: then the bodies are not described."""
+    a real joint) to a controller, and no drive. All are kept if none moves anything: then the file describes no bodies."""
     parents = {joint.parent for joint in model.joints}
     empty = {
         link.name

@@ -69,6 +69,14 @@ def is_bolted(model: Model) -> bool:
     return bool(explain_fixed_base(model)) and not rolling_wheels(model)
 
 
+def is_bolted_arm(model: Model) -> bool:
+    """Whether a robot is one limb on a base that cannot move; a hand is fixed to an arm, and its base moves then.
+
+    :raises FactUnavailableError: when the tree is broken or the mass of the root is malformed or negative.
+    """
+    return is_bolted(model) and len(_list_limb_joints(model, model.tree.list_body_links(model.tree.root))) == 1
+
+
 def is_ballast(model: Model, links: Sequence[str]) -> bool:
     """Whether the body of these ``links`` is the stand of a robot that it outweighs: what it weighs is a choice and has no
     effect.
