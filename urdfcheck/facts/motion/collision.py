@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.facts.motion.coal_shapes import build_coal_primitive, fill_coal_tree
 from urdfcheck.facts.motion.collision_geometry import (
     DIRECTIONS,
     ROUNDING,
@@ -364,20 +365,14 @@ class Colliders:
     def _build_coal_geometry(self, geometry: CollisionGeometry) -> Any:
         coal, size = self._coal, [s / self._unit for s in geometry.size]
         if geometry.vertices is None or geometry.faces is None:
-            primitives = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder, "capsule": coal.Capsule}
-            return primitives[geometry.kind](*size)
+            return build_coal_primitive(coal, geometry.kind, size)
         vertices = np.ascontiguousarray(geometry.vertices / self._unit)
         if geometry.closed and is_convex(geometry.vertices, geometry.faces):
             points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
             points.extend(list(vertices))
             triangles.extend([coal.Triangle(*face) for face in geometry.faces.tolist()])
             return coal.Convex(points, triangles)
-        tree = coal.BVHModelOBB()
-        tree.beginModel(len(geometry.faces), len(vertices))
-        tree.addVertices(vertices)
-        tree.addTriangles(np.ascontiguousarray(geometry.faces, dtype=np.int64))
-        tree.endModel()
-        return tree
+        return fill_coal_tree(coal.BVHModelOBB(), vertices, geometry.faces)
 
 
 class CandidatePairs:

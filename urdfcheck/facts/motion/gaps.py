@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.facts.motion.coal_shapes import build_coal_primitive, fill_coal_tree
 from urdfcheck.facts.motion.collision_geometry import CollisionGeometry, PlacedGeometry
 
 if TYPE_CHECKING:
@@ -50,15 +51,9 @@ class Gaps:
     def _build(self, geometry: CollisionGeometry) -> Any:
         coal = self._coal
         if geometry.vertices is None or geometry.faces is None:
-            primitives = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder, "capsule": coal.Capsule}
-            return primitives[geometry.kind](*geometry.size)
+            return build_coal_primitive(coal, geometry.kind, geometry.size)
         # Distances of meshes need spheres that are swept along rectangles.
-        tree = coal.BVHModelOBBRSS()
-        tree.beginModel(len(geometry.faces), len(geometry.vertices))
-        tree.addVertices(np.ascontiguousarray(geometry.vertices))
-        tree.addTriangles(np.ascontiguousarray(geometry.faces, dtype=np.int64))
-        tree.endModel()
-        return tree
+        return fill_coal_tree(coal.BVHModelOBBRSS(), geometry.vertices, geometry.faces)
 
 
 def sample_vertices(placed: PlacedGeometry) -> Array | None:
