@@ -26,7 +26,7 @@ from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.model import Model
 from urdfcheck.model.inertials import inertia_diagnosis
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
+from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
 from urdfcheck.model.repairs.inertial_edits import build_inertial_repair
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
