@@ -65,6 +65,7 @@ def has_mistake(model: Model, link: Link, cause: str) -> bool:
 
 
 def identify_mistake(model: Model, link: Link) -> tuple[str | None, str]:
+    """Return the mistake (a cause of INR009) found in the inertial of a link, and its detail; None and "" without one."""
     diagnosed = inertial_diagnoses(model).get(link.name)
     return (None, "") if diagnosed is None else (diagnosed.diagnosis.cause, diagnosed.diagnosis.detail)
 
