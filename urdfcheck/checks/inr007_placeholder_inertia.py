@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule, Severity, Span
+from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
@@ -18,7 +18,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
-from urdfcheck.model.motion.fixed_base import is_ballast, is_bolted_arm
+from urdfcheck.model.motion.fixed_base import is_ballast, list_bolted_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
@@ -204,7 +204,7 @@ def _build_tensor_finding(
     else:
         is_less = worst.misfit.expected < max(worst.declared.components)
         is_felt = any(suspect.misfit is not None and suspect.misfit.is_felt for suspect in known)
-        is_bolted = all(suspect.declared.link.name in _list_bolted_links(model) for suspect in every)
+        is_bolted = all(suspect.declared.link.name in list_bolted_links(model) for suspect in every)
         is_estimate = worst.misfit.factor <= estimate
         finding = rule.finding(
             "bolted" if is_bolted else "estimate" if is_estimate else "placeholder" if is_felt else "rod",
@@ -223,14 +223,6 @@ def _build_tensor_finding(
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
-
-
-def _list_bolted_links(model: Model) -> tuple[str, ...]:
-    """List the links of the base if it cannot move: then nothing depends on their inertia."""
-    try:
-        return model.tree.list_body_links(model.tree.root) if is_bolted_arm(model) else ()
-    except FactUnavailableError:  # the mass of the base is not known
-        return ()
 
 
 def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Severity | None:

@@ -12,6 +12,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import Diagnosis
 from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
 from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.diagnosis.computed_tensors import name_computed_mass
 from urdfcheck.model.inertials.diagnosis.inertial_references import collect_references
 from urdfcheck.model.inertials.diagnosis.kept_verdicts import (
     KeptVerdicts,
@@ -79,7 +80,8 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     diagnosed = {}
     for name, diagnosis in join_unmoved_pieces(model, numbers, decoded).items():
         is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
-        diagnosed[name] = DiagnosedInertial(numbers[name], diagnosis, tuple(known.links[name][1]), is_habit)
+        named = diagnosis if is_habit else name_computed_mass(model, model.link_by_name[name], numbers[name], diagnosis)
+        diagnosed[name] = DiagnosedInertial(numbers[name], named, tuple(known.links[name][1]), is_habit)
     return diagnosed
 
 

@@ -12,7 +12,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST
 from urdfcheck.model.fact import fact
-from urdfcheck.model.inertials.proposals.inertial_texts import links_by_inertial_text
+from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
@@ -44,7 +44,7 @@ def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False)
     if drawn.closed and (reason := explain_collision_stand_in(model, link)) is not None:
         body = "the collision shape"
         why = {"open": "; the visual mesh is open", "unread": "; the visual mesh could not be read"}.get(reason, "")
-    return f"{change.text} ({body} at this mass and uniform density{why})"
+    return f"{change.text}{describe_own_call(model, link)} ({body} at this mass and uniform density{why})"
 
 
 def lacks_only_com(model: Model, link: Link) -> bool:
