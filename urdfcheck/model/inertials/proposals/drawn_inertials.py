@@ -38,6 +38,8 @@ def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False)
     change, drawn = _compute_from_geometry(model, link, with_com=with_com), measure_link_geometry(model, link)
     if change is None or drawn is None or not change.text or has_loose_hull(model, link):
         return ""
+    if drawn.primitive is None and _is_air(link, drawn):
+        return ""
     if with_com and (not drawn.closed or _is_replaced_by_collision(model, link)):
         return ""
     body, why = "the drawn part" if drawn.closed else "the convex hull of the open mesh", ""
@@ -89,6 +91,12 @@ def _list_changed(change: InertialRepair) -> list[str]:
 def _is_replaced_by_collision(model: Model, link: Link) -> bool:
     """Whether the collision shapes replace a visual mesh that is open or could not be read."""
     return explain_collision_stand_in(model, link) in {"open", "unread"}
+
+
+def _is_air(link: Link, drawn: VisualGeometry) -> bool:
+    """Whether no material is so light: then a mesh is drawn many times too large, and its tensor and COM are as wrong."""
+    mass = None if link.inertial is None else link.inertial.mass
+    return mass is not None and mass < LIGHTEST * drawn.solid.volume
 
 
 def _has_ordinary_density(link: Link, drawn: VisualGeometry | None) -> bool:
