@@ -79,7 +79,11 @@ def check(
     for suspect in _iter_placeholders(model, factor):
         span = suspect.declared.inertial.location.span
         groups.setdefault((suspect.declared.components, span and span.file), []).append(suspect)
-    for group in groups.values():
+    for every in groups.values():
+        moving = [suspect for suspect in every if suspect.declared.link.name not in list_bolted_links(model)]
+        group = (
+            moving if any(suspect.factor > factor for suspect in moving) else every
+        )  # a base that is fixed is no example
         wrong = any(suspect.factor > factor for suspect in group)
         unknown = [suspect for suspect in group if suspect.misfit is None]
         if wrong or _count_masses(unknown) >= _FEWEST_MASSES:
@@ -195,6 +199,7 @@ def _build_tensor_finding(
         "links": join_names(names),
         "what": every[0].description,
         "names": names,
+        "others": _describe_others(model, every[0].declared, names),
         "who": f"{names[0]} has" if len(names) == 1 else f"{len(names)} links have",
     }
     if worst is None or worst.misfit is None:
@@ -223,6 +228,25 @@ def _build_tensor_finding(
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
+
+
+def _describe_others(model: Model, declared: DeclaredTensor, names: Sequence[str]) -> str:
+    """Say how many links of the file besides those of these ``names`` have the numbers of a placeholder: little depends on them
+    there, and a repair means them too."""
+    span = declared.inertial.location.span
+    others = [
+        other
+        for other in model.tensors
+        if other.components == declared.components
+        and other.link.name not in names
+        and (place := other.inertial.location.span) is not None
+        and span is not None
+        and place.file == span.file
+        and _describe_placeholder(model, other.link) is not None
+    ]
+    if not others:
+        return ""
+    return f". {'One more link has' if len(others) == 1 else f'{len(others)} more links have'} the same numbers"
 
 
 def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Severity | None:
