@@ -79,11 +79,7 @@ def check(
     for suspect in _iter_placeholders(model, factor):
         span = suspect.declared.inertial.location.span
         groups.setdefault((suspect.declared.components, span and span.file), []).append(suspect)
-    for every in groups.values():
-        moving = [suspect for suspect in every if suspect.declared.link.name not in list_bolted_links(model)]
-        group = (
-            moving if any(suspect.factor > factor for suspect in moving) else every
-        )  # a base that is fixed is no example
+    for group in groups.values():
         wrong = any(suspect.factor > factor for suspect in group)
         unknown = [suspect for suspect in group if suspect.misfit is None]
         if wrong or _count_masses(unknown) >= _FEWEST_MASSES:
@@ -192,7 +188,13 @@ def _build_tensor_finding(
 ) -> Finding:
     """Report together all links that were given one tensor."""
     every = [*known, *unknown]
-    worst = max(known, key=_rank_suspect, default=None)
+    # A base that is bolted down is no example where a link that moves is one.
+    moving = [
+        suspect
+        for suspect in known
+        if suspect.factor > estimate and suspect.declared.link.name not in list_bolted_links(model)
+    ]
+    worst = max(moving or known, key=_rank_suspect, default=None)
     places = [suspect.declared.element for suspect in every]
     names = [suspect.declared.link.name for suspect in every]
     data: dict[str, Any] = {

@@ -255,7 +255,7 @@ def _build_cause_finding(
     fallback = "the inertia of the drawn part" if message == "approximation" else ""
     data = {**collect_message_data(model, link, judged, is_certain=message == "exact"), "others": others}
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
-    mild |= link.name in list_bolted_links(model)
+    mild |= message != "exact" and link.name in list_bolted_links(model)
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),

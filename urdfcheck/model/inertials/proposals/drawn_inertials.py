@@ -46,7 +46,7 @@ def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False)
     if drawn.closed and (reason := explain_collision_stand_in(model, link)) is not None:
         body = "the collision shape"
         why = {"open": "; the visual mesh is open", "unread": "; the visual mesh could not be read"}.get(reason, "")
-    return f"{change.text}{describe_own_call(model, link)} ({body} at this mass and uniform density{why})"
+    return f"{change.text}{describe_own_call(model, link, change)} ({body} at this mass and uniform density{why})"
 
 
 def lacks_only_com(model: Model, link: Link) -> bool:

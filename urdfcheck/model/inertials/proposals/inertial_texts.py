@@ -8,7 +8,9 @@ from pathlib import PurePath
 from urdfcheck.core import Span
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link
+from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.robot import Model
+from urdfcheck.source.text.xml import Attribute
 
 
 @fact
@@ -21,11 +23,13 @@ def links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]]
     return links
 
 
-def describe_own_call(model: Model, link: Link) -> str:
-    """Say which macro call makes the tensor of a link, where the same text makes other numbers for other links: written there,
-    the numbers of one link would be wrong for the others. Empty elsewhere."""
+def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
+    """Say which macro call makes the tensor of a link that a repair changes, where the same text makes other numbers for other
+    links: written there, the numbers of one link would be wrong for the others. Empty elsewhere."""
     tensor = None if link.inertial is None else link.inertial.tensor_element
     if link.inertial is None or tensor is None or not tensor.location.via:
+        return ""
+    if not any(isinstance(place, Attribute) and place.owner is tensor for place in change.places):
         return ""
     own = (link.inertial.mass, link.inertial.inertia_components)
     others = [

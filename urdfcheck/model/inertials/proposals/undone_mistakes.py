@@ -56,7 +56,7 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
         and not _is_lone_unit(model, diagnosed)
         and not _is_of_either_side(model, link, diagnosed)
     )
-    change = replace(change, where=describe_own_call(model, link))
+    change = replace(change, where=describe_own_call(model, link, change))
     return change if is_certain else replace(change, edits=())
 
 
