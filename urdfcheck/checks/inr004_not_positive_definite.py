@@ -259,7 +259,7 @@ def _check_singular_links(
 
 def _describe_placeholders(model: Model, lines: Sequence[DeclaredTensor]) -> dict[tuple[float, ...], str]:
     """Describe the tensors of a line that links of three masses or more share, of one digit each: they are not rods. Those of a
-    drawn part, rounded by the program that wrote them, are no placeholders."""
+    drawn part, rounded by the program that wrote them, are not placeholders."""
     shared: dict[tuple[float, ...], list[float]] = {}
     for declared in lines:
         if declared.inertial.mass is not None:
