@@ -155,7 +155,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return 1 if item.path.parent == REPOSITORY / "tests" else 2
 
     processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
-    kinds = [[item for item in items if rank(item) == kind] for kind in range(4)]
+    kinds: list[list[pytest.Item]] = [[], [], [], []]
+    for item in items:
+        kinds[rank(item)].append(item)
     items[:] = [
         item
         for process in range(processes)
