@@ -24,7 +24,7 @@ export function explain({ layers, lines, broken, versions, repair }: Marks): [st
   const moves = repair.frames.size > 0;
   const said: [string, string | false][] = [
     ["line error", !moves && lines.has("error") && "Link or joint with an error"],
-    ["line warning", !moves && lines.has("warning") && (versions ? "Before: not there any more" : "Link or joint with a warning")],
+    ["line warning", !moves && lines.has("warning") && (versions ? "Before: no longer there" : "Link or joint with a warning")],
     ["line other", versions && lines.has("other") && "After: not there before"],
     [`line ${repair.line}`, moves && lines.has(repair.line) && `The part ${after ? "before" : "after"} the repair`],
     ["turn", repair.turns && "Rotation from the repaired frame"],

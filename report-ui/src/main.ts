@@ -151,7 +151,7 @@ class Viewer {
     );
     this.print.alt = `${data.name}, as it stands with every joint at its start`;
     const severities = [...this.robot.links.values()].map((link) => this.robot.severityOf(link));
-    this.toolbar.offer(shown.offered, severities.includes("error") || severities.includes("warning"));
+    this.toolbar.offer(shown.offered, !shown.versions && (severities.includes("error") || severities.includes("warning")));
     if (this.toolbar.models) this.toolbar.models.selectedIndex = index;
     this.panel.show(this.robot);
     this.cast();
@@ -176,16 +176,19 @@ class Viewer {
     return links.size ? links : null;
   }
 
-  /** The same links as the first of two versions calls them; null where none are named. */
+  /** The same links as the first of two versions calls them; null where none are named, or all of the robot is shown. */
   private get subjectsBefore(): Set<string> | null {
     const { versions } = this.shown;
     if (!versions || !this.selection) return null;
+    if (this.finding?.pose) return null;
     const own = this.finding?.before?.filter(Boolean) ?? [...(this.subjects ?? [])].map((name) => versions.nameBefore(name));
     return own.length || this.subjects ? new Set(own) : null;
   }
 
   /** Those that stay solid: the subjects, and what a joint hangs on where that helps to see it. */
   private lit(subjects: Set<string> | null): Set<string> | null {
+    // How far a part moves is seen beside all that does not.
+    if (this.finding?.pose) return null;
     // What is only in the first version stands out from all of the second.
     if (!subjects) return this.subjectsBefore ? new Set() : null;
     const lit = new Set(subjects);
@@ -207,9 +210,9 @@ class Viewer {
       // Of two versions those of the one that is chosen.
       collision: collision && (versions?.isAfter ?? true),
       lit: this.lit(subjects),
-      // A repair has lines of its own, and after it there is nothing to warn of.
+      // Two versions and a repair have lines of their own, and after a repair there is nothing to warn of.
       outline: (name, own) => {
-        if (!this.outlined || repair.frames.size || repair.isAfter) return "";
+        if (!this.outlined || versions || repair.frames.size || repair.isAfter) return "";
         return !this.finding || !subjects ? own : subjects.has(name) ? this.finding.severity : "";
       },
       hovered: this.hovered,
@@ -315,6 +318,16 @@ class Viewer {
     this.stage.fly(this.aim(), atOnce);
   }
 
+  /** The bounds of all that is drawn, as the joints are now. */
+  private boundsNow(): Box3 {
+    const { robot, versions } = this.shown;
+    const box = new Box3();
+    for (const drawn of versions ? [robot, versions.before] : [robot]) {
+      for (const link of drawn.links.values()) box.union(drawn.boundsOf(link)).expandByPoint(positionOf(link.frame));
+    }
+    return box;
+  }
+
   /** The bounds of links; those without shapes count as big as their glyphs. The body that an inertia stands for counts where
    * it is looked at. */
   private boundsOf(names: Iterable<string>, points: Vector3[]): Box3 {
@@ -338,7 +351,7 @@ class Viewer {
     for (const name of this.subjectsBefore ?? []) {
       const { before } = this.shown.versions!;
       const link = before.links.get(name);
-      if (link) box.union(before.boundsOf(link));
+      if (link) box.union(before.boundsOf(link)).expandByPoint(positionOf(link.frame));
     }
     // However small a link is, what is around it helps to tell where it is.
     const small = 0.05 * this.robot.size;
@@ -373,9 +386,10 @@ class Viewer {
     const flat = Math.hypot(direction.x, direction.y) || 1;
     const side = Math.sqrt(1 - level * level) / flat;
     const from = new Vector3(direction.x * side, direction.y * side, level);
-    const box = this.boundsOf(subjects, points);
+    const isWhole = this.finding?.pose !== undefined;
+    const box = isWhole ? this.boundsNow() : this.boundsOf(subjects, points);
     this.stage.touched = false;
-    this.aim = () => this.stage.around(box, from, CLOSE);
+    this.aim = () => this.stage.around(box, from, isWhole ? ROOM : CLOSE);
     this.arrive();
   }
 

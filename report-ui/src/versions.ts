@@ -2,20 +2,23 @@
 import { BufferGeometry, Color, Group, Matrix4, Mesh, Vector3 } from "three";
 import type { Finding, Layer, ModelData } from "./data.ts";
 import type { Anchor } from "./labels.ts";
-import { edge, ORDER } from "./materials.ts";
+import { edge, ORDER, shared } from "./materials.ts";
 import type { Outlined } from "./outline.ts";
 import { COLORS, filled, line, Overlays, placed } from "./overlays.ts";
 import { positionOf, Robot, type Body, type Look } from "./robot.ts";
 import { dashes, type Shapes } from "./shapes.ts";
 import type { Theme } from "./theme.ts";
-import { length } from "./words.ts";
+import { distance } from "./words.ts";
 
 /** In metres: surfaces that are nearer to each other are equal, as for `urdfcheck diff` itself. */
 const EQUAL = 2e-5;
 /** How much of the version that is not chosen can be seen. */
-const PALE = 0.26;
+const PALE = 0.3;
 /** What was before has a tone of its own: it may have the colour of what is after. */
 const BEFORE = new Color(0xf0a030);
+/** Where both versions have a surface in one place, that of the second is seen. */
+const BEHIND = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 };
+const DEPTH_BEHIND = Object.assign(shared.depth.clone(), BEHIND);
 /** A shorter way than this part of the robot is not worth a line. */
 const LEAST_WAY = 1e-3;
 
@@ -73,8 +76,10 @@ export class Versions {
       for (const body of link.bodies) {
         body.mesh.visible = look.visual && isLit && this.lost.has(body);
         body.depth.visible = false;
+        body.depth.material = DEPTH_BEHIND;
+        Object.assign(body.own, BEHIND);
         if (!body.mesh.visible) continue;
-        body.own.color.copy(body.base).lerp(BEFORE, 0.6);
+        body.own.color.copy(body.base).lerp(BEFORE, 0.4 + 0.4 * this.part);
         edge(body.own, theme, BEFORE);
         fade(body, Math.max(PALE, 1 - this.part));
         outlined.push({ mesh: body.mesh, line: "warning", isThrough: this.isAfter });
@@ -83,7 +88,8 @@ export class Versions {
     }
     for (const item of outlined) {
       const body = [...this.gained].find(({ mesh }) => mesh === item.mesh);
-      if (body) item.line = "other";
+      // Of two surfaces in one place neither hides the other.
+      if (body) Object.assign(item, { line: "other", isThrough: !this.isAfter });
     }
     for (const link of this.after.links.values()) {
       for (const body of link.bodies) {
@@ -107,7 +113,7 @@ export class Versions {
       if (from.distanceTo(to) < Math.max(LEAST_WAY * this.after.size, EQUAL)) continue;
       const middle = placed(new Group(), new Matrix4().setPosition(from.clone().lerp(to, 0.5)));
       this.ways.add(line(dashes(from, to), COLORS.after, 2.5), middle);
-      this.marks.push({ text: `${name}: ${length(from.distanceTo(to))}`, object: middle, kind: "turn", rank: 10 });
+      this.marks.push({ text: `${name} moves ${distance(from.distanceTo(to))}`, object: middle, kind: "turn", rank: 10 });
     }
     this.ways.updateMatrixWorld(true);
   }

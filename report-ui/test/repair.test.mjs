@@ -5,7 +5,7 @@ import { load } from "./load.mjs";
 
 const { turnOf } = await load("repair");
 const { explain } = await load("legend");
-const { angle, length } = await load("words");
+const { angle, distance, length } = await load("words");
 
 const turned = (axis, degrees) => new Matrix4().makeRotationAxis(new Vector3(...axis).normalize(), (degrees * Math.PI) / 180);
 const degrees = (turn) => (turn.angle * 180) / Math.PI;
@@ -34,6 +34,8 @@ test("numbers read well", () => {
   assert.equal(angle(-1e-6), "0°");
   assert.equal(length(0.0032), "3.2 mm");
   assert.equal(length(1.5), "1.5 m");
+  assert.equal(distance(0.1044), "104 mm");
+  assert.equal(distance(1.2519), "1.25 m");
 });
 
 test("the legend names what is drawn, and nothing else", () => {

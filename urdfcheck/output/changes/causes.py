@@ -10,7 +10,7 @@ from urdfcheck.core.model_diff import ChangeCause, MechanismChange, ModelDiff
 
 @dataclass(frozen=True, slots=True)
 class CausedChange:
-    """A change, and what is said of it."""
+    """A change, in words too."""
 
     model: ModelDiff
     change: MechanismChange

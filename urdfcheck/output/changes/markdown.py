@@ -31,7 +31,15 @@ _TABLE = ("| model | | what changes |", "| --- | --- | --- |")
 
 def render(diff: Diff) -> str:
     """Render the comment."""
-    page = BoundedPage(COMMENT_LIMIT, [MARKER])
+    return _render_page(diff, BoundedPage(COMMENT_LIMIT, [MARKER]))
+
+
+def render_job_summary(diff: Diff, byte_limit: int) -> str:
+    """Render the summary of a job in at most ``byte_limit`` bytes."""
+    return _render_page(diff, BoundedPage(byte_limit, []))
+
+
+def _render_page(diff: Diff, page: BoundedPage) -> str:
     page.add_lines(f"### {_VERDICT_SIGNS.get(diff.verdict, '🔀')} {_describe_verdict(diff)}", "")
     page.add_lines(f"{format_code_span(diff.before)} → {format_code_span(diff.after)} · {count_findings(diff)}", "")
     failures = [failure for failure in diff.failures if not has_headline(diff, failure)]

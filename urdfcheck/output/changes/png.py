@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from urdfcheck.core.model_diff import VERDICTS, Diff, ModelDiff
+from urdfcheck.core.model_diff import VERDICTS, Diff
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.robot_picture import render_scene, render_versions
 
 
 def render(diff: Diff) -> bytes:
     """Render the model with the most important verdict, all joints at zero; empty if no model can be drawn."""
+    olds, news = index_scenes(diff)
     for model in sorted(diff.models, key=lambda model: VERDICTS.index(model.verdict)):
-        if picture := render_model(model, *index_scenes(diff)):
+        if picture := draw_versions(olds.get(model.before), news.get(model.after)):
             return picture
     return b""
 
@@ -26,11 +27,8 @@ def index_scenes(diff: Diff) -> tuple[Mapping[str, Scene], Mapping[str, Scene]]:
     return ({}, {}) if diff.runs is None else (index(diff.runs[0].scenes), index(diff.runs[1].scenes))
 
 
-def render_model(
-    model: ModelDiff, olds: Mapping[str, Scene], news: Mapping[str, Scene], width: int = 1200, height: int = 900
-) -> bytes:
-    """Render both versions of a model, or the one that there is; empty if there is nothing to draw."""
-    before, after = olds.get(model.before), news.get(model.after)
+def draw_versions(before: Scene | None, after: Scene | None, width: int = 1200, height: int = 900) -> bytes:
+    """Draw both versions of a model, or the one that there is; empty if there is nothing to draw."""
     if before is not None and after is not None and (picture := render_versions(before, after, width, height)):
         return picture
     scene = after or before

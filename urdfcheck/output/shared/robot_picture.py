@@ -80,7 +80,7 @@ def _widen(lines: NDArray[np.bool_], samples: int = 1) -> NDArray[np.bool_]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Solid:
+class _RobotTriangles:
     """The triangles of a robot."""
 
     corners: Array
@@ -101,8 +101,8 @@ class _Samples:
     """Where a link ends in front of another one or the background."""
 
 
-def _collect_triangles(scene: Scene) -> _Solid | None:
-    """Return what is drawn of a robot; None if that is nothing, or too much."""
+def _collect_triangles(scene: Scene) -> _RobotTriangles | None:
+    """Return what is drawn of a robot; None if it has no shape, or too many."""
     import numpy as np
 
     parts, left = [], _MOST_TRIANGLES
@@ -117,14 +117,14 @@ def _collect_triangles(scene: Scene) -> _Solid | None:
     sizes = [len(triangles) for triangles, _, _ in parts]
     if not len(corners) or not (np.abs(corners) < _LARGEST).all():
         return None
-    return _Solid(
+    return _RobotTriangles(
         corners,
         np.repeat([colour for _, colour, _ in parts], sizes, axis=0),
         np.repeat([link for _, _, link in parts], sizes),
     )
 
 
-def _draw_triangles(solids: Sequence[_Solid], width: int, height: int) -> list[_Samples] | None:
+def _draw_triangles(solids: Sequence[_RobotTriangles], width: int, height: int) -> list[_Samples] | None:
     """Draw robots one by one, in one view that holds all of them; None if that would take too long."""
     import numpy as np
 
@@ -140,7 +140,7 @@ def _draw_triangles(solids: Sequence[_Solid], width: int, height: int) -> list[_
     return drawn
 
 
-def _colour_samples(solid: _Solid, nearest: Indices) -> _Samples:
+def _colour_samples(solid: _RobotTriangles, nearest: Indices) -> _Samples:
     import numpy as np
 
     count = len(solid.corners)
@@ -158,18 +158,18 @@ def _colour_samples(solid: _Solid, nearest: Indices) -> _Samples:
 
 
 def _downsample_pixels(fine: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Average the samples of each pixel; its opacity is the share of samples that hit the robot."""
+    """Average the samples of each pixel: the colour of those that hit the robot, and the opacity of all."""
     import numpy as np
 
-    total = sum(
-        fine[i::_SUPERSAMPLING, k::_SUPERSAMPLING].astype(np.uint16)
-        for i in range(_SUPERSAMPLING)
-        for k in range(_SUPERSAMPLING)
+    samples = np.stack(
+        [fine[i::_SUPERSAMPLING, k::_SUPERSAMPLING] for i in range(_SUPERSAMPLING) for k in range(_SUPERSAMPLING)]
     )
-    total = np.asarray(total)
-    total[..., :3] //= np.maximum(total[..., 3:] // 255, 1)
+    hits = (samples[..., 3] > 0).sum(axis=0, dtype=np.uint16)
+    total = samples.sum(axis=0, dtype=np.uint16)
+    total[..., :3] //= np.maximum(hits, 1)[..., None]
     total[..., 3] //= _SUPERSAMPLING**2
-    return total.astype(np.uint8)
+    pixels: NDArray[np.uint8] = total.astype(np.uint8)
+    return pixels
 
 
 def _iter_triangles(scene: Scene) -> Iterator[tuple[Array, tuple[float, ...], int]]:

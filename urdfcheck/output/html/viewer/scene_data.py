@@ -30,9 +30,9 @@ def build_scene_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCar
 
     ``models``: id of their section in the page, name, scene and cards. Lengths in metres, poses 4x4 row-major; numbers with
     seven digits."""
-    pool = _MeshPool()
+    pool = MeshPool()
     built = [
-        _build_model(section_id, title=title, scene=scene, cards=cards, meshes=pool)
+        build_model(section_id, title=title, scene=scene, cards=cards, meshes=pool)
         for section_id, title, scene, cards in models
     ]
     return {"models": built, "meshes": pool.entries}, b"".join(pool.data)
@@ -44,8 +44,8 @@ def get_layers(code: str) -> tuple[str, ...]:
     return ("visual",) if rule is None else rule.layers
 
 
-class _MeshPool:
-    """The drawings that the models share, each content once."""
+class MeshPool:
+    """The drawings that the models share, each content once: a description of each, and the bytes."""
 
     def __init__(self) -> None:
         self.entries: list[dict[str, Any]] = []
@@ -73,9 +73,10 @@ class _MeshPool:
         return self._places[drawing.data]
 
 
-def _build_model(
-    section_id: str, *, title: str, scene: Scene, cards: Sequence[FindingCard], meshes: _MeshPool
+def build_model(
+    section_id: str, *, title: str, scene: Scene, cards: Sequence[FindingCard], meshes: MeshPool
 ) -> dict[str, Any]:
+    """Build the JSON values of a model, and add its meshes to those of the page; see `build_scene_data`."""
     worst = compute_severity_marks(cards)
     active = [card for card in cards if card.finding.suppressed is None]
     links = frozenset(link.name for link in scene.links)
@@ -116,7 +117,7 @@ def _build_model(
 
 
 def _build_link(
-    link: SceneLink, worst: Mapping[ElementKey, SeverityMark], *, scene: Scene, meshes: _MeshPool
+    link: SceneLink, worst: Mapping[ElementKey, SeverityMark], *, scene: Scene, meshes: MeshPool
 ) -> dict[str, Any]:
     inertial = link.inertial
     return {
@@ -136,7 +137,7 @@ def _get_severity(worst: Mapping[ElementKey, SeverityMark], element_key: Element
     return "" if mark is None else str(mark.severity)
 
 
-def _build_shapes(shapes: Iterable[SceneShape], role: str, *, scene: Scene, meshes: _MeshPool) -> list[dict[str, Any]]:
+def _build_shapes(shapes: Iterable[SceneShape], role: str, *, scene: Scene, meshes: MeshPool) -> list[dict[str, Any]]:
     """Build the shapes that can be drawn: not malformed, not too large, and not a mesh that could not be read."""
     drawn = []
     for shape in shapes:
