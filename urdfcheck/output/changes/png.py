@@ -10,12 +10,14 @@ from urdfcheck.output.shared.robot_picture import render_scene, render_versions
 
 
 def render(diff: Diff) -> bytes:
-    """Render the model with the most important verdict, all joints at zero; empty if no model can be drawn."""
+    """Render a model, all joints at zero: of those that both versions have, the one with the most important verdict.
+
+    Empty if no model can be drawn.
+    """
     olds, news = index_scenes(diff)
-    for model in sorted(diff.models, key=lambda model: VERDICTS.index(model.verdict)):
-        if picture := draw_versions(olds.get(model.before), news.get(model.after)):
-            return picture
-    return b""
+    pairs = [(model, olds.get(model.before), news.get(model.after)) for model in diff.models]
+    pairs.sort(key=lambda pair: (None in pair, VERDICTS.index(pair[0].verdict)))
+    return next((picture for _, before, after in pairs if (picture := draw_versions(before, after))), b"")
 
 
 def index_scenes(diff: Diff) -> tuple[Mapping[str, Scene], Mapping[str, Scene]]:
