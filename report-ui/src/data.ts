@@ -79,8 +79,9 @@ export interface ModelData {
   overlaps: { a: string; b: string; points: number[][]; depth: number | null; finding: string | null }[];
   ground: null | { height: number; contacts: { link: string; point: number[] }[]; support: number[][]; com: number[] };
   findings: Finding[];
-  /** The version that it is compared with. */
+  /** The version that it is compared with, and the pose of that one's root here: the two may have different roots. */
   before?: ModelData;
+  beforeAt?: number[];
   /** What has another name there: that name, by the name here. */
   renamed?: { links: Record<string, string>; joints: Record<string, string> };
 }

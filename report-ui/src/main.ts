@@ -128,6 +128,7 @@ class Viewer {
       this.shown.repair.show(null);
       this.shown.robot.root.removeFromParent();
       this.shown.versions?.before.root.removeFromParent();
+      this.shown.versions?.ways.removeFromParent();
     }
     let shown = this.known.get(index);
     if (!shown) {
@@ -141,7 +142,7 @@ class Viewer {
     }
     this.shown = shown;
     this.stage.scene.add(this.robot.root);
-    if (shown.versions) this.stage.scene.add(shown.versions.before.root);
+    if (shown.versions) this.stage.scene.add(shown.versions.before.root, shown.versions.ways);
     const { data } = this.robot;
     this.stage.fit(this.box, this.robot.ground, this.theme);
     this.scale.textContent = `grid ${this.stage.cell}`;

@@ -34,14 +34,14 @@ export class Versions {
   /** The bodies of each version that the other one does not have in the same place. */
   private lost = new Set<Body>();
   private gained = new Set<Body>();
-  private readonly ways = placed(new Group(), new Matrix4());
+  /** In the world. */
+  readonly ways = placed(new Group(), new Matrix4());
   private marks: Anchor[] = [];
 
   constructor(private readonly after: Robot, before: ModelData, shapes: Shapes) {
-    this.before = new Robot(before, shapes);
+    this.before = new Robot(before, shapes, after.data.beforeAt);
     this.overlays = new Overlays(this.before, shapes);
     this.offered = filled(this.before, shapes);
-    this.before.root.add(this.ways);
     this.pose();
   }
 

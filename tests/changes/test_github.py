@@ -101,5 +101,7 @@ def test_a_report_replaces_no_model(tmp_path: Path) -> None:
     (tmp_path / "a.urdf").write_text(ARM)
     done = command("diff", "a.urdf", "a.urdf", "-o", "html=b.urdf", cwd=tmp_path)
     assert "that is the file of a model" in done.stderr
+    done = command("diff", "a.urdf", "a.urdf", "-o", "html=pages/", cwd=tmp_path)
+    assert "a comparison is one page" in done.stderr
     done = command("diff", "a.urdf", "a.urdf", "-o", "sarif=b.sarif", cwd=tmp_path)
     assert "write FORMAT=FILE with one of the formats text, json, markdown, html, github, png" in done.stderr

@@ -96,6 +96,17 @@ def test_a_renamed_part_keeps_its_place_in_the_view(tmp_path: Path) -> None:
     assert (moved["before"], moved["links"], moved["joints"]) == (["hand"], ["palm"], ["roll"])
 
 
+def test_versions_with_other_roots_lie_where_they_were_compared(tmp_path: Path) -> None:
+    """A new root half a metre below is no motion of everything."""
+    raised = ARM.replace(
+        "</robot>",
+        '<link name="floor"/><joint name="stand" type="fixed"><parent link="floor"/><child link="base"/>'
+        '<origin xyz="0 0 0.5"/></joint></robot>',
+    )
+    (model,) = read_data(read_page(compare_texts(tmp_path, ARM, raised)))["models"]
+    assert model["beforeAt"] == [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.5, 0, 0, 0, 1]
+
+
 def test_equal_robots_and_lone_ones_have_a_page_too(tmp_path: Path) -> None:
     found = read_page(compare_texts(tmp_path, ARM, ARM))
     assert "Both versions are equal." in found.text
@@ -106,7 +117,9 @@ def test_equal_robots_and_lone_ones_have_a_page_too(tmp_path: Path) -> None:
     assert "the model is new" in several.text
     assert "1 robot is identical" in several.text
     (tmp_path / "new/arm.urdf").write_text("<robot")
-    assert "cannot be compared" in read_page(compare(tmp_path / "old", tmp_path / "new", scene=True)).text
+    lost = read_page(compare(tmp_path / "old", tmp_path / "new", scene=True))
+    assert "cannot be compared" in lost.text
+    assert [model.get("before") for model in read_data(lost)["models"]] == [None, None, None]
 
 
 def test_the_policy_allows_its_own_style_and_scripts_only(tmp_path: Path) -> None:

@@ -225,14 +225,18 @@ def test_the_command_writes_it_as_it_is(tmp_path: Path) -> None:
 def test_two_versions_differ_in_lines_and_a_pale_shade() -> None:
     """What both have is drawn as ever; the first alone has orange, the second alone green."""
     here, there = (make_scene((sphere(RED), sphere(RED, moved(x)))) for x in (3.0, 3.5))
-    picture = decoded(robot_picture.render_versions(here, there, 320, 240)).reshape(-1, 4).astype(int)
+    picture = decoded(robot_picture.render_versions(here, there, IDENTITY, 320, 240)).reshape(-1, 4).astype(int)
     lines = picture[picture[:, 3] == 255][:, :3]
     orange, green = (int((np.abs(lines - colour).max(axis=1) < 30).sum()) for colour in ((217, 119, 6), (18, 140, 80)))
     assert min(orange, green) > 20
     assert (picture[:, 3] == 70).sum() > 20
-    same = decoded(robot_picture.render_versions(here, here, 320, 240))
+    same = decoded(robot_picture.render_versions(here, here, IDENTITY, 320, 240))
     assert (same == decoded(robot_picture.render_scene(here, 320, 240))).all()
-    assert robot_picture.render_versions(here, make_scene(())) == b""
+    assert robot_picture.render_versions(here, make_scene(()), IDENTITY) == b""
+    # Another root is no difference.
+    lifted = make_scene((sphere(RED, moved(0.0, 0.0, 2.0)), sphere(RED, moved(3.0, 0.0, 2.0))))
+    down = decoded(robot_picture.render_versions(lifted, here, moved(0.0, 0.0, -2.0), 320, 240))
+    assert (down == same).all()
 
 
 @pytest.mark.parametrize(("robots", "expected"), [(1, 1), (2, 0)])

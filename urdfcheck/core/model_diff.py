@@ -105,6 +105,9 @@ class MechanismDiff:
     samples: int
     """Number of joint configurations in which motion was compared; 0 where none was needed."""
     causes: tuple[ChangeCause, ...] = ()
+    root_pose: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    """Pose of the first version's root in the second's root frame, 4x4 row-major, as the two are laid over each other: they need
+    not have the same root."""
 
     @property
     def new_names(self) -> Mapping[tuple[str, str], str]:

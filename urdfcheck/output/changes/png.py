@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from urdfcheck.core.model_diff import VERDICTS, Diff
+from urdfcheck.core.model_diff import VERDICTS, Diff, ModelDiff
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.robot_picture import render_scene, render_versions
 
@@ -17,7 +17,7 @@ def render(diff: Diff) -> bytes:
     olds, news = index_scenes(diff)
     pairs = [(model, olds.get(model.before), news.get(model.after)) for model in diff.models]
     pairs.sort(key=lambda pair: (None in pair, VERDICTS.index(pair[0].verdict)))
-    return next((picture for _, before, after in pairs if (picture := draw_versions(before, after))), b"")
+    return next((picture for model, before, after in pairs if (picture := draw_versions(model, before, after))), b"")
 
 
 def index_scenes(diff: Diff) -> tuple[Mapping[str, Scene], Mapping[str, Scene]]:
@@ -29,9 +29,13 @@ def index_scenes(diff: Diff) -> tuple[Mapping[str, Scene], Mapping[str, Scene]]:
     return ({}, {}) if diff.runs is None else (index(diff.runs[0].scenes), index(diff.runs[1].scenes))
 
 
-def draw_versions(before: Scene | None, after: Scene | None, width: int = 1200, height: int = 900) -> bytes:
+def draw_versions(
+    model: ModelDiff, before: Scene | None, after: Scene | None, width: int = 1200, height: int = 900
+) -> bytes:
     """Draw both versions of a model, or the one that there is; empty if there is nothing to draw."""
-    if before is not None and after is not None and (picture := render_versions(before, after, width, height)):
-        return picture
+    if before is not None and after is not None and model.mechanism is not None:
+        picture = render_versions(before, after, model.mechanism.root_pose, width, height)
+        if picture:
+            return picture
     scene = after or before
     return b"" if scene is None else render_scene(scene, width, height)

@@ -11,7 +11,7 @@ import math
 import struct
 import zlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from urdfcheck.core.scene import Scene, SceneShape
 
@@ -44,16 +44,24 @@ def render_scene(scene: Scene, width: int = 1200, height: int = 900) -> bytes:
     return b"" if drawn is None else _encode_png(_downsample_pixels(drawn[0].colours))
 
 
-def render_versions(before: Scene, after: Scene, width: int = 1200, height: int = 900) -> bytes:
+def render_versions(
+    before: Scene, after: Scene, root_pose: Sequence[float], width: int = 1200, height: int = 900
+) -> bytes:
     """Draw two versions of a robot over each other, all joints at zero; empty if either cannot be drawn.
+
+    ``root_pose``: of the first version's root in the frame of the second's, 4x4 row-major.
 
     The second version is solid. Of the first, what the second does not cover is a pale shade; the outlines that only one of
     them has are orange before and green after.
     """
     import numpy as np
 
-    solids = [solid for solid in map(_collect_triangles, (before, after)) if solid is not None]
-    drawn = _draw_triangles(solids, width, height) if len(solids) == 2 else None
+    old_solid, new_solid = map(_collect_triangles, (before, after))
+    if old_solid is None or new_solid is None:
+        return b""
+    pose = np.array(root_pose).reshape(4, 4)
+    placed = replace(old_solid, corners=old_solid.corners @ pose[:3, :3].T + pose[:3, 3])
+    drawn = _draw_triangles([placed, new_solid], width, height)
     if drawn is None:
         return b""
     old, new = drawn

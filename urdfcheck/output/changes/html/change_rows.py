@@ -69,8 +69,8 @@ def _emphasize_part(change: MechanismChange, text: str) -> str:
 
 
 def _render_row(entry_id: str, what: str, more: str = "", *, is_shown: bool = True, button: str = _BUTTON) -> str:
-    shown = button if is_shown else ""
-    return f'<li class="entry" id="{entry_id}" tabindex="-1"><span class="what">{what}</span>{more}{shown}</li>'
+    ways = f'<span class="ways">{more}{button if is_shown else ""}</span>'
+    return f'<li class="entry" id="{entry_id}" tabindex="-1"><span class="what">{what}</span>{ways}</li>'
 
 
 def _render_kind(label: str, rows: Sequence[str]) -> str:

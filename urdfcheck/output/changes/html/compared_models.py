@@ -26,7 +26,7 @@ class ComparedModel:
     """Name of the robot, else of the file."""
     difference: ModelDiff
     before: Scene | None
-    """None where the first version has no such model, or it is not drawn."""
+    """None where the first version has no such model, or it is not drawn: with nothing to compare, the second alone is."""
     after: Scene | None
     """None where the second version has no such model, or it is not drawn."""
     new: tuple[FindingCard, ...] = ()
@@ -72,14 +72,17 @@ def collect_compared_models(diff: Diff) -> tuple[list[ComparedModel], OtherFindi
     for number, model in enumerate(ordered, 1):
         # Of equal models there is nothing to see, unless it is the only one.
         is_drawn = number <= MOST_DRAWN and (len(ordered) == 1 or model.verdict not in {IDENTICAL, COSMETIC})
+        before, after = (olds.get(model.before), news.get(model.after)) if is_drawn else (None, None)
+        if model.mechanism is None and after is not None:
+            before = None  # how the two lie is unknown
         title = names.get(model.after or model.before) or get_base_name(model.after or model.before)
         models.append(
             ComparedModel(
                 id=f"m{number}",
                 title=title,
                 difference=model,
-                before=olds.get(model.before) if is_drawn else None,
-                after=news.get(model.after) if is_drawn else None,
+                before=before,
+                after=after,
                 new=tuple(card for card in new if model.after and card.finding.model == model.after),
                 gone=tuple(card for card in gone if model.before and card.finding.model == model.before),
             )

@@ -138,7 +138,7 @@ def _list_sections(model: ComparedModel) -> list[tuple[str, str]]:
 
 
 def _render_model(diff: Diff, model: ComparedModel, drawn: Sequence[ComparedModel], *, is_only: bool) -> str:
-    picture = draw_versions(model.before, model.after, *STILL_SIZE) if drawn == [model] else b""
+    picture = draw_versions(model.difference, model.before, model.after, *STILL_SIZE) if drawn == [model] else b""
     alternative = (
         f"{model.title} before (orange) and after (green), all joints at zero, from the front, right and above"
     )

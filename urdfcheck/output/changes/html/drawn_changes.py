@@ -12,7 +12,7 @@ from urdfcheck.core.model_diff import MechanismChange
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.changes.html.compared_models import ComparedModel
 from urdfcheck.output.changes.summary import get_label
-from urdfcheck.output.html.viewer.scene_data import MeshPool, build_model
+from urdfcheck.output.html.viewer.scene_data import IDENTITY, MeshPool, build_model, round_values
 from urdfcheck.output.shared.anchors import FindingCard
 
 # The layers that show a category of changes best; other ones are seen in the shapes.
@@ -52,7 +52,12 @@ def _build_versions(model: ComparedModel, title: str, pool: MeshPool) -> dict[st
     before = build(model.before, model.gone)
     gone = [_translate_finding(finding, names) for finding in before.pop("findings")]
     values["findings"] += [*gone, *_iter_entries(model, names)]
-    return {**values, "before": {**before, "findings": []}, "renamed": names.list_old_names()}
+    return {
+        **values,
+        "before": {**before, "findings": []},
+        "beforeAt": round_values(IDENTITY if model.found is None else model.found.root_pose),
+        "renamed": names.list_old_names(),
+    }
 
 
 class _PartNames:
