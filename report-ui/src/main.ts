@@ -245,7 +245,7 @@ class Viewer {
   /** The names of the selected links, if no label says them already. */
   private names(subjects: Set<string> | null, others: Anchor[]): Anchor[] {
     if (!subjects || subjects.size > 6) return [];
-    const said = new Set(others.filter((anchor) => anchor.kind === "link").map((anchor) => anchor.text));
+    const said = new Set(others.map((anchor) => anchor.about ?? (anchor.kind === "link" ? anchor.text : "")));
     return [...subjects].flatMap((name) => {
       const link = this.robot.links.get(name);
       return link && !said.has(name) && !this.shown.repair.inertias.has(name) ? [{ text: name, object: link.frame, kind: "link" as const, rank: 5 }] : [];

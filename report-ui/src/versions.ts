@@ -113,7 +113,7 @@ export class Versions {
       if (from.distanceTo(to) < Math.max(LEAST_WAY * this.after.size, EQUAL)) continue;
       const middle = placed(new Group(), new Matrix4().setPosition(from.clone().lerp(to, 0.5)));
       this.ways.add(line(dashes(from, to), COLORS.after, 2.5), middle);
-      this.marks.push({ text: `${name} moves ${distance(from.distanceTo(to))}`, object: middle, kind: "turn", rank: 10 });
+      this.marks.push({ text: `${name} moves ${distance(from.distanceTo(to))}`, object: middle, about: now.data.name, kind: "turn", rank: 10 });
     }
     this.ways.updateMatrixWorld(true);
   }

@@ -67,8 +67,7 @@ function step(places) {
 }
 
 // The robot is above all rows on a narrow page.
-function revealAndReturn() {
-  reveal();
+function offerReturn() {
   back.hidden = back.parentElement.hidden = !narrow.matches;
   back.textContent = "Back to the row";
 }
@@ -83,18 +82,19 @@ main.addEventListener("click", ({ target }) => {
   const entry = target.closest(".entry, .card");
   const button = target.closest(".in-3d");
   if (button?.dataset.link !== undefined || button?.dataset.joint !== undefined || button?.classList.contains("whole")) {
+    reveal();
     forget();
     tell("uc:select", { model: button.closest(".model").id, ...button.dataset, origin: "page" });
-    reveal();
     return;
   }
   if (!entry || target.closest("a, summary, label, input") || (!button && target.closest("button"))) return;
   if (!button && !getSelection().isCollapsed) return;
   const more = entry.querySelector(".more");
   if (more && !button && !target.closest(".more, .frame")) more.open = !more.open;
+  if (button) reveal();
   choose(entry);
   address(entry.id);
-  if (button) revealAndReturn();
+  if (button) offerReturn();
 });
 
 document.addEventListener("uc:select", ({ detail }) => {
