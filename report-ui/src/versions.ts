@@ -86,10 +86,10 @@ export class Versions {
       }
       for (const mesh of link.collisions) mesh.visible &&= isLit;
     }
+    const gained = new Set<Mesh>([...this.gained].map(({ mesh }) => mesh));
     for (const item of outlined) {
-      const body = [...this.gained].find(({ mesh }) => mesh === item.mesh);
       // Of two surfaces in one place neither hides the other.
-      if (body) Object.assign(item, { line: "other", isThrough: !this.isAfter });
+      if (gained.has(item.mesh)) Object.assign(item, { line: "other", isThrough: !this.isAfter });
     }
     for (const link of this.after.links.values()) {
       for (const body of link.bodies) {
