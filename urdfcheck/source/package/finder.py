@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
+from urdfcheck.core.text import SLIP_LIKENESS
 from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type, read_installed_files
 from urdfcheck.source.package.installed_files import InstalledFiles
 from urdfcheck.source.package.package_folders import (
@@ -292,14 +293,18 @@ class PackageFinder:
     def suggest_names(self, name: str) -> list[str]:
         """Return the names of packages in reach that are spelled like ``name``."""
         known = self.list_packages()
-        folded = name.replace("-", "_").lower()
-        alike = [k for k in sorted(known) if k.replace("-", "_").lower() == folded]
+        alike = [k for k in sorted(known) if fold_name(k) == fold_name(name)]
         # Suffixes such as `_description` are common to all: the part before them must be similar.
         stem, suffix = _split_suffix(name)
         stems = {_split_suffix(k)[0]: k for k in sorted(known) if _split_suffix(k)[1] == suffix}
         import difflib
 
-        return alike or [stems[s] for s in difflib.get_close_matches(stem, sorted(stems), n=3, cutoff=0.75)]
+        close = [stems[s] for s in difflib.get_close_matches(stem, sorted(stems), n=3, cutoff=0.75)]
+        # A suffix that is misspelt is none of these: then the part before it must be the same.
+        first, _, last = name.rpartition("_")
+        ends = {k.rpartition("_")[2]: k for k in sorted(known) if first and k.rpartition("_")[0] == first}
+        spelt = [e for e in difflib.get_close_matches(last, sorted(ends), n=1, cutoff=SLIP_LIKENESS) if e in _SUFFIXES]
+        return alike or close or [ends[end] for end in spelt]
 
     def find_package_of(self, path: Path) -> Package | None:
         """Return the package that a file belongs to: the nearest folder above it with a package.xml."""
@@ -461,6 +466,11 @@ def _find_actual_spelling(path: Path) -> str | None:
 def _take_first(folders: PackagesByName) -> dict[str, Path]:
     """Return the first folder of each name."""
     return {name: places[0] for name, places in folders.items() if places}
+
+
+def fold_name(name: str) -> str:
+    """Return the name of a package in lower case with underscores for hyphens."""
+    return name.replace("-", "_").lower()
 
 
 def _split_suffix(name: str) -> tuple[str, str]:

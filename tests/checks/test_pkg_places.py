@@ -1,0 +1,116 @@
+"""PKG001, PKG002, PKG004: a path that leads nowhere while the project has the file in another place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import link, mesh, visual
+from conftest import check
+
+from urdfcheck.core import Finding, Severity
+
+
+def write(root: Path, *names: str, text: str = "") -> None:
+    for name in names:
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text, encoding="utf-8")
+
+
+def find(model: Path, *filenames: str, code: str) -> Finding:
+    """Return the only finding about a model that draws these meshes."""
+    links = "\n".join(link(f"l{n}", visual(mesh(name))) for n, name in enumerate(filenames))
+    write(model.parent, model.name, text=f'<robot name="r">\n{links}</robot>')
+    run = check(model, codes={code})
+    assert not run.failures
+    (finding,) = run.findings
+    return finding
+
+
+@pytest.mark.parametrize(
+    ("files", "old", "severity", "message", "repair", "bullet"),
+    [
+        # Bullet joins the path to the model's folder; no ROS package is around it.
+        ("robot/a.stl", "package:///a.stl", Severity.WARNING, "beside the model", "`a.stl`", "loads it"),
+        (
+            "meshes/a.stl",
+            "package://robot_description/meshes/a.stl",
+            Severity.ERROR,
+            "in ../meshes",
+            "`../me",
+            "refuses",
+        ),
+        ("other/a.stl", "package://meshes/a.stl", Severity.ERROR, "", "package://NAME/meshes/", "refuses"),
+        ("robot/a.txt", "package://gone/a.stl", Severity.ERROR, "", "correct the name", "refuses"),
+    ],
+)
+def test_the_place_of_files_is_named_where_there_is_no_package(
+    tmp_path: Path, files: str, old: str, severity: Severity, message: str, repair: str, bullet: str
+) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, files)
+    finding = find(tmp_path / "robot/r.urdf", old, code="PKG001")
+    assert finding.severity == severity
+    assert message in finding.message
+    assert finding.fix is not None
+    assert repair in finding.fix.title
+    assert "package.xml or" not in finding.fix.title
+    assert finding.consequences["bullet"].startswith(bullet)
+
+
+def test_nothing_is_said_of_folders_above_a_lone_model_that_were_not_read(tmp_path: Path) -> None:
+    write(tmp_path, "urdf/r.urdf", "notes/a.txt")
+    finding = find(tmp_path / "urdf/r.urdf", "package://gone/a.stl", code="PKG001")
+    assert finding.consequences["bullet"].startswith("loads it if a folder above has the files")
+
+
+@pytest.mark.parametrize(("folder", "findings"), [("arm", []), ("clone", [("rosbuild", Severity.INFO)])])
+def test_a_package_of_rosbuild_has_the_name_of_its_folder(
+    tmp_path: Path, folder: str, findings: list[tuple[str, Severity]]
+) -> None:
+    root = tmp_path / folder
+    write(root, "manifest.xml", text="<package><author>me</author></package>")
+    write(root, "meshes/a.stl")
+    links = link("l", visual(mesh("package://arm/meshes/a.stl")))
+    write(root, "robots/r.urdf", text=f'<robot name="r">{links}</robot>')
+    run = check(root / "robots/r.urdf", codes={"PKG001", "PKG002"})
+    assert [(f.message_id, f.severity) for f in run.findings] == findings
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_similar_package_without_the_file_is_not_suggested(tmp_path: Path, named: bool) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path / "p", "package.xml", text="<package><name>p</name></package>")
+    write(tmp_path / "robot_description", "package.xml", text="<package><name>robot_description</name></package>")
+    write(tmp_path / "robot_description", *(["meshes/a.stl"] if named else []))
+    # Two files: no package has all of them.
+    urls = ("package://rrbot_description/meshes/a.stl", "package://rrbot_description/meshes/b.stl")
+    finding = find(tmp_path / "p/urdf/r.urdf", *urls, code="PKG001")
+    assert finding.data["near"] == (["robot_description"] if named else [])
+    assert ("did you mean" in finding.message) == named
+
+
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [("ercole_desription", ["ercole_description"]), ("ercole_navigation", []), ("arm2_desription", [])],
+)
+def test_a_misspelt_suffix_is_recognised(tmp_path: Path, name: str, near: list[str]) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path / "e", "package.xml", text="<package><name>ercole_description</name></package>")
+    write(tmp_path / "e", "urdf/b.xacro", text='<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>')
+    include = f'<xacro:include filename="$(find {name})/urdf/b.xacro"/>'
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}<link name="l"/></robot>'
+    write(tmp_path / "e", "urdf/r.urdf.xacro", text=text)
+    (finding,) = check(tmp_path / "e/urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    assert finding.data["near"] == near
+
+
+def test_relative_paths_to_a_folder_one_level_up_are_written_from_the_model(tmp_path: Path) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, "meshes/a.stl", "meshes/b.stl")
+    finding = find(tmp_path / "urdf/r.urdf", "meshes/a.stl", "meshes/b.stl", code="PKG002")
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == ["../meshes/a.stl", "../meshes/b.stl"]
+    assert "in ../meshes)" in finding.message
+    assert finding.consequences["bullet"].startswith("loads it")
+    assert finding.consequences["drake"] == "refuses the file"
