@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Iterator
 from functools import partial
@@ -27,6 +28,7 @@ from urdfcheck.source.text.xml import Element
 
 # The characters of a command that a message shows.
 _SHOWN = 80
+_BEHIND_PACKAGE = re.compile(r"\)/([^\s$\"'(){}]+)$")
 
 
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
@@ -66,7 +68,7 @@ def _check_description(
     if obstacle.kind == "package":
         package = launch.finder.find_package_of(path.absolute())
         if package is None or obstacle.name not in package.dependencies:
-            near = _format_suggestions(launch.finder.suggest_names(obstacle.name))
+            near = _format_suggestions(launch.finder.suggest_names(obstacle.name, _list_files(description.file)))
             yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near)
         else:
             yield build_unknown(f"package {obstacle.name!r} is not installed here")
@@ -144,6 +146,12 @@ def _find_root(element: Element) -> Element:
     while element.parent is not None:
         element = element.parent
     return element
+
+
+def _list_files(text: str) -> list[str]:
+    """Return the path that is typed behind the name of a package, without the name; nothing if it is computed."""
+    inside = _BEHIND_PACKAGE.search(text)
+    return [] if inside is None else [inside[1]]
 
 
 def _format_suggestions(names: list[str]) -> str:

@@ -10,7 +10,6 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.finder import fold_name
 from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.path_arguments import list_path_arguments
@@ -59,7 +58,11 @@ def _build_finding(
     files = list(dict.fromkeys(u.resource.text for u in uses))
     here = {} if declared else _find_files_here(uses, source)
     kind = "rosbuild" if _has_rosbuild_name(here, package) else "files" if uses else "expansion"
-    near = [] if declared or here else owners or _suggest_packages(package, uses, at, source)
+    near = (
+        []
+        if declared or here
+        else owners or source.finder.suggest_names(package, _list_wanted_files(package, uses, at, source))
+    )
     evidence = f", which has {'this file' if len(files) == 1 else 'these files'}" if owners and package else ""
     message = "nameless" if not package else f"{kind}-declared" if declared else kind
     # The meshes of a declared package are missing only until it is installed.
@@ -136,24 +139,10 @@ def _has_all_files(folder: Path, files: list[str], source: Source) -> bool:
     return all(source.finder.can_open(folder / name) and (folder / name).is_file() for name in files)
 
 
-def _suggest_packages(package: str, uses: Sequence[ResourceUse], at: Location, source: Source) -> list[str]:
-    """Return the packages with similar names that have one of the files: without them a name is another package's.
-
-    A hyphen for an underscore is one name.
-    """
-    wanted = {_get_path_in_package(use.resource.text, package) for use in uses} or {_read_path_behind(at, source)}
-
-    def has_file(folder: Path | None, inside: str) -> bool:
-        if folder is None or not inside:
-            return folder is not None
-        path = source.finder.find_source(folder / inside)
-        return source.finder.can_open(path) and path.is_file()
-
-    def is_meant(name: str) -> bool:
-        folder = source.finder.find(name)
-        return fold_name(name) == fold_name(package) or any(has_file(folder, inside) for inside in wanted)
-
-    return list(filter(is_meant, source.finder.suggest_names(package)))
+def _list_wanted_files(package: str, uses: Sequence[ResourceUse], at: Location, source: Source) -> set[str]:
+    """Return the paths in a package that the model names, as far as they are typed."""
+    paths = {_get_path_in_package(use.resource.text, package) for use in uses} or {_read_path_behind(at, source)}
+    return set(filter(None, paths))
 
 
 def _read_path_behind(at: Location, source: Source) -> str:

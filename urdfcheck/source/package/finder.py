@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
@@ -290,10 +290,22 @@ class PackageFinder:
             self._workspace = {**deeper, **near, **self._scan_paths(), **self.explicit}
         return self._workspace
 
-    def suggest_names(self, name: str) -> list[str]:
-        """Return the names of packages in reach that are spelled like ``name``."""
+    def suggest_names(self, name: str, files: Collection[str] = ()) -> list[str]:
+        """Return the names of packages in reach that are spelled like ``name`` and have one of these files.
+
+        Without its files, a similar name is another package's; only a hyphen for an underscore and the case say enough.
+        """
+        names = self._list_similar_names(name)
+        return [n for n in names if not files or _fold_name(n) == _fold_name(name) or self._has_any_file(n, files)]
+
+    def _has_any_file(self, package: str, files: Iterable[str]) -> bool:
+        folder = self.find(package)
+        paths = [] if folder is None else [self.find_source(folder / name) for name in files]
+        return any(self.can_open(path) and path.is_file() for path in paths)
+
+    def _list_similar_names(self, name: str) -> list[str]:
         known = self.list_packages()
-        alike = [k for k in sorted(known) if fold_name(k) == fold_name(name)]
+        alike = [k for k in sorted(known) if _fold_name(k) == _fold_name(name)]
         # Suffixes such as `_description` are common to all: the part before them must be similar.
         stem, suffix = _split_suffix(name)
         stems = {_split_suffix(k)[0]: k for k in sorted(known) if _split_suffix(k)[1] == suffix}
@@ -468,7 +480,7 @@ def _take_first(folders: PackagesByName) -> dict[str, Path]:
     return {name: places[0] for name, places in folders.items() if places}
 
 
-def fold_name(name: str) -> str:
+def _fold_name(name: str) -> str:
     """Return the name of a package in lower case with underscores for hyphens."""
     return name.replace("-", "_").lower()
 
