@@ -114,3 +114,75 @@ def test_relative_paths_to_a_folder_one_level_up_are_written_from_the_model(tmp_
     assert "in ../meshes)" in finding.message
     assert finding.consequences["bullet"].startswith("loads it")
     assert finding.consequences["drake"] == "refuses the file"
+
+
+SETUP = """from glob import glob
+from setuptools import setup
+setup(data_files=[("share/p", ["package.xml"]), ("share/p", glob("urdf/*")){}])
+"""
+
+
+@pytest.mark.parametrize(
+    ("installs", "place", "programs"),
+    [
+        # An old copy, and the files that it names are installed in the share folder itself.
+        (', ("share/p", glob("meshes/*"))', "old/b.urdf", None),
+        (', ("share/p", glob("meshes/*"))', "urdf/b.urdf", {"colcon", "rviz"}),
+        ("", "old/b.urdf", {"colcon", "rviz"}),
+    ],
+)
+def test_an_old_copy_of_a_model_needs_no_folder(
+    tmp_path: Path, installs: str, place: str, programs: set[str] | None
+) -> None:
+    build = "<export><build_type>ament_python</build_type></export>"
+    write(tmp_path, "package.xml", text=f'<package format="3"><name>p</name>{build}</package>')
+    write(tmp_path, "setup.py", text=SETUP.format(installs))
+    write(tmp_path, "meshes/a.stl")
+    shape = link("l", visual(mesh("package://p/meshes/a.stl")))
+    write(tmp_path, place, text=f'<robot name="r">{shape}</robot>')
+    findings = check(tmp_path, codes={"PKG008"}).findings
+    assert [set(f.consequences) for f in findings] == ([] if programs is None else [programs])
+
+
+def test_a_folder_without_meshes_loses_none(tmp_path: Path) -> None:
+    build = "<export><build_type>ament_python</build_type></export>"
+    write(tmp_path, "package.xml", text=f'<package format="3"><name>p</name>{build}</package>')
+    write(tmp_path, "setup.py", text=SETUP.format(', ("share/p/launch", glob("launch/*"))'))
+    write(tmp_path, "rviz/a.rviz")
+    write(tmp_path, "urdf/r.urdf", text='<robot name="r"><link name="l"/></robot>')
+    write(
+        tmp_path,
+        "launch/a.launch.xml",
+        text='<launch><arg name="r" default="$(find-pkg-share p)/rviz/a.rviz"/></launch>',
+    )
+    (finding,) = check(tmp_path, codes={"PKG008"}).findings
+    assert set(finding.consequences) == {"colcon", "roslaunch"}
+
+
+@pytest.mark.parametrize(
+    ("typed", "edit"),
+    [
+        ("/home/ann/ws/src/p/meshes/a.stl", "package://p/meshes/a.stl"),
+        ("C:/Users/ann/p/meshes/a.stl", "package://p/meshes/a.stl"),
+        ("/home/ann/ws/src/q/meshes/a.stl", None),
+        ("/home/ann/ws/src/p/meshes/b.stl", None),
+    ],
+)
+def test_the_end_of_a_machine_path_may_be_a_file_of_the_package(tmp_path: Path, typed: str, edit: str | None) -> None:
+    write(tmp_path / "p", "package.xml", text="<package><name>p</name></package>")
+    write(tmp_path / "p", "meshes/a.stl")
+    finding = find(tmp_path / "p/urdf/r.urdf", typed, code="PKG004")
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == ([] if edit is None else [edit])
+    assert finding.fix.title.startswith("move the file into") == (edit is None)
+
+
+@pytest.mark.parametrize(("place", "told"), [("meshes/robot.urdf", False), ("urdf/robot.urdf", True)])
+def test_a_model_that_an_exporter_left_beside_the_meshes_names_no_package(
+    tmp_path: Path, place: str, told: bool
+) -> None:
+    write(tmp_path, "package.xml", text='<package format="3"><name>p</name></package>')
+    write(tmp_path, "meshes/a.stl")
+    shape = link("l", visual(mesh("package://meshes/a.stl")))
+    write(tmp_path, place, text=f'<robot name="r">{shape}</robot>')
+    assert bool(check(tmp_path, codes={"PKG007"}).findings) == told

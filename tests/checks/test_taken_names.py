@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from builders import joint, link, robot
 from conftest import check, check_text
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Finding, Location, Severity, Span
+from urdfcheck.core.merging import merge_same_text
+from urdfcheck.rules import load_rules
 
 CART = (
     link("base") + "".join(link(side) for side in ("left", "right")),
@@ -118,3 +121,23 @@ def test_a_launch_file_means_a_package_that_has_the_model(tmp_path: Path, there:
     }
     finding = only(check(write(tmp_path, files) / "run/launch/a.launch", codes={"LCH001"}).findings)
     assert ("cart_description" in finding.message) == suggested
+
+
+def test_all_packages_that_are_not_found_are_told(tmp_path: Path) -> None:
+    names = ("cart_control", "cart_hardware", "cart_nav")
+    includes = "".join(f'<include file="$(find {name})/launch/a.launch"/>' for name in names)
+    files = {
+        ".git/HEAD": "",
+        "cart/package.xml": "<package><name>cart</name></package>",
+        "cart/launch/b.launch": f"<launch>{includes}</launch>",
+    }
+    finding = only(check(write(tmp_path, files) / "cart", codes={"PKG007"}).findings)
+    assert finding.message_id == "unknown-several"
+    assert all(name in finding.message for name in names)
+
+
+def test_several_claims_about_one_element_stay_apart() -> None:
+    place = Location("package", Span("package.xml", 1, 1, 1, 2, 0, 1))
+    finding = load_rules()["PKG006"].finding("short", at=place, name="x")
+    other = replace(finding, message="another", subjects=("package[b]",))
+    assert [f.message for f in merge_same_text([finding, other, finding])] == [finding.message, "another"]
