@@ -186,3 +186,16 @@ def test_a_model_that_an_exporter_left_beside_the_meshes_names_no_package(
     shape = link("l", visual(mesh("package://meshes/a.stl")))
     write(tmp_path, place, text=f'<robot name="r">{shape}</robot>')
     assert bool(check(tmp_path, codes={"PKG007"}).findings) == told
+
+
+@pytest.mark.parametrize(("manifest", "message"), [("manifest.xml", "unknown"), ("notes.xml", "package")])
+def test_a_launch_file_of_rosbuild_names_the_folder_that_the_clone_should_have(
+    tmp_path: Path, manifest: str, message: str
+) -> None:
+    write(tmp_path, manifest, text="<package><author>me</author></package>")
+    write(tmp_path, ".git/HEAD")
+    write(tmp_path, "urdf/r.urdf", text='<robot name="r"><link name="l"/></robot>')
+    command = '<param name="robot_description" textfile="$(find hand)/urdf/r.urdf"/>'
+    write(tmp_path, "launch/a.launch", text=f"<launch>{command}</launch>")
+    (finding,) = check(tmp_path / "launch/a.launch", codes={"LCH001"}).findings
+    assert finding.message_id == message

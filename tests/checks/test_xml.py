@@ -903,6 +903,7 @@ def test_an_empty_element_in_the_wrong_place_is_deleted(
         ('<material name="m"/><box size="1 1 1"/>', "warning", "drops the shape"),
         ('<box size="1 1 1"/><material name="m"/>', "warning", "ignores it"),
         ('<bx size="1 1 1"/>', "error", "drops the shape"),
+        ('<box size="1 1 1"/><surface><mu>1</mu></surface>', "warning", "ignores it"),
         ('<box size="1 1 1"/><bx size="1 1 1"/>', "warning", "ignores it"),
     ],
 )
@@ -921,6 +922,8 @@ def test_only_the_first_element_of_a_geometry_is_its_shape(
         ("<surface><friction><ode><mu>10</mu></ode></friction></surface>", "warning", "<collision>…</collision>"),
         ("<surface><friction/></surface>", "info", ""),
         ("<gravity>1</gravity>", "info", ""),
+        ("<pose>0 0 0 0 0 0</pose>", "info", ""),
+        ("<pose>0 0 1 0 0 0</pose>", "warning", "delete it"),
         ("<gravity>0</gravity>", "warning", '"LINK_OR_JOINT">…</gazebo>'),
     ],
 )

@@ -146,7 +146,7 @@ def _holds_sdf_defaults(element: Element) -> bool:
     values = [
         v for inner in element.walk() for v in (inner.text.strip(), *(a.value for a in inner.attributes.values()))
     ]
-    return all(value in _DEFAULT_TEXTS or parse_number(value) == 0 for value in values)
+    return all(word in _DEFAULT_TEXTS or parse_number(word) == 0 for value in values for word in value.split())
 
 
 def _holds_zeros(element: Element) -> bool:
@@ -225,13 +225,19 @@ def _classify_element(parent: str, child: Element) -> tuple[str, Severity, dict[
         listed = " or ".join(f"<{home}>" for home in homes)
         repair = "delete it: it is empty" if _is_empty(child) else f"move it into {listed}"
         return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
-    if parent == "geometry":
-        return "shape", Severity.ERROR, {}
+    if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
+        is_first = _is_in_place_of_shape(child)
+        repair = "replace it by a box, cylinder, sphere or mesh" if is_first else "delete it: the shape is before it"
+        return "shape", Severity.ERROR, {"repair": repair}
     if parent == "robot":
         return None
     if child.tag in _SDF:
         around = parent if parent == "visual" else "collision"
         block = f"<{around}>…</{around}>" if child.tag in _SDF_OF_SHAPES else "…"
-        repair = f'move it into `<gazebo reference="LINK_OR_JOINT">{block}</gazebo>` at the end of the robot'
+        repair = (
+            "delete it: in URDF `<origin>` gives the place"
+            if child.tag == "pose"
+            else f'move it into `<gazebo reference="LINK_OR_JOINT">{block}</gazebo>` at the end of the robot'
+        )
         return "sdf", Severity.WARNING, {"repair": repair}
     return "ignored", Severity.INFO, {}
