@@ -105,7 +105,7 @@ def find_missing_path(use: ResourceUse, source: Source) -> Path | None:
 def find_above(use: ResourceUse, source: Source) -> Path | None:
     """Return the file that a path without its scheme names in the model's folder or the nearest one above it that has it.
 
-    None if there is none in reach, or the path is no relative one.
+    None if there is none in reach, or the path is absolute.
     """
     if use.resource.kind not in {"package", "relative"}:
         return None
@@ -140,7 +140,7 @@ def describe_missing_uses(uses: Iterable[ResourceUse], source: Source) -> dict[s
 
 
 def _is_only_folder_in_reach(source: Source) -> bool:
-    """Whether the model belongs to no repository or package that is known, so that its surroundings were not looked at."""
+    """Whether the model belongs to no repository or package that is known, so that its surroundings were not read."""
     levels = source.finder.list_parent_folders()
     is_repository = bool(levels) and (levels[-1] / ".git").exists()
     return (
