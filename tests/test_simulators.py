@@ -487,6 +487,8 @@ def chain(levels: int) -> bytes:
 MOTION = EngineDynamics(joints=("j",), masses=(((0.5,),),), torques=((2.0,),), accelerations=(-4.0,))
 PLACED = {"arm": (1.0, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)}
 TURNED = {"arm": (0.0, -1.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)}
+# As far off as single precision puts it.
+NEARBY = {"arm": (*PLACED["arm"][:3], 0.500004, *PLACED["arm"][4:])}
 BOX = {"arm": (0.0, 0.0, 0.0, 0.3, 0.4, 1.2)}
 TYPED = TypedRobot(
     root="base",
@@ -526,6 +528,8 @@ LOADED = LoadedRobot(links={"base": 0.0, "arm": 2.0}, joints=("j",), limits={"j"
             Verdict.REPLACES,
             "at random configurations the frame of link arm differs in orientation",
         ),
+        (replace(LOADED, frames=(NEARBY,)), Verdict.REPLACES, "at random configurations the frame of link arm differs"),
+        (replace(LOADED, frames=(NEARBY,), accuracy=1e-5), Verdict.LOADS, ""),
         (replace(LOADED, drawn={}), Verdict.DROPS, "without the visuals of link arm"),
         (
             replace(LOADED, drawn={"arm": (0.0, 0.0, 0.0, 0.6, 0.8, 2.4)}),
