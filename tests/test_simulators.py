@@ -52,6 +52,19 @@ KNOWN = {
         "gazebo",
     ): "the root's: without a mass it is dropped with all that hangs on it, as KIN010 says of a root that has none",
     ("MSH009-bad-1", "bullet"): "it does not follow the <instance_node> of COLLADA",
+    **{
+        (name, importer): reason
+        for importer in ("newton", "isaac")
+        for name, reason in {
+            **dict.fromkeys(
+                ("MSH001-good-1", "MSH012-bad-1", "PKG009-good-1"), "its mesh has one triangle, which is not converted"
+            ),
+            "MSH011-bad-1": "it reads no OFF, which few robots have",
+            "XAC007-bad-4": "no link is left",
+            "XML007-good-2": "it reads both shapes, the second of which has no number",
+            "XML005-bad-1": "a joint without a child is one of its mistakes",
+        }.items()
+    },
     ("Gepetto/example-robot-data:talos_full_v2", "gazebo"): "the pose of the merged inertial is not finite",
     (
         "Gepetto/example-robot-data:tiago_dual",

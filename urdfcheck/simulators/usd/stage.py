@@ -243,16 +243,20 @@ def _compute_frames(
 
 
 def _apply_mimics(values: dict[str, float], joints: Mapping[str, Any]) -> dict[str, float]:
-    """Return the positions of the joints where those that mimic others follow them, also in chains."""
+    """Return the positions of the joints where those that mimic others follow them, also in chains.
+
+    One that mimics a joint that does not move is left where it is: what a simulator makes of that is not in the file.
+    """
     names = {prim.GetPath(): name for name, prim in joints.items()}
     leaders = {}
     for name, prim in joints.items():
         relation = prim.GetRelationship("newton:mimicJoint")
         for path in relation.GetTargets() if relation else ():
             offset, factor = (float(prim.GetAttribute(f"newton:mimicCoef{i}").Get() or 0.0) for i in (0, 1))
-            leaders[name] = names.get(path, ""), factor, offset * _get_unit(prim)
+            if names.get(path) in values:
+                leaders[name] = names[path], factor, offset * _get_unit(prim)
     moved = dict(values)
     for _ in leaders:  # at most as many steps as there are followers
         for name, (leader, factor, offset) in leaders.items():
-            moved[name] = factor * moved.get(leader, 0.0) + offset
+            moved[name] = factor * moved[leader] + offset
     return moved
