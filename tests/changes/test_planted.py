@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from versions import ARM, compare_texts
 
-from urdfcheck.core.model_diff import MechanismDiff, ModelDiff
+from urdfcheck.core.model_diff import Diff, MechanismDiff, ModelDiff
+from urdfcheck.output.changes.text import render as render_text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -314,6 +315,22 @@ def test_two_changes_are_two_changes_with_a_cause_each(tmp_path: Path) -> None:
     mechanism = get_mechanism(compare_texts(tmp_path, ARM, changed))
     assert [change.id for change in mechanism.changes] == ["joint-moved", "effort"]
     assert [cause.changes for cause in mechanism.causes] == [(0,), (1,)]
+
+
+def test_the_colour_of_a_named_material_is_caused_where_it_is_typed(tmp_path: Path) -> None:
+    of_robot = '<material name="m">\n<color rgba="1 0 0 1"/>\n</material>'
+    used = ARM.replace('<robot name="arm">', f'<robot name="arm">{of_robot}').replace(
+        "<visual>", '<visual><material name="m"/>'
+    )
+    found = compare_texts(tmp_path, used, used.replace("1 0 0 1", "0 1 0 1"))
+    (cause,) = get_mechanism(found).causes
+    assert [text for _, _, text in (*cause.before, *cause.after)] == [
+        '<color rgba="1 0 0 1"/>',
+        '<color rgba="0 1 0 1"/>',
+    ]
+    lines = render_text(Diff(before="a", after="b", models=(found,))).splitlines()
+    assert lines[1] == "  visual     links base, upper, fore and 4 more: visual has another colour or texture"
+    assert len(lines) == 5
 
 
 def test_one_line_that_moves_many_parts_is_one_cause(tmp_path: Path) -> None:

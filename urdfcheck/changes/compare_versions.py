@@ -9,7 +9,7 @@ from pathlib import Path
 
 from urdfcheck.changes.finding_changes import compare_findings
 from urdfcheck.changes.model_pairs import ModelPair, VersionedModel, pair_models
-from urdfcheck.changes.text_changes import SideTexts, find_causes
+from urdfcheck.changes.text_changes import SideTexts, find_causes, find_edited_lines, list_idle_edits
 from urdfcheck.changes.wording import describe_change, judge_change
 from urdfcheck.core import ModelInfo, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
@@ -182,9 +182,11 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelD
         SideTexts.of_model(before, first.texts, old_folder),
         SideTexts.of_model(after, second.texts, new_folder),
     )
-    found = replace(found, causes=find_causes(found.changes, *texts))
+    edited = find_edited_lines(*texts)
+    found = replace(found, causes=find_causes(found.changes, edited, *texts))
+    idle_edits = list_idle_edits(edited, (before, after), texts)
     is_equal = sorted(before.digests.values()) == sorted(after.digests.values())
-    verdict, headline = judge_change(found, has_equal_texts=is_equal)
+    verdict, headline = judge_change(found, has_equal_texts=is_equal, has_idle_edits=bool(idle_edits))
     return ModelDiff(
         before=first.info.id,
         after=second.info.id,
@@ -193,6 +195,7 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelD
         mechanism=found,
         texts=tuple(map(describe_change, found.changes)),
         notes=tuple(map(describe_change, found.notes)),
+        idle_edits=idle_edits,
         matched_by=pair.matched_by,
     )
 

@@ -109,13 +109,29 @@ def _compare_lines(before: str, after: str) -> tuple[frozenset[int], frozenset[i
     return frozenset(gone), frozenset(came)
 
 
-def find_causes(changes: Sequence[MechanismChange], before: SideTexts, after: SideTexts) -> tuple[ChangeCause, ...]:
+def list_idle_edits(
+    edited: EditedLines, mechanisms: tuple[RobotMechanism, RobotMechanism], texts: tuple[SideTexts, SideTexts]
+) -> tuple[tuple[str, int, str], ...]:
+    """Return file, line and text of the edited tags of which a version's robot has nothing, those of the second version first."""
+    found: list[tuple[str, int, str]] = []
+    for mechanism, lines, side in (
+        (mechanisms[1], edited.after, texts[1]),
+        (mechanisms[0], edited.before, texts[0]),
+    ):
+        for name, idle in mechanism.idle_lines.items():
+            numbers = [(name, number) for number in sorted(idle & lines.get(name, frozenset()))]
+            found += _quote_lines(numbers, side.texts)
+    return tuple(found)
+
+
+def find_causes(
+    changes: Sequence[MechanismChange], edited: EditedLines, before: SideTexts, after: SideTexts
+) -> tuple[ChangeCause, ...]:
     """Group changes by the lines that caused them, in the order of the changes.
 
     Of the lines that a value was computed from those count that were edited, and the calls that brought it in only where none of
     those was. Where nothing was edited, the value is shown where it is typed: a mesh file or an argument changed.
     """
-    edited = find_edited_lines(before, after)
     groups: dict[tuple[tuple[Line, ...], tuple[Line, ...], bool], list[int]] = {}
     for index, change in enumerate(changes):
         sides = ((change.before, edited.before), (change.after, edited.after))
@@ -128,8 +144,8 @@ def find_causes(changes: Sequence[MechanismChange], before: SideTexts, after: Si
         groups.setdefault((tuple(old), tuple(new), is_edited), []).append(index)
     return tuple(
         ChangeCause(
-            before=tuple(_quote_lines(old, before.texts)),
-            after=tuple(_quote_lines(new, after.texts)),
+            before=tuple(_quote_lines(old[:MOST_LINES], before.texts)),
+            after=tuple(_quote_lines(new[:MOST_LINES], after.texts)),
             changes=tuple(indices),
             is_edited=is_edited,
         )
@@ -148,7 +164,7 @@ def _list_lines(spans: Iterable[Span]) -> list[Line]:
 
 
 def _quote_lines(lines: Sequence[Line], texts: Mapping[str, str]) -> Iterator[tuple[str, int, str]]:
-    for name, number in lines[:MOST_LINES]:
+    for name, number in lines:
         split = NEWLINE.split(texts.get(name, ""))
         text = split[number - 1].strip() if number <= len(split) else ""
         yield name, number, text[:_MOST_CHARACTERS]

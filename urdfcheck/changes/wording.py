@@ -227,7 +227,7 @@ _WORDS: Mapping[str, Callable[[MechanismChange], str]] = {
     "shape-resized": _describe_shape("has another size"),
     "shape-replaced": _describe_shape("is replaced"),
     "mesh-changed": _describe_shape("has another content"),
-    "material": _describe_shape("has another colour or texture"),
+    "material": _describe_pair("{role} has another colour or texture"),
     "frame-moved": _describe_pair("has its frame elsewhere; its mass, shapes and children stay"),
     "robot-renamed": _describe_pair("name {before} → {after}"),
     "extra-added": _describe_pair("is new"),
@@ -239,15 +239,16 @@ _WORDS: Mapping[str, Callable[[MechanismChange], str]] = {
 # -- verdicts ----------------------------------------------------------------------------------------------------------
 
 
-def judge_change(found: MechanismDiff, *, has_equal_texts: bool) -> tuple[str, str]:
-    """Return the verdict on a comparison, one of `VERDICTS`, and its line."""
+def judge_change(found: MechanismDiff, *, has_equal_texts: bool, has_idle_edits: bool) -> tuple[str, str]:
+    """Return the verdict on a comparison, one of `VERDICTS`, and its line; ``has_idle_edits``: see `ModelDiff.idle_edits`."""
     categories = {change.category for change in found.changes}
     verdict = next((category for category in CATEGORIES if category in categories), None)
     if verdict is None:
         if has_equal_texts and not found.notes:
             return IDENTICAL, "identical"
         notes = f" ({format_count(len(found.notes), 'note')})" if found.notes else ""
-        return COSMETIC, f"cosmetic: the robot is the same{notes}"
+        condition = " with these arguments" if has_idle_edits else ""
+        return COSMETIC, f"cosmetic: the robot is the same{condition}{notes}"
     if verdict == "structure":
         return verdict, _join([_count_structure(found), _describe_motion(found.shifts, found)])
     if verdict == "kinematic":

@@ -130,6 +130,8 @@ class ModelDiff:
     """Each change in words, in the order of ``mechanism.changes``."""
     notes: tuple[str, ...] = ()
     """Each note in words."""
+    idle_edits: tuple[tuple[str, int, str], ...] = ()
+    """File, line and text of edited tags that make no part of the robot in either version: other arguments may use them."""
     problem: str = ""
     """Why the models cannot be compared."""
     matched_by: str = "path"

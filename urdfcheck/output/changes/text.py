@@ -5,17 +5,31 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding
-from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, ChangeCause, Diff, JointTorque, MechanismDiff, ModelDiff
-from urdfcheck.core.text import format_count
+from urdfcheck.core.model_diff import (
+    COSMETIC,
+    IDENTICAL,
+    ChangeCause,
+    Diff,
+    JointTorque,
+    MechanismChange,
+    MechanismDiff,
+    ModelDiff,
+)
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.output.shared.wording import format_place
 
-# How many changes, causes, notes and findings are listed unless all are asked for.
-MOST_CHANGES, MOST_CAUSES, MOST_OTHERS = 12, 4, 3
+# How many changes, causes, lines of one side of a cause, and notes and findings are listed unless all are asked for.
+MOST_CHANGES, MOST_CAUSES, MOST_LINES, MOST_OTHERS = 5, 2, 2, 3
+# How many parts with one change are named.
+_MOST_NAMES = 3
 # Columns of the names of the categories.
 _COLUMN = 10
 # What the categories are called, where that is not their name.
 LABELS = {"kinematic": "motion", "dynamic": "dynamics", "extension": "other"}
+
+# A change and what is said of it.
+_DescribedChange = tuple[MechanismChange, str]
 
 
 def render(diff: Diff, *, show_all: bool = False) -> str:
@@ -51,6 +65,8 @@ def _iter_model_lines(model: ModelDiff, *, is_only: bool, show_all: bool) -> Ite
         return
     yield from _iter_change_lines(model, found, show_all=show_all)
     yield from _iter_cause_lines(found.causes, show_all=show_all)
+    if model.idle_edits:
+        yield f"  {'note':{_COLUMN}} {describe_idle_edits(model)}"
     shown = model.notes if show_all or model.verdict == COSMETIC else model.notes[:MOST_OTHERS]
     for note in shown:
         yield f"  {'note':{_COLUMN}} {note}"
@@ -59,14 +75,48 @@ def _iter_model_lines(model: ModelDiff, *, is_only: bool, show_all: bool) -> Ite
 
 
 def _iter_change_lines(model: ModelDiff, found: MechanismDiff, *, show_all: bool) -> Iterator[str]:
-    most = len(model.texts) if show_all else MOST_CHANGES
-    for change, text in list(zip(found.changes, model.texts, strict=True))[:most]:
-        yield f"  {LABELS.get(change.category, change.category):{_COLUMN}} {text}"
-    if len(model.texts) > most:
-        yield f"  … {format_count(len(model.texts) - most, 'more change')} (-v lists all)"
-    torques = found.torques if show_all else found.torques[:2]
+    changes = list(zip(found.changes, model.texts, strict=True))
+    groups = [[change] for change in changes] if show_all else _group_changes(changes)
+    most = len(groups) if show_all else MOST_CHANGES
+    for group in groups[:most]:
+        yield f"  {LABELS.get(group[0][0].category, group[0][0].category):{_COLUMN}} {_describe_group(group)}"
+    if len(groups) > most:
+        yield f"  … {format_count(sum(map(len, groups[most:])), 'more change')} (-v lists all)"
+    torques = found.torques if show_all else found.torques[:1]
     for torque in torques:
         yield f"  {'gravity':{_COLUMN}} {describe_torque(torque)}"
+
+
+def _group_changes(changes: Sequence[_DescribedChange]) -> list[list[_DescribedChange]]:
+    """Return the changes with those together that say the same of several parts."""
+    groups: dict[tuple[str, ...], list[_DescribedChange]] = {}
+    for change, text in changes:
+        kind, name = _name_part(change)
+        groups.setdefault((change.category, change.id, kind, text.removeprefix(name)), []).append((change, text))
+    return list(groups.values())
+
+
+def _describe_group(group: Sequence[_DescribedChange]) -> str:
+    change, text = group[0]
+    if len(group) == 1:
+        return text
+    kind, name = _name_part(change)
+    said = text.removeprefix(name).strip()
+    names = join_names((_name_part(other)[1].removeprefix(f"{kind} ") for other, _ in group), _MOST_NAMES)
+    return f"{kind}s {names}: {said}" if kind else f"{names}: {said}"
+
+
+def _name_part(change: MechanismChange) -> tuple[str, str]:
+    """Return the kind of the part, empty for what is no link or joint, and what its text begins with."""
+    kind, _, rest = change.subject.partition("[")
+    return (kind, f"{kind} {rest.removesuffix(']')}") if kind in {"link", "joint"} else ("", change.subject)
+
+
+def describe_idle_edits(model: ModelDiff) -> str:
+    """Return how many edited lines the robot has nothing of, with the first of them."""
+    file, line, _ = model.idle_edits[0]
+    lines = format_count(len(model.idle_edits), "edited line makes", "edited lines make")
+    return f"{lines} no part of this robot, first {file}:{line} (--all-args compares it with other arguments too)"
 
 
 def describe_torque(torque: JointTorque) -> str:
@@ -82,9 +132,13 @@ def _iter_cause_lines(causes: Sequence[ChangeCause], *, show_all: bool) -> Itera
     for cause in shown:
         count = format_count(len(cause.changes), "change")
         yield f"  {count}, caused by" if cause.is_edited else f"  {count}, typed in a line that was not edited"
-        for sign, lines in (("-", cause.before), ("+", cause.after)):
-            for file, line, text in lines:
-                yield f"    {sign} {file}:{line}  {text}"
+        # A line that was not edited is the same in both versions.
+        sides = (("-", cause.before), ("+", cause.after)) if cause.is_edited else ((" ", cause.after or cause.before),)
+        for sign, lines in sides:
+            most = len(lines) if show_all else MOST_LINES
+            more = f"  … {format_count(len(lines) - most, 'more line')}" if len(lines) > most else ""
+            for number, (file, line, text) in enumerate(lines[:most], start=1):
+                yield f"    {sign} {file}:{line}  {text}{more if number == most else ''}"
     if len(causes) > len(shown):
         yield f"  … {format_count(len(causes) - len(shown), 'more cause')} (-v lists all)"
 
