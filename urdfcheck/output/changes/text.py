@@ -35,10 +35,15 @@ _DescribedChange = tuple[MechanismChange, str]
 def render(diff: Diff, *, show_all: bool = False) -> str:
     """Render the lines of the report, each model with its verdict first."""
     lines: list[str] = []
-    for model in diff.models:
-        if len(diff.models) > 1 and model.verdict == IDENTICAL and not show_all:
-            continue
-        lines += _iter_model_lines(model, is_only=len(diff.models) == 1, show_all=show_all)
+    if show_all:
+        groups = [
+            ([model.after or model.before], list(_iter_model_lines(model, show_all=True))) for model in diff.models
+        ]
+    else:
+        groups = list(_group_models(diff.models))
+    for names, said in groups:
+        about = "" if len(diff.models) == 1 else f"{join_names(names, _MOST_NAMES)}: "
+        lines += [f"{about}{said[0]}", *said[1:]]
     if not diff.models and not diff.failures:
         lines.append("identical: no robot uses a file that differs")
     same = sum(model.verdict == IDENTICAL for model in diff.models)
@@ -55,9 +60,19 @@ def has_headline(diff: Diff, failure: str) -> bool:
     return any(failure.endswith(model.headline) for model in diff.models)
 
 
-def _iter_model_lines(model: ModelDiff, *, is_only: bool, show_all: bool) -> Iterator[str]:
-    name = model.after or model.before
-    yield model.headline if is_only else f"{name}: {model.headline}"
+def _group_models(models: Sequence[ModelDiff]) -> Iterator[tuple[list[str], list[str]]]:
+    """Yield what there is to say about the models, each text once, with the names of the models that it is about."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for model in models:
+        if len(models) == 1 or model.verdict != IDENTICAL:
+            groups.setdefault(tuple(_iter_model_lines(model, show_all=False)), []).append(model.after or model.before)
+    for said, names in groups.items():
+        yield names, list(said)
+
+
+def _iter_model_lines(model: ModelDiff, *, show_all: bool) -> Iterator[str]:
+    """Yield the lines about a model, without its name."""
+    yield model.headline
     if model.before and model.after and model.matched_by in {"name", "structure"}:
         yield f"  before: {model.before}, matched by {model.matched_by}"
     found = model.mechanism
