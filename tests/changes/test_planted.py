@@ -317,6 +317,26 @@ def test_two_changes_are_two_changes_with_a_cause_each(tmp_path: Path) -> None:
     assert [cause.changes for cause in mechanism.causes] == [(0,), (1,)]
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "what"),
+    [
+        ('<mass value="1e-05"/>', '<mass value="2e-05"/>', "mass"),
+        ('<origin xyz="0.021 0 0" rpy="0 0 0"/>', '<origin xyz="0.031 0 0" rpy="0 0 0"/>', "com"),
+        ('ixx="1e-09"', 'ixx="2e-09"', "tensor"),
+    ],
+)
+def test_a_light_part_of_a_heavy_body_is_no_digit_of_it(tmp_path: Path, old: str, new: str, what: str) -> None:
+    """A mark of 10 mg on a base of 4 kg: 0.001 % of the body is not counted, twice the mass of the mark is."""
+    mark = (
+        '<link name="mark"><inertial><origin xyz="0.021 0 0" rpy="0 0 0"/><mass value="1e-05"/>'
+        '<inertia ixx="1e-09" ixy="0" ixz="0" iyy="1e-09" iyz="0" izz="1e-09"/></inertial></link>'
+        '<joint name="stick" type="fixed"><parent link="base"/><child link="mark"/></joint></robot>'
+    )
+    marked = ARM.replace("</robot>", mark)
+    (change,) = get_mechanism(compare_texts(tmp_path, marked, marked.replace(old, new))).changes
+    assert (change.id, change.subject) == (what, "link[mark]")
+
+
 def test_the_colour_of_a_named_material_is_caused_where_it_is_typed(tmp_path: Path) -> None:
     of_robot = '<material name="m">\n<color rgba="1 0 0 1"/>\n</material>'
     used = ARM.replace('<robot name="arm">', f'<robot name="arm">{of_robot}').replace(

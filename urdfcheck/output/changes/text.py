@@ -107,7 +107,8 @@ def _group_changes(changes: Sequence[_DescribedChange]) -> list[list[_DescribedC
     groups: dict[tuple[str, ...], list[_DescribedChange]] = {}
     for change, text in changes:
         kind, name = _name_part(change)
-        groups.setdefault((change.category, change.id, kind, text.removeprefix(name)), []).append((change, text))
+        said = "" if _is_plain_rename(change) else text.removeprefix(name)
+        groups.setdefault((change.category, change.id, kind, said), []).append((change, text))
     return list(groups.values())
 
 
@@ -116,9 +117,24 @@ def _describe_group(group: Sequence[_DescribedChange]) -> str:
     if len(group) == 1:
         return text
     kind, name = _name_part(change)
+    if _is_plain_rename(change):
+        names = join_names(
+            (f"{_name_part(c)[1].removeprefix(f'{kind} ')} → {c.new_name}" for c, _ in group), _MOST_NAMES
+        )
+        least = min(c.numbers.get("confidence", 1.0) for c, _ in group)
+        return f"{kind}s have other names: {names}" + _describe_confidence(least)
     said = text.removeprefix(name).strip()
     names = join_names((_name_part(other)[1].removeprefix(f"{kind} ") for other, _ in group), _MOST_NAMES)
     return f"{kind}s {names}: {said}" if kind else f"{names}: {said}"
+
+
+def _describe_confidence(least: float) -> str:
+    return f" (matched by place and content, each at least {least:.0%})" if least < 1.0 else ""
+
+
+def _is_plain_rename(change: MechanismChange) -> bool:
+    """Whether a part has another name, and nothing uses the old one."""
+    return change.id in {"link-renamed", "joint-renamed"} and not change.words.get("users")
 
 
 def _name_part(change: MechanismChange) -> tuple[str, str]:
