@@ -220,6 +220,32 @@ def test_edits_that_the_arguments_leave_out_are_told(repository: Path) -> None:
     assert compare().models[0].headline == "cosmetic: the robot is the same"
 
 
+def test_an_edited_condition_is_the_cause_of_what_it_lets_in(repository: Path) -> None:
+    """The included file is the same in both versions, though the first does not read it."""
+    text = (
+        XACRO.replace("<xacro:include", '<xacro:if value="${False}">\n<xacro:include')
+        .replace("</robot>", "</xacro:if></robot>")
+        .replace('<link name="base"/>', "")
+        .replace("<xacro:wheel/>", '<link name="base"/>\n<xacro:wheel/>')
+    )
+    text = text.replace("\n</robot>", "</robot>").replace('name="car">', 'name="car">\n<link name="root"/>')
+    text = text.replace(
+        "<xacro:wheel/>",
+        '<xacro:wheel/><joint name="j" type="fixed"><parent link="root"/><child link="base"/></joint>',
+    )
+    write(repository / "parts/package.xml", MANIFEST.format("parts"))
+    write(repository / "parts/wheel.xacro", WHEEL)
+    write(repository / "car/car.urdf.xacro", text)
+    commit(repository)
+    write(repository / "car/car.urdf.xacro", text.replace("{False}", "{True}"))
+    (model,) = compare().models
+    assert model.mechanism is not None
+    assert {cause.is_edited for cause in model.mechanism.causes} == {True}
+    assert [line for cause in model.mechanism.causes for _, _, line in (*cause.before, *cause.after)] == [
+        '<xacro:if value="${True}">'
+    ]
+
+
 def test_a_replaced_mesh_touches_its_model(repository: Path) -> None:
     write(repository / "arm_description/urdf/box.urdf", MESHED)
     write(repository / "arm_description/meshes/part.stl", CUBE.format(1))

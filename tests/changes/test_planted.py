@@ -337,6 +337,26 @@ def test_a_light_part_of_a_heavy_body_is_no_digit_of_it(tmp_path: Path, old: str
     assert (change.id, change.subject) == (what, "link[mark]")
 
 
+def test_a_hand_on_an_empty_frame_moves_with_its_fingers(tmp_path: Path) -> None:
+    """The directions of the fingers stay; where the hand is does not."""
+    parts = [
+        '<link name="flange"/>',
+        '<joint name="mount" type="fixed"><parent link="base"/><child link="flange"/><origin xyz="0 0 0.1"/></joint>',
+        '<link name="palm"><visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual></link>',
+        '<joint name="screws" type="fixed"><parent link="flange"/><child link="palm"/></joint>',
+    ]
+    for side in "ab":
+        parts.append(
+            f'<link name="finger_{side}"/><joint name="slide_{side}" type="prismatic"><parent link="palm"/>'
+            f'<child link="finger_{side}"/><axis xyz="0 1 0"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint>'
+        )
+    text = ARM.replace("</robot>", "".join(parts) + "</robot>")
+    (change,) = get_mechanism(
+        compare_texts(tmp_path, text, text.replace('xyz="0 0 0.1"/>', 'xyz="0 0 0.12"/>'))
+    ).changes
+    assert (change.id, change.subject) == ("joint-moved", "joint[mount]")
+
+
 def test_the_colour_of_a_named_material_is_caused_where_it_is_typed(tmp_path: Path) -> None:
     of_robot = '<material name="m">\n<color rgba="1 0 0 1"/>\n</material>'
     used = ARM.replace('<robot name="arm">', f'<robot name="arm">{of_robot}').replace(

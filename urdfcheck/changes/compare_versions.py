@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,6 +20,7 @@ from urdfcheck.run.jobs import Request, UnitReport
 from urdfcheck.run.pipeline import IN_WORKERS, AuditedRun, Execution, run_audit
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.system import libraries, sandbox
+from urdfcheck.system.files import read_regular
 from urdfcheck.system.process_pool import WorkerDiedError, map_in_processes
 from urdfcheck.version import __version__
 
@@ -43,6 +45,7 @@ def compare_versions(before: Request, after: Request, execution: Execution = IN_
     """
     first = _read_side(before, execution)
     second = _read_side(after, execution.without_start())
+    first, second = _add_unread_texts(first, second), _add_unread_texts(second, first)
     pairs = pair_models(first.models, second.models, are_named=before.only is None)
     if not pairs and before.only is None:
         raise UrdfcheckError(f"{before.paths[0]}, {after.paths[0]}: no model to compare")
@@ -110,6 +113,19 @@ def _list_models(audited: AuditedRun, folder: str) -> list[VersionedModel]:
             )
         )
     return models
+
+
+def _add_unread_texts(side: _CheckedVersion, other: _CheckedVersion) -> _CheckedVersion:
+    """Add the files that a version has and does not use, and the other uses: they need not be new."""
+    wanted = {_make_relative(name, other.folder) for model in other.models for name in model.texts}
+    texts: dict[str, str] = {}
+    for path in sorted(path for path in wanted if not path.startswith("../") and not os.path.isabs(path)):
+        name = format_path(Path(side.folder) / path)
+        is_inside = os.path.realpath(name).startswith(os.path.realpath(side.folder) + os.sep)
+        if is_inside and any(name not in model.texts for model in side.models):
+            with contextlib.suppress(OSError, ValueError):
+                texts[name] = read_regular(Path(name)).decode("utf-8", "replace")
+    return replace(side, models=tuple(replace(model, texts={**texts, **model.texts}) for model in side.models))
 
 
 def _make_relative(path: str, folder: str) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import NEWLINE, Span
-from urdfcheck.core.mechanism import RobotMechanism
+from urdfcheck.core.mechanism import RobotMechanism, Trace
 from urdfcheck.core.model_diff import ChangeCause, MechanismChange
 
 # Lines of one cause that are shown of either version.
@@ -40,11 +40,13 @@ class SideTexts:
     folder: str
     """Where this version is: files of two versions with one path from there are versions of one file."""
     main_file: str
+    conditions: Sequence[tuple[Span, int]] = ()
+    """See `RobotMechanism.conditions`."""
 
     @classmethod
     def of_model(cls, mechanism: RobotMechanism, texts: Mapping[str, str], folder: str) -> SideTexts:
         """Return the texts that a model was made of."""
-        return cls(texts=texts, folder=folder, main_file=mechanism.main_file)
+        return cls(texts=texts, folder=folder, main_file=mechanism.main_file, conditions=mechanism.conditions)
 
 
 def find_edited_lines(before: SideTexts, after: SideTexts) -> EditedLines:
@@ -129,8 +131,9 @@ def find_causes(
 ) -> tuple[ChangeCause, ...]:
     """Group changes by the lines that caused them, in the order of the changes.
 
-    Of the lines that a value was computed from those count that were edited, and the calls that brought it in only where none of
-    those was. Where nothing was edited, the value is shown where it is typed: a mesh file or an argument changed.
+    Of the lines that a value was computed from those count that were edited; where none of those was, the calls that brought it
+    in, and then the conditions around both. Where nothing was edited, the value is shown where it is typed: a mesh file or an
+    argument changed.
     """
     groups: dict[tuple[tuple[Line, ...], tuple[Line, ...], bool], list[int]] = {}
     for index, change in enumerate(changes):
@@ -138,6 +141,11 @@ def find_causes(
         old, new = (_select_edited(trace.places, lines) for trace, lines in sides)
         if not old and not new:
             old, new = (_select_edited(trace.calls, lines) for trace, lines in sides)
+        if not old and not new:
+            old, new = (
+                _select_edited(_list_conditions(trace, texts.conditions), lines)
+                for (trace, lines), texts in zip(sides, (before, after), strict=True)
+            )
         is_edited = bool(old or new)
         if not is_edited:
             old, new = (_list_lines(trace.places[:1])[:1] for trace, _ in sides)
@@ -152,6 +160,14 @@ def find_causes(
         for (old, new, is_edited), indices in groups.items()
         if old or new
     )
+
+
+def _list_conditions(trace: Trace, conditions: Sequence[tuple[Span, int]]) -> Iterator[Span]:
+    """Yield the tags of the conditions in which the places and calls of a trace are typed."""
+    for span in (*trace.places, *trace.calls):
+        for tag, end in conditions:
+            if tag.file == span.file and tag.line <= span.line <= end:
+                yield tag
 
 
 def _select_edited(spans: Iterable[Span], edited: Mapping[str, frozenset[int]]) -> list[Line]:

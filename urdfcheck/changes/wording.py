@@ -173,9 +173,17 @@ def _describe_shape(verb: str) -> Callable[[MechanismChange], str]:
             text += f", volume {old:.{digits}g} → {new:.{digits}g} m³{format_share(old, new)}"
         if "bounds" in numbers:
             text += f", bounds differ by up to {format_size(numbers['bounds'])}"
+        text += _READABLE[words["read"]] if "read" in words else ""
         return text + (f", now {words['closed']}" if "closed" in words else "")
 
     return describe
+
+
+_READABLE = {
+    "only now": ", which can be read; the file before cannot",
+    "no longer": ", which cannot be read; the file before can",
+    "neither": "; neither file can be read",
+}
 
 
 def _describe_base(change: MechanismChange) -> str:

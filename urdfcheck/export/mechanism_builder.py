@@ -67,6 +67,7 @@ def build_mechanism(model: Model, model_id: str) -> RobotMechanism:
             for name, file in model.source.files.items()
         },
         idle_lines=dict(_list_idle_lines(model)),
+        conditions=tuple(_list_conditions(model)),
     )
 
 
@@ -312,10 +313,18 @@ def _list_idle_lines(model: Model) -> Iterator[tuple[str, frozenset[int]]]:
     for element in model.robot.walk():
         used.update(_list_lines((element.span, *element.via)))
     for name, tree in model.source.trees.items():
-        typed = _list_lines(element.span for element in tree.walk() if _makes_elements(element))
+        typed = _list_lines(e.span for e in tree.walk() if e is not tree and _makes_elements(e))
         idle = frozenset(line for file, line in set(typed) - used if file == name)
         if idle:
             yield name, idle
+
+
+def _list_conditions(model: Model) -> Iterator[tuple[Span, int]]:
+    for tree in model.source.trees.values():
+        for element in tree.walk():
+            if element.tag in {"xacro:if", "xacro:unless"} and element.span is not None:
+                lines = [inner.span.end_line for inner in element.walk() if inner.span is not None]
+                yield element.span, max(lines)
 
 
 def _list_lines(spans: Iterable[Span | None]) -> Iterator[tuple[str, int]]:

@@ -235,6 +235,12 @@ def _compare_geometries(link: str, first: MechanismShape, second: MechanismShape
     if first.volume is not None and second.volume is not None:
         numbers |= {"volume_before": abs(first.volume), "volume_after": abs(second.volume)}
     words = {"before": _describe_shape(first), "after": _describe_shape(second)}
+    if first.kind == second.kind == "mesh" and first.mesh != second.mesh:
+        if words["before"] == words["after"]:
+            words |= {"before": first.mesh, "after": second.mesh}
+        if not (first.digest and second.digest):
+            read = {(False, True): "only now", (True, False): "no longer", (False, False): "neither"}
+            words["read"] = read[bool(first.digest), bool(second.digest)]
     what = "shape-replaced"
     if first.kind == second.kind == "mesh" and first.mesh == second.mesh and first.digest != second.digest:
         what = "mesh-changed"

@@ -79,7 +79,7 @@ def _compare_names(pair: PlacedPair) -> Iterator[MechanismChange]:
 
 def _list_users(mechanism: RobotMechanism, name: str) -> list[str]:
     """Return what in the description still uses a name that no part has any longer; nothing where a part still has it."""
-    if any(part.name == name for part in (*mechanism.links, *mechanism.joints)):
+    if name in {*(link.name for link in mechanism.links), *(joint.name for joint in mechanism.joints)}:
         return []
     quoted = repr(name)
     users = [extra.label for extra in mechanism.extras if quoted in extra.content or f"[{name}]" in extra.label]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding
@@ -11,25 +12,22 @@ from urdfcheck.core.model_diff import (
     ChangeCause,
     Diff,
     JointTorque,
-    MechanismChange,
     MechanismDiff,
     ModelDiff,
 )
 from urdfcheck.core.text import format_count, join_names
+from urdfcheck.output.changes.change_groups import describe_group, group_changes
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.output.shared.wording import format_place
 
-# How many changes, causes, lines of one side of a cause, and notes and findings are listed unless all are asked for.
-MOST_CHANGES, MOST_CAUSES, MOST_LINES, MOST_OTHERS = 5, 2, 2, 3
+# How many changes, causes, lines of one side of a cause, notes and findings are listed unless all are asked for.
+MOST_CHANGES, MOST_CAUSES, MOST_LINES, MOST_NOTES, MOST_FINDINGS = 5, 2, 2, 1, 3
 # How many parts with one change are named.
 _MOST_NAMES = 3
 # Columns of the names of the categories.
 _COLUMN = 10
 # What the categories are called, where that is not their name.
 LABELS = {"kinematic": "motion", "dynamic": "dynamics", "extension": "other"}
-
-# A change and what is said of it.
-_DescribedChange = tuple[MechanismChange, str]
 
 
 def render(diff: Diff, *, show_all: bool = False) -> str:
@@ -82,7 +80,7 @@ def _iter_model_lines(model: ModelDiff, *, show_all: bool) -> Iterator[str]:
     yield from _iter_cause_lines(found.causes, show_all=show_all)
     if model.idle_edits:
         yield f"  {'note':{_COLUMN}} {describe_idle_edits(model)}"
-    shown = model.notes if show_all or model.verdict == COSMETIC else model.notes[:MOST_OTHERS]
+    shown = model.notes if show_all or model.verdict == COSMETIC else model.notes[:MOST_NOTES]
     for note in shown:
         yield f"  {'note':{_COLUMN}} {note}"
     if len(model.notes) > len(shown):
@@ -91,56 +89,17 @@ def _iter_model_lines(model: ModelDiff, *, show_all: bool) -> Iterator[str]:
 
 def _iter_change_lines(model: ModelDiff, found: MechanismDiff, *, show_all: bool) -> Iterator[str]:
     changes = list(zip(found.changes, model.texts, strict=True))
-    groups = [[change] for change in changes] if show_all else _group_changes(changes)
+    groups = [[change] for change in changes] if show_all else group_changes(changes)
     most = len(groups) if show_all else MOST_CHANGES
     for group in groups[:most]:
-        yield f"  {LABELS.get(group[0][0].category, group[0][0].category):{_COLUMN}} {_describe_group(group)}"
+        if len(group) == 1 and not show_all and group[0][1] in model.headline:
+            continue
+        yield f"  {LABELS.get(group[0][0].category, group[0][0].category):{_COLUMN}} {describe_group(group, _MOST_NAMES)}"
     if len(groups) > most:
         yield f"  … {format_count(sum(map(len, groups[most:])), 'more change')} (-v lists all)"
     torques = found.torques if show_all else found.torques[:1]
     for torque in torques:
         yield f"  {'gravity':{_COLUMN}} {describe_torque(torque)}"
-
-
-def _group_changes(changes: Sequence[_DescribedChange]) -> list[list[_DescribedChange]]:
-    """Return the changes with those together that say the same of several parts."""
-    groups: dict[tuple[str, ...], list[_DescribedChange]] = {}
-    for change, text in changes:
-        kind, name = _name_part(change)
-        said = "" if _is_plain_rename(change) else text.removeprefix(name)
-        groups.setdefault((change.category, change.id, kind, said), []).append((change, text))
-    return list(groups.values())
-
-
-def _describe_group(group: Sequence[_DescribedChange]) -> str:
-    change, text = group[0]
-    if len(group) == 1:
-        return text
-    kind, name = _name_part(change)
-    if _is_plain_rename(change):
-        names = join_names(
-            (f"{_name_part(c)[1].removeprefix(f'{kind} ')} → {c.new_name}" for c, _ in group), _MOST_NAMES
-        )
-        least = min(c.numbers.get("confidence", 1.0) for c, _ in group)
-        return f"{kind}s have other names: {names}" + _describe_confidence(least)
-    said = text.removeprefix(name).strip()
-    names = join_names((_name_part(other)[1].removeprefix(f"{kind} ") for other, _ in group), _MOST_NAMES)
-    return f"{kind}s {names}: {said}" if kind else f"{names}: {said}"
-
-
-def _describe_confidence(least: float) -> str:
-    return f" (matched by place and content, each at least {least:.0%})" if least < 1.0 else ""
-
-
-def _is_plain_rename(change: MechanismChange) -> bool:
-    """Whether a part has another name, and nothing uses the old one."""
-    return change.id in {"link-renamed", "joint-renamed"} and not change.words.get("users")
-
-
-def _name_part(change: MechanismChange) -> tuple[str, str]:
-    """Return the kind of the part, empty for what is no link or joint, and what its text begins with."""
-    kind, _, rest = change.subject.partition("[")
-    return (kind, f"{kind} {rest.removesuffix(']')}") if kind in {"link", "joint"} else ("", change.subject)
 
 
 def describe_idle_edits(model: ModelDiff) -> str:
@@ -183,11 +142,12 @@ def _iter_finding_lines(diff: Diff, *, show_all: bool) -> Iterator[str]:
     yield f"findings: {len(found.new)} new, {len(found.gone)} gone, {found.unchanged} unchanged"
     for word, findings in (("new", found.new), ("gone", found.gone)):
         ordered = sorted(findings, key=lambda finding: -finding.severity)
-        shown = ordered if show_all else ordered[:MOST_OTHERS]
-        for finding in shown:
-            yield f"  {word:4} {_describe_finding(finding)}"
-        if len(ordered) > len(shown):
-            yield f"  … {len(ordered) - len(shown)} more {word} (-v lists all)"
+        counts = Counter(map(_describe_finding, ordered))
+        shown = counts if show_all else dict(list(counts.items())[:MOST_FINDINGS])
+        for text, count in shown.items():
+            yield f"  {word:4} {text}{f' ({count} times)' if count > 1 else ''}"
+        if len(counts) > len(shown):
+            yield f"  … {len(ordered) - sum(shown.values())} more {word} (-v lists all)"
 
 
 def _describe_finding(finding: Finding) -> str:
