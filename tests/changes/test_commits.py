@@ -198,6 +198,7 @@ def test_macros_that_no_model_is_known_to_use_are_not_identical(repository: Path
     diff = compare()
     assert diff.verdict == "unknown"
     assert [Path(model.after).name for model in diff.models] == ["car.urdf.xacro"]
+    assert diff.notes == ("car/wheel_big.xacro: no model that was compared is made of it",)
 
 
 def test_edits_that_the_arguments_leave_out_are_told(repository: Path) -> None:

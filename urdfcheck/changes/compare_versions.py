@@ -72,6 +72,13 @@ def compare_versions(before: Request, after: Request, execution: Execution = IN_
         findings=compare_findings(first.audited.outcome, second.audited.outcome, ids, names),
         failures=_list_failures(first, second, models),
         version=__version__,
+        files=frozenset(
+            name
+            for side in (first, second)
+            for report in side.audited.reports.values()
+            if report.mechanism is not None
+            for name in report.expanded_files
+        ),
     )
 
 

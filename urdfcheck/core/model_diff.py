@@ -154,6 +154,8 @@ class Diff:
     """What of the versions of a repository was not compared."""
     version: str = ""
     """Version of urdfcheck."""
+    files: frozenset[str] = frozenset()
+    """The names of the files that the models of both versions are made of."""
 
     @property
     def verdict(self) -> str:

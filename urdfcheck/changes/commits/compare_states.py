@@ -85,9 +85,11 @@ def compare_states(
             _ReadableState(revision, state, _make_request(repository.top, state, make_request))
             for revision, state in ((old, first), (new, second))
         ]
-        touched = _find_touched(sides, list_changed_paths(first, second), wanted, execution)
+        changed = list_changed_paths(first, second)
+        touched = _find_touched(sides, changed, wanted, execution)
         found = _compare(sides, touched, execution.without_start())
         notes = (
+            *_describe_unused(sides, (path for path in changed if _is_below(path, wanted)), found.files),
             *_describe_submodules(first, second),
             *describe_left_out((_prefix(s.revision), s.state) for s in sides),
         )
@@ -208,6 +210,18 @@ def _compare(sides: Sequence[_ReadableState], touched: frozenset[str], execution
         for side in sides
     )
     return compare_versions(before, after, execution)
+
+
+def _describe_unused(sides: Sequence[_ReadableState], changed: Iterable[str], used: frozenset[str]) -> Iterator[str]:
+    """Yield a line about the descriptions that differ and of which no model that was compared is made."""
+    unused = [
+        path
+        for path in sorted(changed)
+        if is_model(Path(path))
+        if not any(path in s.state.digests and format_path(s.state.folder / path) in used for s in sides)
+    ]
+    if unused:
+        yield f"{join_names(unused, 3)}: no model that was compared is made of {'it' if len(unused) == 1 else 'them'}"
 
 
 def _describe_submodules(before: StateFolder, after: StateFolder) -> Iterator[str]:
