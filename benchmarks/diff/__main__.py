@@ -60,6 +60,9 @@ def main() -> None:
     parser.add_argument(
         "--package-path", type=Path, action="append", default=[], help="folder of packages (repeatable)"
     )
+    parser.add_argument(
+        "--select", default="", metavar="CODES", help="only these rules: the verdicts do not depend on them"
+    )
     parser.add_argument("--timeout", type=float, default=120.0, help="seconds for one commit (default: 120)")
     options = parser.parse_args()
     options.results.mkdir(parents=True, exist_ok=True)
@@ -102,7 +105,7 @@ def _compare_commit(options: argparse.Namespace, repository: str, commit: str) -
 def _run(options: argparse.Namespace, clone: Path, commit: str) -> tuple[dict[str, Any], str]:
     """Return what `one_commit` printed, and its standard error; the cache is one of the benchmark's own."""
     folders = [str(folder.absolute()) for folder in options.package_path]
-    command = [sys.executable, str(SIDE), commit[:10], *folders]
+    command = [sys.executable, str(SIDE), commit[:10], options.select, *folders]
     environment = {**os.environ, "XDG_CACHE_HOME": str((options.results / "cache").absolute())}
     nothing = {"text": "", "document": {"verdict": "none", "models": []}}
     try:

@@ -11,6 +11,7 @@ import argparse
 import copy
 import os
 import random
+import re
 import sys
 import tempfile
 import xml.etree.ElementTree as ET
@@ -42,13 +43,16 @@ def main() -> None:
     """Edit every robot, and print how often the comparison was right."""
     parser = argparse.ArgumentParser(prog="python benchmarks/diff/edits.py", description=__doc__.partition(":")[0])
     parser.add_argument("--most-links", type=int, default=60, help="leave out larger robots (default: 60)")
+    parser.add_argument(
+        "--robots", default="", metavar="PATTERN", help="only those whose name has this regular expression"
+    )
     parser.add_argument("--keep", type=Path, help="write the pairs of texts into this folder")
     options = parser.parse_args()
     right: Counter[str] = Counter()
     tried: Counter[str] = Counter()
     robots = 0
     with tempfile.TemporaryDirectory() as folder:
-        for name, robot, request in _iter_robots():
+        for name, robot, request in _iter_robots(options.robots):
             if not 1 < len(robot.findall("link")) <= options.most_links:
                 continue
             robots += 1
@@ -64,12 +68,12 @@ def main() -> None:
         print(f"| {kind} | {count} | {right[kind]} |")
 
 
-def _iter_robots() -> Iterator[tuple[str, Robot, Request]]:
-    """Yield the expanded robots, each structure once."""
+def _iter_robots(pattern: str) -> Iterator[tuple[str, Robot, Request]]:
+    """Yield the expanded robots with names that have a pattern, each structure once."""
     known: set[str] = set()
     for folder in map(Path, filter(None, os.environ.get("URDFCHECK_CORPUS", "").split(os.pathsep))):
         for entry in list_robots(folder):
-            if not entry["expands"]:
+            if not entry["expands"] or not re.search(pattern, entry["id"]):
                 continue
             path = folder / entry["entry"]
             request = make_request(

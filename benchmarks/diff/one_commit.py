@@ -1,4 +1,6 @@
-"""Compares a commit of the repository around the working directory with its parent: ``python one_commit.py COMMIT``.
+"""Compares a commit of the repository around the working directory with its parent.
+
+``python one_commit.py COMMIT RULES FOLDER...``: the rules to run, none for all, and folders of packages.
 
 Prints what ``urdfcheck diff COMMIT^..COMMIT`` prints, as text and as JSON, in one JSON document.
 """
@@ -18,11 +20,12 @@ from urdfcheck.run.jobs import Request
 from urdfcheck.run.request import RunOptions, make_request
 
 
-def main(commit: str, package_paths: Sequence[str]) -> None:
+def main(commit: str, select: Sequence[str], package_paths: Sequence[str]) -> None:
     """Compare, and print both outputs."""
 
     def build_request(folder: Path, _translate: Callable[[str], str]) -> Request:
-        return make_request(RunOptions(paths=(folder,), package_paths=package_paths, jobs=1))[0]
+        options = RunOptions(paths=(folder,), package_paths=package_paths, select=select or None, jobs=1)
+        return make_request(options)[0]
 
     try:
         diff = compare_states(f"{commit}^..{commit}", (), build_request)
@@ -34,4 +37,4 @@ def main(commit: str, package_paths: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2:])
+    main(sys.argv[1], sys.argv[2].split(",") if sys.argv[2] else [], sys.argv[3:])
