@@ -217,6 +217,8 @@ def test_edits_that_the_arguments_leave_out_are_told(repository: Path) -> None:
         ("HEAD:car/car.urdf.xacro", number, '<link name="x"/>'),
     )
     assert f"2 edited lines make no part of this robot, first car/car.urdf.xacro:{number} (" in show(compare())
+    write(repository / "car/car.urdf.xacro", text.replace('default="false"', 'default="0"'))
+    assert compare().models[0].headline == "cosmetic: the robot is the same with these arguments"
     write(repository / "car/car.urdf.xacro", text.replace("<xacro:wheel/>", "<!-- a wheel --><xacro:wheel/>"))
     assert compare().models[0].headline == "cosmetic: the robot is the same"
 

@@ -10,7 +10,13 @@ from pathlib import Path
 
 from urdfcheck.changes.finding_changes import compare_findings
 from urdfcheck.changes.model_pairs import ModelPair, VersionedModel, pair_models
-from urdfcheck.changes.text_changes import SideTexts, find_causes, find_edited_lines, list_idle_edits
+from urdfcheck.changes.text_changes import (
+    SideTexts,
+    find_causes,
+    find_edited_lines,
+    has_edited_choices,
+    list_idle_edits,
+)
 from urdfcheck.changes.wording import describe_change, judge_change
 from urdfcheck.core import ModelInfo, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
@@ -209,7 +215,8 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelD
     found = replace(found, causes=find_causes(found.changes, edited, *texts))
     idle_edits = list_idle_edits(edited, (before, after), texts)
     is_equal = sorted(before.digests.values()) == sorted(after.digests.values())
-    verdict, headline = judge_change(found, has_equal_texts=is_equal, has_idle_edits=bool(idle_edits))
+    depends = bool(idle_edits) or has_edited_choices(edited, *texts)
+    verdict, headline = judge_change(found, has_equal_texts=is_equal, depends_on_arguments=depends)
     return ModelDiff(
         before=first.info.id,
         after=second.info.id,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,6 +19,8 @@ MOST_LINES = 6
 _MOST_PAIRS = 4_000_000
 # Characters of a line that are kept.
 _MOST_CHARACTERS = 500
+
+_CHOICE = re.compile(r"\$\(arg\b|<xacro:(?:arg|if|unless)\b")
 
 # A line of a file.
 Line = tuple[str, int]
@@ -124,6 +127,16 @@ def list_idle_edits(
             numbers = [(name, number) for number in sorted(idle & lines.get(name, frozenset()))]
             found += _quote_lines(numbers, side.texts)
     return tuple(found)
+
+
+def has_edited_choices(edited: EditedLines, before: SideTexts, after: SideTexts) -> bool:
+    """Whether an edited line reads an argument or is a condition: with other arguments it may make another robot."""
+    return any(
+        _CHOICE.search(NEWLINE.split(side.texts[name])[number - 1])
+        for side, lines in ((before, edited.before), (after, edited.after))
+        for name, numbers in lines.items()
+        for number in numbers
+    )
 
 
 def find_causes(

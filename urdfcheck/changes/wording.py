@@ -247,15 +247,18 @@ _WORDS: Mapping[str, Callable[[MechanismChange], str]] = {
 # -- verdicts ----------------------------------------------------------------------------------------------------------
 
 
-def judge_change(found: MechanismDiff, *, has_equal_texts: bool, has_idle_edits: bool) -> tuple[str, str]:
-    """Return the verdict on a comparison, one of `VERDICTS`, and its line; ``has_idle_edits``: see `ModelDiff.idle_edits`."""
+def judge_change(found: MechanismDiff, *, has_equal_texts: bool, depends_on_arguments: bool) -> tuple[str, str]:
+    """Return the verdict on a comparison, one of `VERDICTS`, and its line.
+
+    ``depends_on_arguments``: whether the versions may differ with other arguments.
+    """
     categories = {change.category for change in found.changes}
     verdict = next((category for category in CATEGORIES if category in categories), None)
     if verdict is None:
         if has_equal_texts and not found.notes:
             return IDENTICAL, "identical"
         notes = f" ({format_count(len(found.notes), 'note')})" if found.notes else ""
-        condition = " with these arguments" if has_idle_edits else ""
+        condition = " with these arguments" if depends_on_arguments else ""
         return COSMETIC, f"cosmetic: the robot is the same{condition}{notes}"
     if verdict == "structure":
         return verdict, _join([_count_structure(found), _describe_motion(found.shifts, found)])

@@ -46,7 +46,7 @@ def _is_plain_rename(change: MechanismChange) -> bool:
 
 
 def _split_subject(subject: str) -> tuple[str, str, str]:
-    """Return the kind of a part, its name, and what its line begins with; no kind for what is no part of a link or joint."""
+    """Return the kind of a part, its name, and what its line begins with; no kind for anything outside links and joints."""
     match = _PART.match(subject)
     if match is None:
         return "", subject, subject
