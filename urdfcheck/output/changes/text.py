@@ -17,6 +17,7 @@ from urdfcheck.core.model_diff import (
 )
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.output.changes.change_groups import describe_group, group_changes
+from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.output.shared.wording import format_place
 
@@ -26,8 +27,6 @@ MOST_CHANGES, MOST_CAUSES, MOST_LINES, MOST_NOTES, MOST_FINDINGS = 5, 2, 2, 1, 3
 _MOST_NAMES = 3
 # Columns of the names of the categories.
 _COLUMN = 10
-# What the categories are called, where that is not their name.
-LABELS = {"kinematic": "motion", "dynamic": "dynamics", "extension": "other"}
 
 
 def render(diff: Diff, *, show_all: bool = False) -> str:
@@ -43,7 +42,7 @@ def render(diff: Diff, *, show_all: bool = False) -> str:
         about = "" if len(diff.models) == 1 else f"{join_names(names, _MOST_NAMES)}: "
         lines += [f"{about}{said[0]}", *said[1:]]
     if not diff.models and not diff.failures:
-        lines.append("identical: no robot uses a file that differs")
+        lines.append(describe_verdict(diff))
     same = sum(model.verdict == IDENTICAL for model in diff.models)
     if len(diff.models) > 1 and same and not show_all:
         lines.append(f"{format_count(same, 'model is', 'models are')} identical")
@@ -94,7 +93,7 @@ def _iter_change_lines(model: ModelDiff, found: MechanismDiff, *, show_all: bool
     for group in groups[:most]:
         if len(group) == 1 and not show_all and group[0][1] in model.headline:
             continue
-        yield f"  {LABELS.get(group[0][0].category, group[0][0].category):{_COLUMN}} {describe_group(group, _MOST_NAMES)}"
+        yield f"  {get_label(group[0][0].category):{_COLUMN}} {describe_group(group, _MOST_NAMES)}"
     if len(groups) > most:
         yield f"  … {format_count(sum(map(len, groups[most:])), 'more change')} (-v lists all)"
     torques = found.torques if show_all else found.torques[:1]
@@ -139,7 +138,7 @@ def _iter_finding_lines(diff: Diff, *, show_all: bool) -> Iterator[str]:
         if found.unchanged:
             yield f"findings: {found.unchanged} unchanged"
         return
-    yield f"findings: {len(found.new)} new, {len(found.gone)} gone, {found.unchanged} unchanged"
+    yield count_findings(diff)
     for word, findings in (("new", found.new), ("gone", found.gone)):
         ordered = sorted(findings, key=lambda finding: -finding.severity)
         counts = Counter(map(_describe_finding, ordered))
