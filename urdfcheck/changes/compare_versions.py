@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -9,7 +10,13 @@ from pathlib import Path
 
 from urdfcheck.changes.finding_changes import compare_findings
 from urdfcheck.changes.model_pairs import ModelPair, VersionedModel, pair_models
-from urdfcheck.changes.text_changes import SideTexts, find_causes
+from urdfcheck.changes.text_changes import (
+    SideTexts,
+    find_causes,
+    find_edited_lines,
+    has_edited_choices,
+    list_idle_edits,
+)
 from urdfcheck.changes.wording import describe_change, judge_change
 from urdfcheck.core import ModelInfo, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
@@ -19,6 +26,7 @@ from urdfcheck.run.jobs import Request, UnitReport
 from urdfcheck.run.pipeline import IN_WORKERS, AuditedRun, Execution, run_audit
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.system import libraries, sandbox
+from urdfcheck.system.files import read_regular
 from urdfcheck.system.process_pool import WorkerDiedError, map_in_processes
 from urdfcheck.version import __version__
 
@@ -43,6 +51,7 @@ def compare_versions(before: Request, after: Request, execution: Execution = IN_
     """
     first = _read_side(before, execution)
     second = _read_side(after, execution.without_start())
+    first, second = _add_unread_texts(first, second), _add_unread_texts(second, first)
     pairs = pair_models(first.models, second.models, are_named=before.only is None)
     if not pairs and before.only is None:
         raise UrdfcheckError(f"{before.paths[0]}, {after.paths[0]}: no model to compare")
@@ -61,6 +70,13 @@ def compare_versions(before: Request, after: Request, execution: Execution = IN_
         findings=compare_findings(*runs, ids, names),
         failures=_list_failures(first, second, models),
         version=__version__,
+        files=frozenset(
+            name
+            for side in (first, second)
+            for report in side.audited.reports.values()
+            if report.mechanism is not None
+            for name in report.expanded_files
+        ),
         runs=runs if after.options.scene else None,
     )
 
@@ -103,6 +119,19 @@ def _list_models(audited: AuditedRun, folder: str) -> list[VersionedModel]:
             )
         )
     return models
+
+
+def _add_unread_texts(side: _CheckedVersion, other: _CheckedVersion) -> _CheckedVersion:
+    """Add the files that a version has and does not use, and the other uses: they need not be new."""
+    wanted = {_make_relative(name, other.folder) for model in other.models for name in model.texts}
+    texts: dict[str, str] = {}
+    for path in sorted(path for path in wanted if not path.startswith("../") and not os.path.isabs(path)):
+        name = format_path(Path(side.folder) / path)
+        is_inside = os.path.realpath(name).startswith(os.path.realpath(side.folder) + os.sep)
+        if is_inside and any(name not in model.texts for model in side.models):
+            with contextlib.suppress(OSError, ValueError):
+                texts[name] = read_regular(Path(name)).decode("utf-8", "replace")
+    return replace(side, models=tuple(replace(model, texts={**texts, **model.texts}) for model in side.models))
 
 
 def _make_relative(path: str, folder: str) -> str:
@@ -175,9 +204,12 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelD
         SideTexts.of_model(before, first.texts, old_folder),
         SideTexts.of_model(after, second.texts, new_folder),
     )
-    found = replace(found, causes=find_causes(found.changes, *texts))
+    edited = find_edited_lines(*texts)
+    found = replace(found, causes=find_causes(found.changes, edited, *texts))
+    idle_edits = list_idle_edits(edited, (before, after), texts)
     is_equal = sorted(before.digests.values()) == sorted(after.digests.values())
-    verdict, headline = judge_change(found, has_equal_texts=is_equal)
+    depends = bool(idle_edits) or has_edited_choices(edited, *texts)
+    verdict, headline = judge_change(found, has_equal_texts=is_equal, depends_on_arguments=depends)
     return ModelDiff(
         before=first.info.id,
         after=second.info.id,
@@ -186,6 +218,7 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelD
         mechanism=found,
         texts=tuple(map(describe_change, found.changes)),
         notes=tuple(map(describe_change, found.notes)),
+        idle_edits=idle_edits,
         matched_by=pair.matched_by,
     )
 

@@ -161,9 +161,17 @@ def _describe_shape(verb: str) -> Callable[[MechanismChange], str]:
             text += f", volume {old:.{digits}g} → {new:.{digits}g} m³{format_share(old, new)}"
         if "bounds" in numbers:
             text += f", bounds differ by up to {format_size(numbers['bounds'])}"
+        text += _READABLE[words["read"]] if "read" in words else ""
         return text + (f", now {words['closed']}" if "closed" in words else "")
 
     return describe
+
+
+_READABLE = {
+    "only now": ", which can be read; the file before cannot",
+    "no longer": ", which cannot be read; the file before can",
+    "neither": "; neither file can be read",
+}
 
 
 def _describe_base(change: MechanismChange) -> str:
@@ -215,7 +223,7 @@ _WORDS: Mapping[str, Callable[[MechanismChange], str]] = {
     "shape-resized": _describe_shape("has another size"),
     "shape-replaced": _describe_shape("is replaced"),
     "mesh-changed": _describe_shape("has another content"),
-    "material": _describe_shape("has another colour or texture"),
+    "material": _describe_pair("{role} has another colour or texture"),
     "frame-moved": _describe_pair("has its frame elsewhere; its mass, shapes and children stay"),
     "robot-renamed": _describe_pair("name {before} → {after}"),
     "extra-added": _describe_pair("is new"),
@@ -227,15 +235,19 @@ _WORDS: Mapping[str, Callable[[MechanismChange], str]] = {
 # -- verdicts ----------------------------------------------------------------------------------------------------------
 
 
-def judge_change(found: MechanismDiff, *, has_equal_texts: bool) -> tuple[str, str]:
-    """Return the verdict on a comparison, one of `VERDICTS`, and its line."""
+def judge_change(found: MechanismDiff, *, has_equal_texts: bool, depends_on_arguments: bool) -> tuple[str, str]:
+    """Return the verdict on a comparison, one of `VERDICTS`, and its line.
+
+    ``depends_on_arguments``: whether the versions may differ with other arguments.
+    """
     categories = {change.category for change in found.changes}
     verdict = next((category for category in CATEGORIES if category in categories), None)
     if verdict is None:
         if has_equal_texts and not found.notes:
             return IDENTICAL, "identical"
         notes = f" ({format_count(len(found.notes), 'note')})" if found.notes else ""
-        return COSMETIC, f"cosmetic: the robot is the same{notes}"
+        condition = " with these arguments" if depends_on_arguments else ""
+        return COSMETIC, f"cosmetic: the robot is the same{condition}{notes}"
     if verdict == "structure":
         return verdict, _join([_count_structure(found), _describe_motion(found.shifts, found)])
     if verdict == "kinematic":

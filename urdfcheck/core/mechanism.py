@@ -142,6 +142,11 @@ class RobotMechanism:
     """Name of the file that the model was read from, as spans call it."""
     digests: Mapping[str, str] = field(default_factory=dict)
     """Digest of the text of each file that makes up the model, by name."""
+    idle_lines: Mapping[str, frozenset[int]] = field(default_factory=dict)
+    """Lines of xacro files, by name, with tags that make no part of the robot: of branches that its arguments leave out, and
+    of macros that nothing calls."""
+    conditions: tuple[tuple[Span, int], ...] = ()
+    """The tags of ``xacro:if`` and ``xacro:unless``, each with the last line of what it may leave out."""
 
     @property
     def trace_files(self) -> set[str]:

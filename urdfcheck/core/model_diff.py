@@ -147,6 +147,8 @@ class ModelDiff:
     """Each change in words, in the order of ``mechanism.changes``."""
     notes: tuple[str, ...] = ()
     """Each note in words."""
+    idle_edits: tuple[tuple[str, int, str], ...] = ()
+    """File, line and text of edited tags that make no part of the robot in either version: other arguments may use them."""
     problem: str = ""
     """Why the models cannot be compared."""
     matched_by: str = "path"
@@ -169,6 +171,8 @@ class Diff:
     """What of the versions of a repository was not compared."""
     version: str = ""
     """Version of urdfcheck."""
+    files: frozenset[str] = frozenset()
+    """The names of the files that the models of both versions are made of."""
     runs: tuple[Run, Run] | None = None
     """The checks of both versions with what draws their models; None where no output draws."""
 

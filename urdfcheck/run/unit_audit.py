@@ -455,7 +455,7 @@ class _UnitAudit:
         )
         names = {span.file for span in spans if span is not None}
         if self.mechanism is not None:
-            names |= self.mechanism.trace_files
+            names |= self.mechanism.trace_files | self.mechanism.idle_lines.keys()
         for name in sorted(names - set(self.texts)):
             text = self.read_text(Path(name))
             if text is not None:

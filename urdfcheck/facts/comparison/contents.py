@@ -9,7 +9,7 @@ import numpy as np
 
 from urdfcheck.core.mechanism import NO_TRACE, MechanismLink, MechanismShape, Trace
 from urdfcheck.core.model_diff import MechanismChange
-from urdfcheck.facts.arrays import Mat3, Mat4, Vec3
+from urdfcheck.facts.arrays import Array, Mat3, Mat4, Vec3
 from urdfcheck.facts.comparison.alignment import (
     PlacedPair,
     build_tensor,
@@ -20,6 +20,9 @@ from urdfcheck.facts.comparison.alignment import (
 from urdfcheck.facts.comparison.bodies import BodyPair
 from urdfcheck.facts.comparison.home_pose import LENGTH_TOLERANCE, is_same_number, measure_shift
 from urdfcheck.facts.inertials.inertia_tensor import compute_parallel_axis_term, compute_principal_moments
+
+# Share of what links of a body gain and lose together that may remain: they only share the mass of the body otherwise.
+_SHARED, _ROUNDING = 1e-3, 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,12 +66,37 @@ def compare_masses(pair: PlacedPair, body: BodyPair) -> Iterator[MechanismChange
     before, after = pair.before, pair.after
     olds = [(before.links[name], pair.maps[name] @ before.frames[name]) for name in body.before]
     news = [(after.links[name], after.frames[name]) for name in body.after]
-    if is_same_body(sum_inertias(olds), sum_inertias(news)):
+    if is_same_body(sum_inertias(olds), sum_inertias(news)) and _is_only_shared_otherwise(pair, olds, news):
         return
     for link, frame in olds:
         new = pair.match.links.get(link.name)
         if new is not None:
             yield from _compare_link_inertials(link, frame, after.links[new], after.frames[new])
+
+
+def _is_only_shared_otherwise(
+    pair: PlacedPair, olds: Sequence[tuple[MechanismLink, Mat4]], news: Sequence[tuple[MechanismLink, Mat4]]
+) -> bool:
+    """Whether what some links of a body lost others have: a light link may change by much, and the body by almost nothing."""
+    before = {pair.match.links.get(link.name, ""): _compute_moments(link, frame) for link, frame in olds}
+    gone = [_compute_moments(link, frame) for link, frame in olds if link.name not in pair.match.links]
+    after = {link.name: _compute_moments(link, frame) for link, frame in news}
+    nothing = np.zeros(10)
+    names = (before.keys() | after.keys()) - {""}
+    shifts = np.array([*(after.get(name, nothing) - before.get(name, nothing) for name in names), *(-m for m in gone)])
+    sizes = np.abs(shifts).sum(axis=0)
+    # A moment that is zero but for rounding has no share; those of one order have one unit.
+    noise = np.repeat([_ROUNDING * part.max() for part in (sizes[:1], sizes[1:4], sizes[4:])], (1, 3, 6))
+    return bool(np.all(np.abs(shifts.sum(axis=0)) <= _SHARED * sizes + noise))
+
+
+def _compute_moments(link: MechanismLink, frame: Mat4) -> Array:
+    """Return mass, first moments and the six second moments (10,) about the anchor of a link whose frame is given."""
+    if not link.mass or not link.com or not link.tensor:
+        return np.zeros(10)
+    place = frame[:3, :3] @ np.array(link.com) + frame[:3, 3]
+    tensor = build_tensor(link, frame) + compute_parallel_axis_term(link.mass, place)
+    return np.array((link.mass, *(link.mass * place), *tensor[np.triu_indices(3)]))
 
 
 def _compare_link_inertials(
@@ -210,6 +238,12 @@ def _compare_geometries(link: str, first: MechanismShape, second: MechanismShape
     if first.volume is not None and second.volume is not None:
         numbers |= {"volume_before": abs(first.volume), "volume_after": abs(second.volume)}
     words = {"before": _describe_shape(first), "after": _describe_shape(second)}
+    if first.kind == second.kind == "mesh" and first.mesh != second.mesh:
+        if words["before"] == words["after"]:
+            words |= {"before": first.mesh, "after": second.mesh}
+        if not (first.digest and second.digest):
+            read = {(False, True): "only now", (True, False): "no longer", (False, False): "neither"}
+            words["read"] = read[bool(first.digest), bool(second.digest)]
     what = "shape-replaced"
     if first.kind == second.kind == "mesh" and first.mesh == second.mesh and first.digest != second.digest:
         what = "mesh-changed"

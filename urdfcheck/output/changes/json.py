@@ -44,6 +44,7 @@ def _build_model(model: ModelDiff) -> dict[str, Any]:
         "problem": model.problem or None,
         "changes": [] if found is None else list(map(_build_change, found.changes, model.texts)),
         "notes": [] if found is None else list(map(_build_change, found.notes, model.notes)),
+        "idle_edits": [{"file": file, "line": line, "text": text} for file, line, text in model.idle_edits],
         "causes": [] if found is None else list(map(_build_cause, found.causes)),
         "motion": None if found is None else _build_motion(found),
         "dynamics": None if found is None else _build_dynamics(found),

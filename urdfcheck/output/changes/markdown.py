@@ -12,7 +12,7 @@ from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, ModelD
 from urdfcheck.core.text import format_count
 from urdfcheck.output.changes.causes import SharedCause, merge_causes
 from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
-from urdfcheck.output.changes.text import describe_torque, has_headline
+from urdfcheck.output.changes.text import describe_idle_edits, describe_torque, has_headline
 from urdfcheck.output.markdown.bounded_page import BoundedPage, make_fold, truncate_text
 from urdfcheck.output.markdown.explanations import wrap_in_fence
 from urdfcheck.output.markdown.finding_rows import SIGNS
@@ -134,7 +134,7 @@ def _add_notes(page: BoundedPage, diff: Diff) -> None:
     blocks = [
         [f"- {format_code_span(model.after or model.before)}: {escape_for_markdown(truncate_text(note))}"]
         for model in diff.models
-        for note in model.notes
+        for note in (*model.notes, *([describe_idle_edits(model)] if model.idle_edits else ()))
     ]
     head, foot = make_fold(f"{SIGNS[Severity.INFO]} other descriptions of the same ({len(blocks)})")
     page.add_group("note", head=head, blocks=blocks, foot=foot)

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding
-from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, ChangeCause, Diff, JointTorque, MechanismDiff, ModelDiff
-from urdfcheck.core.text import format_count
+from urdfcheck.core.model_diff import (
+    COSMETIC,
+    IDENTICAL,
+    ChangeCause,
+    Diff,
+    JointTorque,
+    MechanismDiff,
+    ModelDiff,
+)
+from urdfcheck.core.text import format_count, join_names
+from urdfcheck.output.changes.change_groups import describe_group, group_changes
 from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.output.shared.wording import format_place
 
-# How many changes, causes, notes and findings are listed unless all are asked for.
-MOST_CHANGES, MOST_CAUSES, MOST_OTHERS = 12, 4, 3
+# How many changes, causes, lines of one side of a cause, notes and findings are listed unless all are asked for.
+MOST_CHANGES, MOST_CAUSES, MOST_LINES, MOST_NOTES, MOST_FINDINGS = 5, 2, 2, 1, 3
+# How many parts with one change are named.
+_MOST_NAMES = 3
 # Columns of the names of the categories.
 _COLUMN = 10
 
@@ -20,10 +32,15 @@ _COLUMN = 10
 def render(diff: Diff, *, show_all: bool = False) -> str:
     """Render the lines of the report, each model with its verdict first."""
     lines: list[str] = []
-    for model in diff.models:
-        if len(diff.models) > 1 and model.verdict == IDENTICAL and not show_all:
-            continue
-        lines += _iter_model_lines(model, is_only=len(diff.models) == 1, show_all=show_all)
+    if show_all:
+        groups = [
+            ([model.after or model.before], list(_iter_model_lines(model, show_all=True))) for model in diff.models
+        ]
+    else:
+        groups = list(_group_models(diff.models))
+    for names, said in groups:
+        about = "" if len(diff.models) == 1 else f"{join_names(names, _MOST_NAMES)}: "
+        lines += [f"{about}{said[0]}", *said[1:]]
     if not diff.models and not diff.failures:
         lines.append(describe_verdict(diff))
     same = sum(model.verdict == IDENTICAL for model in diff.models)
@@ -40,9 +57,19 @@ def has_headline(diff: Diff, failure: str) -> bool:
     return any(failure.endswith(model.headline) for model in diff.models)
 
 
-def _iter_model_lines(model: ModelDiff, *, is_only: bool, show_all: bool) -> Iterator[str]:
-    name = model.after or model.before
-    yield model.headline if is_only else f"{name}: {model.headline}"
+def _group_models(models: Sequence[ModelDiff]) -> Iterator[tuple[list[str], list[str]]]:
+    """Yield what there is to say about the models, each text once, with the names of the models that it is about."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for model in models:
+        if len(models) == 1 or model.verdict != IDENTICAL:
+            groups.setdefault(tuple(_iter_model_lines(model, show_all=False)), []).append(model.after or model.before)
+    for said, names in groups.items():
+        yield names, list(said)
+
+
+def _iter_model_lines(model: ModelDiff, *, show_all: bool) -> Iterator[str]:
+    """Yield the lines about a model, without its name."""
+    yield model.headline
     if model.before and model.after and model.matched_by in {"name", "structure"}:
         yield f"  before: {model.before}, matched by {model.matched_by}"
     found = model.mechanism
@@ -50,7 +77,9 @@ def _iter_model_lines(model: ModelDiff, *, is_only: bool, show_all: bool) -> Ite
         return
     yield from _iter_change_lines(model, found, show_all=show_all)
     yield from _iter_cause_lines(found.causes, show_all=show_all)
-    shown = model.notes if show_all or model.verdict == COSMETIC else model.notes[:MOST_OTHERS]
+    if model.idle_edits:
+        yield f"  {'note':{_COLUMN}} {describe_idle_edits(model)}"
+    shown = model.notes if show_all or model.verdict == COSMETIC else model.notes[:MOST_NOTES]
     for note in shown:
         yield f"  {'note':{_COLUMN}} {note}"
     if len(model.notes) > len(shown):
@@ -58,14 +87,25 @@ def _iter_model_lines(model: ModelDiff, *, is_only: bool, show_all: bool) -> Ite
 
 
 def _iter_change_lines(model: ModelDiff, found: MechanismDiff, *, show_all: bool) -> Iterator[str]:
-    most = len(model.texts) if show_all else MOST_CHANGES
-    for change, text in list(zip(found.changes, model.texts, strict=True))[:most]:
-        yield f"  {get_label(change.category):{_COLUMN}} {text}"
-    if len(model.texts) > most:
-        yield f"  … {format_count(len(model.texts) - most, 'more change')} (-v lists all)"
-    torques = found.torques if show_all else found.torques[:2]
+    changes = list(zip(found.changes, model.texts, strict=True))
+    groups = [[change] for change in changes] if show_all else group_changes(changes)
+    most = len(groups) if show_all else MOST_CHANGES
+    for group in groups[:most]:
+        if len(group) == 1 and not show_all and group[0][1] in model.headline:
+            continue
+        yield f"  {get_label(group[0][0].category):{_COLUMN}} {describe_group(group, _MOST_NAMES)}"
+    if len(groups) > most:
+        yield f"  … {format_count(sum(map(len, groups[most:])), 'more change')} (-v lists all)"
+    torques = found.torques if show_all else found.torques[:1]
     for torque in torques:
         yield f"  {'gravity':{_COLUMN}} {describe_torque(torque)}"
+
+
+def describe_idle_edits(model: ModelDiff) -> str:
+    """Return how many edited lines the robot has nothing of, with the first of them."""
+    file, line, _ = model.idle_edits[0]
+    lines = format_count(len(model.idle_edits), "edited line makes", "edited lines make")
+    return f"{lines} no part of this robot, first {file}:{line} (--all-args compares it with other arguments too)"
 
 
 def describe_torque(torque: JointTorque) -> str:
@@ -81,9 +121,13 @@ def _iter_cause_lines(causes: Sequence[ChangeCause], *, show_all: bool) -> Itera
     for cause in shown:
         count = format_count(len(cause.changes), "change")
         yield f"  {count}, caused by" if cause.is_edited else f"  {count}, typed in a line that was not edited"
-        for sign, lines in (("-", cause.before), ("+", cause.after)):
-            for file, line, text in lines:
-                yield f"    {sign} {file}:{line}  {text}"
+        # A line that was not edited is the same in both versions.
+        sides = (("-", cause.before), ("+", cause.after)) if cause.is_edited else ((" ", cause.after or cause.before),)
+        for sign, lines in sides:
+            most = len(lines) if show_all else MOST_LINES
+            more = f"  … {format_count(len(lines) - most, 'more line')}" if len(lines) > most else ""
+            for number, (file, line, text) in enumerate(lines[:most], start=1):
+                yield f"    {sign} {file}:{line}  {text}{more if number == most else ''}"
     if len(causes) > len(shown):
         yield f"  … {format_count(len(causes) - len(shown), 'more cause')} (-v lists all)"
 
@@ -97,11 +141,12 @@ def _iter_finding_lines(diff: Diff, *, show_all: bool) -> Iterator[str]:
     yield count_findings(diff)
     for word, findings in (("new", found.new), ("gone", found.gone)):
         ordered = sorted(findings, key=lambda finding: -finding.severity)
-        shown = ordered if show_all else ordered[:MOST_OTHERS]
-        for finding in shown:
-            yield f"  {word:4} {_describe_finding(finding)}"
-        if len(ordered) > len(shown):
-            yield f"  … {len(ordered) - len(shown)} more {word} (-v lists all)"
+        counts = Counter(map(_describe_finding, ordered))
+        shown = counts if show_all else dict(list(counts.items())[:MOST_FINDINGS])
+        for text, count in shown.items():
+            yield f"  {word:4} {text}{f' ({count} times)' if count > 1 else ''}"
+        if len(counts) > len(shown):
+            yield f"  … {len(ordered) - sum(shown.values())} more {word} (-v lists all)"
 
 
 def _describe_finding(finding: Finding) -> str:
