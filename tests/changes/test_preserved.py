@@ -31,6 +31,7 @@ def test_what_leaves_the_robot_as_it_is_is_cosmetic(
     assert found.mechanism is not None
     assert found.mechanism.samples == 0
     assert found.mechanism.shifts == ()
+    assert (found.mechanism.collisions, found.mechanism.effects) == (None, ())
 
 
 def test_edits_add_up_to_nothing(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from urdfcheck.changes.effect_wording import describe_effect
 from urdfcheck.changes.finding_changes import compare_findings
 from urdfcheck.changes.model_pairs import ModelPair, VersionedModel, pair_models
 from urdfcheck.changes.text_changes import SideTexts, find_causes
@@ -15,10 +16,12 @@ from urdfcheck.core import ModelInfo, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.core.model_diff import UNKNOWN, Diff, ModelDiff
 from urdfcheck.policy.limits import ResourceLimits
+from urdfcheck.policy.policy import TIERS
 from urdfcheck.run.jobs import Request, UnitReport
 from urdfcheck.run.pipeline import IN_WORKERS, AuditedRun, Execution, run_audit
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.system import libraries, sandbox
+from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.process_pool import WorkerDiedError, map_in_processes
 from urdfcheck.version import __version__
 
@@ -127,6 +130,16 @@ def _explain_missing(report: UnitReport, info: ModelInfo, outcome: Run) -> str:
     return next(iter((*reasons, *report.failures, *outcome.failures)), "there is no robot in it")
 
 
+@dataclass(frozen=True, slots=True)
+class _Measuring:
+    """What is computed beside what the models say."""
+
+    cache: Path | None
+    """Folder of cached results."""
+    is_moving: bool
+    """Whether shapes are read and moved, as in the last tier."""
+
+
 # -- comparing ---------------------------------------------------------------------------------------------------------
 
 
@@ -135,14 +148,20 @@ def _compare_pairs(
 ) -> list[ModelDiff]:
     """Compare the models of each pair, in worker processes unless ``in_process``."""
     limits = request.options.limits
-    jobs = {index: (pair, old_folder, new_folder, limits) for index, pair in enumerate(pairs) if _is_comparable(pair)}
+    measuring = _Measuring(request.cache, is_moving=request.policy.tier == TIERS[-1])
+    jobs = {
+        index: (pair, old_folder, new_folder, measuring) for index, pair in enumerate(pairs) if _is_comparable(pair)
+    }
     found: dict[int, ModelDiff] = {}
     if in_process:
-        found = {index: _compare_models(pair, old, new) for index, (pair, old, new, _) in jobs.items()}
+        found = {index: _compare_models(*job) for index, job in jobs.items()}
     else:
         places = list(jobs)
         longest = limits.seconds + sandbox.PATIENCE if limits.seconds else None
-        answers = map_in_processes(_compare_in_worker, list(jobs.values()), max(1, request.jobs), timeout=longest)
+        mechanisms = [model.mechanism for pair, *_ in jobs.values() for model in (pair.before, pair.after) if model]
+        meshes = sorted({file for mechanism in mechanisms if mechanism is not None for file in mechanism.mesh_files})
+        guarded = [(*job, meshes, limits) for job in jobs.values()]
+        answers = map_in_processes(_compare_in_worker, guarded, max(1, request.jobs), timeout=longest)
         for place, answer in answers:
             pair = pairs[places[place]]
             reason = "the comparison was stopped" if isinstance(answer, WorkerDiedError) else answer
@@ -154,22 +173,31 @@ def _is_comparable(pair: ModelPair) -> bool:
     return all(model is not None and model.mechanism is not None for model in (pair.before, pair.after))
 
 
-def _compare_in_worker(pair: ModelPair, old_folder: str, new_folder: str, limits: ResourceLimits) -> ModelDiff | str:
-    """Compare two models inside a worker process, which opens no file; a text says why that failed."""
+def _compare_in_worker(
+    pair: ModelPair,
+    old_folder: str,
+    new_folder: str,
+    measuring: _Measuring,
+    meshes: Sequence[str],
+    limits: ResourceLimits,
+) -> ModelDiff | str:
+    """Compare two models inside a worker process, which opens the meshes alone; a text says why that failed."""
     libraries.prefer_own_folders()
-    sandbox.confine((), (), limits.memory)
+    folders = [] if measuring.cache is None else [str(measuring.cache)]
+    sandbox.confine([*meshes, *folders], (), limits.memory)
     try:
         with sandbox.enforce_deadline(limits.seconds):
-            return _compare_models(pair, old_folder, new_folder)
+            return _compare_models(pair, old_folder, new_folder, measuring)
     except ModelTimeout:
         return f"the comparison took more than {limits.seconds:g} s (--timeout)"
     except MemoryError:
         return f"the comparison takes more than {limits.memory} MiB (--memory)"
 
 
-def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelDiff:
+def _compare_models(pair: ModelPair, old_folder: str, new_folder: str, measuring: _Measuring) -> ModelDiff:
     """Compare two models that were read."""
-    from urdfcheck.facts.comparison.compare import compare_mechanisms  # loads numpy
+    from urdfcheck.changes.shape_geometries import ShapeGeometries  # these load numpy
+    from urdfcheck.facts.comparison.compare import compare_mechanisms
 
     first, second = pair.before, pair.after
     assert first is not None
@@ -177,7 +205,8 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelD
     before, after = first.mechanism, second.mechanism
     assert before is not None
     assert after is not None
-    found = compare_mechanisms(before, after)
+    geometries = ShapeGeometries(ArrayCache(measuring.cache))
+    found = compare_mechanisms(before, after, geometries.read if measuring.is_moving else None)
     texts = (
         SideTexts.of_model(before, first.texts, old_folder),
         SideTexts.of_model(after, second.texts, new_folder),
@@ -193,6 +222,7 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelD
         mechanism=found,
         texts=tuple(map(describe_change, found.changes)),
         notes=tuple(map(describe_change, found.notes)),
+        effects=tuple(map(describe_effect, found.effects)),
         matched_by=pair.matched_by,
     )
 

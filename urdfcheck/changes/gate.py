@@ -11,6 +11,8 @@ from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, Mechan
 
 # What `--fail-on` takes.
 KINDS = ("kinematic", "dynamic", "limits", "collision", "findings", "any", "never")
+# Effects by which links collide that did not.
+_COLLIDING = frozenset({"pair-collides", "rest-collides"})
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
 _MASSES = {"kg": 1.0, "g": 1e-3}
 _QUANTITY = re.compile(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*([a-zA-Zµ%]+)\s*")
@@ -66,6 +68,8 @@ class Gate:
             kind = "kinematic" if change.category == "structure" else change.category
             if kind in self.kinds or "any" in self.kinds:
                 failing.append(f"{kind} change")
+        if "collision" in self.kinds and any(effect.id in _COLLIDING for effect in found.effects):
+            failing.append("links that collide now")
         return list(dict.fromkeys(failing))
 
     def _is_tolerated_motion(self, found: MechanismDiff, change: str) -> bool:

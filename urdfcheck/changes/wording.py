@@ -16,12 +16,13 @@ _PART = re.compile(r"(link|joint)\[([^\]]*)\]", re.DOTALL)
 
 def describe_change(change: MechanismChange) -> str:
     """Return one line about a change."""
-    return f"{_name_part(change)} {_WORDS[change.id](change)}"
+    return f"{name_part(change.subject)} {_WORDS[change.id](change)}"
 
 
-def _name_part(change: MechanismChange) -> str:
-    match = _PART.fullmatch(change.subject)
-    return change.subject if match is None else f"{match[1]} {match[2]}"
+def name_part(subject: str) -> str:
+    """Return ``link hand`` for ``link[hand]``."""
+    match = _PART.fullmatch(subject)
+    return subject if match is None else f"{match[1]} {match[2]}"
 
 
 def format_angle(radians: float) -> str:

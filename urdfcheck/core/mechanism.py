@@ -45,6 +45,8 @@ class MechanismShape:
     """The mesh file as typed."""
     digest: str = ""
     """Digest of the content of the mesh file, if it was read."""
+    file: str = ""
+    """Path of the mesh file on this machine, if it was read."""
     low: tuple[float, ...] = ()
     """Lower bound of the mesh along x y z, scaled, in m."""
     high: tuple[float, ...] = ()
@@ -142,6 +144,11 @@ class RobotMechanism:
     """Name of the file that the model was read from, as spans call it."""
     digests: Mapping[str, str] = field(default_factory=dict)
     """Digest of the text of each file that makes up the model, by name."""
+
+    @property
+    def mesh_files(self) -> set[str]:
+        """The paths of the mesh files that were read."""
+        return {shape.file for link in self.links for shape in link.shapes if shape.file}
 
     @property
     def trace_files(self) -> set[str]:

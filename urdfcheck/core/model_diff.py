@@ -14,6 +14,8 @@ CATEGORIES = ("structure", "kinematic", "limits", "dynamic", "collision", "visua
 IDENTICAL, COSMETIC = "identical", "cosmetic"
 # The model cannot be compared, because one side gives no robot.
 UNKNOWN = "unknown"
+# What the effects of changes are about.
+EFFECTS = ("collision", "inertia", "stability")
 VERDICTS = (UNKNOWN, *CATEGORIES, COSMETIC, IDENTICAL)
 
 
@@ -70,6 +72,40 @@ class JointTorque:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MechanismEffect:
+    """Something that changes because something else was edited, such as two links that collide now."""
+
+    kind: str
+    """What it is about, one of `EFFECTS`."""
+    id: str
+    """What happens, such as ``pair-collides``."""
+    subject: str
+    """The part as the first version names it, ``link[hand]``; as the second does where the part is new."""
+    other: str = ""
+    """The second part of a pair."""
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    """The sizes, by name: lengths in m, angles in rad."""
+    words: Mapping[str, str] = field(default_factory=dict)
+    """Names and units that belong to it."""
+    configuration: Mapping[str, float] = field(default_factory=dict)
+    """Joint positions at which it is largest; empty where it is at rest, or the same in all."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CollisionDiff:
+    """What was compared of the collisions of pairs of links."""
+
+    samples: int
+    """Number of joint configurations that were compared."""
+    pairs: int
+    """Number of pairs of links with another geometry, relative motion or range."""
+    unread: tuple[str, ...] = ()
+    """Links that were left out, because a shape of them could not be read."""
+    effects: tuple[MechanismEffect, ...] = ()
+    """The pairs that collide in one version only."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ChangeCause:
     """The lines that caused one or more changes."""
 
@@ -101,6 +137,10 @@ class MechanismDiff:
     samples: int
     """Number of joint configurations in which motion was compared; 0 where none was needed."""
     causes: tuple[ChangeCause, ...] = ()
+    collisions: CollisionDiff | None = None
+    """What was compared of collisions; None where nothing can have changed, or coal is not installed."""
+    effects: tuple[MechanismEffect, ...] = ()
+    """What follows from the changes beside shifts and torques, the most important of each kind first."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,6 +170,8 @@ class ModelDiff:
     """Each change in words, in the order of ``mechanism.changes``."""
     notes: tuple[str, ...] = ()
     """Each note in words."""
+    effects: tuple[str, ...] = ()
+    """Each effect in words, in the order of ``mechanism.effects``."""
     problem: str = ""
     """Why the models cannot be compared."""
     matched_by: str = "path"

@@ -131,6 +131,7 @@ def _build_shape(model: Model, shape: Shape) -> MechanismShape:
         pose=() if pose is None else _flatten(pose),
         mesh="" if shape.mesh_filename is None else _name_file(model, shape.mesh_filename.value),
         digest="" if path is None else model.meshes.digests.get(path, ""),
+        file=str(path) if path in model.meshes.digests else "",
         low=low,
         high=high,
         volume=None if solid is None else _scale_volume(solid.volume, shape, size),

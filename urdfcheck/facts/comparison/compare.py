@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core.mechanism import MechanismExtra, RobotMechanism, Trace
-from urdfcheck.core.model_diff import CATEGORIES, MechanismChange, MechanismDiff
+from urdfcheck.core.model_diff import CATEGORIES, CollisionDiff, MechanismChange, MechanismDiff
 from urdfcheck.facts.arrays import Vec3
 from urdfcheck.facts.comparison.alignment import PlacedPair, align_links
-from urdfcheck.facts.comparison.bodies import pair_bodies
+from urdfcheck.facts.comparison.bodies import BodyPair, pair_bodies
 from urdfcheck.facts.comparison.contents import compare_masses, compare_shapes
 from urdfcheck.facts.comparison.home_pose import HomePose, compute_home_pose
 from urdfcheck.facts.comparison.joints import compare_joints
@@ -19,17 +20,26 @@ from urdfcheck.facts.comparison.matching import Correspondence, match_mechanisms
 from urdfcheck.facts.comparison.motion import compare_torques, compute_displacements, measure_shifts, sample_joints
 from urdfcheck.facts.comparison.structure import NOTE, compare_structure, list_frame_notes
 
-# What may move a link or load a joint.
+if TYPE_CHECKING:
+    from urdfcheck.facts.comparison.collisions import GeometryReader
+
+# What may move a link, load a joint or bring two shapes together.
+_COLLIDING = frozenset({"structure", "kinematic", "limits", "collision"})
 _MOVING, _LOADING = frozenset({"structure", "kinematic"}), frozenset({"structure", "kinematic", "dynamic"})
 
 
-def compare_mechanisms(before: RobotMechanism, after: RobotMechanism) -> MechanismDiff:
-    """Compare two versions of a robot. Without changes they move and weigh alike, which is proven, not sampled."""
+def compare_mechanisms(
+    before: RobotMechanism, after: RobotMechanism, read: GeometryReader | None = None
+) -> MechanismDiff:
+    """Compare two versions of a robot. Without changes they move and weigh alike, which is proven, not sampled.
+
+    ``read``: gives the geometry of shapes; without it, collisions are not compared.
+    """
     with np.errstate(all="ignore"):  # numbers that overflow are findings, not warnings of numpy
-        return _compare_placed(_place_pair(before, after, match_mechanisms(before, after)))
+        return _compare_placed(_place_pair(before, after, match_mechanisms(before, after)), read)
 
 
-def _compare_placed(pair: PlacedPair) -> MechanismDiff:
+def _compare_placed(pair: PlacedPair, read: GeometryReader | None) -> MechanismDiff:
     before, after = pair.before.mechanism, pair.after.mechanism
     bodies = pair_bodies(pair)
     found = [
@@ -55,6 +65,9 @@ def _compare_placed(pair: PlacedPair) -> MechanismDiff:
         if categories & _MOVING:
             shifts = measure_shifts(pair, samples, *moved)
         torques = sorted(compare_torques(pair, *moved), key=lambda t: -abs(t.after - t.before) / max(t.before, t.after))
+    collisions = None
+    if read is not None and categories & _COLLIDING:
+        collisions = _compare_collisions(pair, bodies, read)
     masses = [sum(link.mass or 0.0 for link in mechanism.links) for mechanism in (before, after)]
     return MechanismDiff(
         changes=tuple(changes),
@@ -64,7 +77,18 @@ def _compare_placed(pair: PlacedPair) -> MechanismDiff:
         mass=(masses[0], masses[1]),
         com_shift=float(np.linalg.norm(_compute_com(pair.after) - _compute_com(pair.before))) if all(masses) else 0.0,
         samples=count,
+        collisions=collisions,
+        effects=() if collisions is None else collisions.effects,
     )
+
+
+def _compare_collisions(pair: PlacedPair, bodies: Sequence[BodyPair], read: GeometryReader) -> CollisionDiff | None:
+    from urdfcheck.facts.comparison.collisions import compare_collisions  # loads coal, which masses do not need
+
+    try:
+        return compare_collisions(pair, bodies, read)
+    except ImportError:  # there are no wheels of coal for every platform
+        return None
 
 
 def _place_pair(before: RobotMechanism, after: RobotMechanism, match: Correspondence) -> PlacedPair:

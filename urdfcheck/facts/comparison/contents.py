@@ -157,6 +157,16 @@ def list_lost_shapes(pair: PlacedPair, bodies: Sequence[BodyPair]) -> tuple[set[
     return olds, news
 
 
+def has_moved_shapes(pair: PlacedPair, before: Sequence[str], after: Sequence[str]) -> bool:
+    """Whether the collision shapes of links of one body are others, or elsewhere on the first of the links."""
+    taken = pair.maps[before[0]]
+    here = [(n, s, taken @ pair.before.frames[n]) for n in before for s in pair.before.links[n].shapes]
+    there = [(n, s, pair.after.frames[n]) for n in after for s in pair.after.links[n].shapes]
+    olds, news = ([placed for placed in side if placed[1].role == "collision"] for side in (here, there))
+    list(_set_aside(pair, olds, news))
+    return bool(olds or news)
+
+
 def _set_aside(pair: PlacedPair, olds: list[_Placed], news: list[_Placed]) -> Iterator[MechanismChange]:
     """Remove from both lists what is the same in them; yield the changes of its materials."""
     places = np.array([_locate_shape(shape, frame) for _, shape, frame in news]).reshape(-1, 3)

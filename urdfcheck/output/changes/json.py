@@ -6,7 +6,15 @@ import json
 from typing import Any
 
 from urdfcheck.core import Span
-from urdfcheck.core.model_diff import ChangeCause, Diff, MechanismChange, MechanismDiff, ModelDiff
+from urdfcheck.core.model_diff import (
+    ChangeCause,
+    CollisionDiff,
+    Diff,
+    MechanismChange,
+    MechanismDiff,
+    MechanismEffect,
+    ModelDiff,
+)
 from urdfcheck.output.shared.escaping import escape_for_json
 from urdfcheck.output.shared.json_objects import build_finding_object, to_json_value
 
@@ -45,6 +53,8 @@ def _build_model(model: ModelDiff) -> dict[str, Any]:
         "changes": [] if found is None else list(map(_build_change, found.changes, model.texts)),
         "notes": [] if found is None else list(map(_build_change, found.notes, model.notes)),
         "causes": [] if found is None else list(map(_build_cause, found.causes)),
+        "effects": [] if found is None else list(map(_build_effect, found.effects, model.effects)),
+        "collisions": None if found is None or found.collisions is None else _build_collisions(found.collisions),
         "motion": None if found is None else _build_motion(found),
         "dynamics": None if found is None else _build_dynamics(found),
     }
@@ -62,6 +72,23 @@ def _build_change(change: MechanismChange, text: str) -> dict[str, Any]:
         "before": _build_place(change.before.start),
         "after": _build_place(change.after.start),
     }
+
+
+def _build_effect(effect: MechanismEffect, text: str) -> dict[str, Any]:
+    return {
+        "kind": effect.kind,
+        "id": effect.id,
+        "subject": effect.subject,
+        "other": effect.other or None,
+        "text": text,
+        "numbers": to_json_value(effect.numbers),
+        "words": to_json_value(effect.words),
+        "configuration": to_json_value(effect.configuration),
+    }
+
+
+def _build_collisions(found: CollisionDiff) -> dict[str, Any]:
+    return {"samples": found.samples, "pairs": found.pairs, "unread": list(found.unread)}
 
 
 def _build_place(span: Span | None) -> dict[str, Any] | None:

@@ -83,6 +83,8 @@ def _iter_rows(model: ModelDiff, *, is_only: bool) -> Iterator[str]:
         yield _format_row(name, LABELS.get(change.category, change.category), text)
     for torque in found.torques:
         yield _format_row(name, "gravity", describe_torque(torque))
+    for effect, text in zip(found.effects, model.effects, strict=True):
+        yield _format_row(name, effect.kind, text)
 
 
 def _format_row(name: str, kind: str, text: str) -> str:

@@ -5,13 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding
-from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, ChangeCause, Diff, JointTorque, MechanismDiff, ModelDiff
-from urdfcheck.core.text import format_count
+from urdfcheck.core.model_diff import (
+    COSMETIC,
+    EFFECTS,
+    IDENTICAL,
+    ChangeCause,
+    Diff,
+    JointTorque,
+    MechanismDiff,
+    ModelDiff,
+)
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.output.shared.wording import format_place
 
 # How many changes, causes, notes and findings are listed unless all are asked for.
 MOST_CHANGES, MOST_CAUSES, MOST_OTHERS = 12, 4, 3
+# How many effects of each kind are listed.
+MOST_EFFECTS = 2
+# What effects that are not listed are called.
+EFFECT_NOUNS = {"collision": "more pair", "inertia": "more joint", "stability": "more"}
 # Columns of the names of the categories.
 _COLUMN = 10
 # What the categories are called, where that is not their name.
@@ -67,6 +80,15 @@ def _iter_change_lines(model: ModelDiff, found: MechanismDiff, *, show_all: bool
     torques = found.torques if show_all else found.torques[:2]
     for torque in torques:
         yield f"  {'gravity':{_COLUMN}} {describe_torque(torque)}"
+    for kind in EFFECTS:
+        lines = [text for effect, text in zip(found.effects, model.effects, strict=True) if effect.kind == kind]
+        for line in lines if show_all else lines[:MOST_EFFECTS]:
+            yield f"  {kind:{_COLUMN}} {line}"
+        if len(lines) > MOST_EFFECTS and not show_all:
+            yield f"  … {format_count(len(lines) - MOST_EFFECTS, EFFECT_NOUNS[kind])} (-v lists all)"
+    if found.collisions is not None and found.collisions.unread:
+        names = join_names([f"link {name}" for name in found.collisions.unread], MOST_EFFECTS)
+        yield f"  {'collision':{_COLUMN}} not compared: {names}, of which a shape could not be read"
 
 
 def describe_torque(torque: JointTorque) -> str:

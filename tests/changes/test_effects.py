@@ -1,0 +1,131 @@
+"""What follows from a planted change is reported with its size, and the way back the other way round."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+from versions import ARM, compare_texts
+
+from urdfcheck.changes.gate import make_gate
+from urdfcheck.core.model_diff import Diff, MechanismDiff, MechanismEffect, ModelDiff
+
+
+@dataclass(frozen=True, kw_only=True)
+class Planted:
+    """An edit, and the only effect of its kind that must be reported."""
+
+    old: str
+    new: str
+    id: str
+    back: str
+    """The id of the effect of the edit back."""
+    parts: tuple[str, str]
+    numbers: Mapping[str, float]
+    text: str
+    arm: str = ARM
+    count: int = -1
+    """How often it is replaced; -1: everywhere."""
+    configuration: Mapping[str, float] = field(default_factory=dict)
+
+
+LEFT = '<origin xyz="0.06 0.04 0" rpy="0 0 0"/>'
+FINGER = '<geometry><box size="0.04 0.01 0.02"/></geometry>'
+# The left finger is 90 mm wide, and meets the other one where the hand is half closed.
+WIDE = ARM.replace(FINGER, FINGER.replace("0.01", "0.09"), 2)
+
+COLLISIONS: Mapping[str, Planted] = {
+    "a wider range": Planted(
+        old='lower="-0.03" upper="0.01"',
+        new='lower="-0.036" upper="0.01"',
+        id="pair-collides",
+        back="pair-clears",
+        parts=("link[left]", "link[right]"),
+        numbers={"depth": 0.002, "at_rest": 0.0},
+        text="link left and link right collide now (in ",
+        configuration={"grip": -0.036, "grip_mirror": 0.036},
+    ),
+    "a wider shape": Planted(
+        old=FINGER,
+        new=FINGER.replace("0.01", "0.09"),
+        count=2,
+        id="pair-collides",
+        back="pair-clears",
+        parts=("link[left]", "link[right]"),
+        numbers={"depth": 0.02, "gap": 0.01, "at_rest": 0.0},
+        text=" configurations, by 20 mm at grip -0.03, grip_mirror 0.03, 10 mm apart before)",
+        configuration={"grip": -0.03, "grip_mirror": 0.03},
+    ),
+    "a part moved at rest": Planted(
+        arm=WIDE,
+        old=LEFT,
+        new=LEFT.replace("0.04", "0.005"),
+        id="rest-collides",
+        back="rest-clears",
+        parts=("link[left]", "link[right]"),
+        numbers={"depth": 0.005, "gap": 0.03, "at_rest": 1.0},
+        text="link left and link right collide at rest now (by 5 mm, 30 mm apart before)",
+    ),
+}
+
+
+def get_mechanism(found: ModelDiff) -> MechanismDiff:
+    assert found.mechanism is not None
+    return found.mechanism
+
+
+def get_only(found: MechanismDiff, kind: str) -> MechanismEffect:
+    (effect,) = [effect for effect in found.effects if effect.kind == kind]
+    return effect
+
+
+@pytest.mark.parametrize("planted", COLLISIONS.values(), ids=COLLISIONS)
+def test_a_pair_that_collides_is_reported_alone(tmp_path: Path, planted: Planted) -> None:
+    changed = planted.arm.replace(planted.old, planted.new, planted.count)
+    found = compare_texts(tmp_path / "there", planted.arm, changed)
+    back = compare_texts(tmp_path / "back", changed, planted.arm)
+    effect, mirrored = get_only(get_mechanism(found), "collision"), get_only(get_mechanism(back), "collision")
+    assert (effect.id, mirrored.id) == (planted.id, planted.back)
+    assert (effect.subject, effect.other) == (mirrored.subject, mirrored.other) == planted.parts
+    assert {name: effect.numbers.get(name) for name in planted.numbers} == pytest.approx(planted.numbers, abs=1e-6)
+    assert effect.numbers == pytest.approx(mirrored.numbers)
+    assert effect.configuration == pytest.approx(mirrored.configuration)
+    assert effect.configuration == pytest.approx(planted.configuration)
+    assert planted.text in found.effects[get_mechanism(found).effects.index(effect)]
+
+
+def test_pairs_that_an_edit_cannot_bring_together_are_not_compared(tmp_path: Path) -> None:
+    """The fingers move along with the hand; of the pairs with what the hand hangs on none collides."""
+    changed = ARM.replace('<origin xyz="0.3 0 0" rpy="0 0 0"/>', '<origin xyz="0.301 0 0" rpy="0 0 0"/>')
+    collisions = get_mechanism(compare_texts(tmp_path, ARM, changed)).collisions
+    assert collisions is not None
+    # Three parts behind the joint, four before it.
+    assert (collisions.pairs, collisions.effects) == (12, ())
+
+
+def test_links_that_collide_now_fail_a_run_that_asks_for_collisions(tmp_path: Path) -> None:
+    planted = COLLISIONS["a wider range"]
+    models = [ARM, ARM.replace(planted.old, planted.new)]
+    gate = make_gate(["collision"], None, None)
+    for before, after, reasons in ((*models, 1), (*reversed(models), 0)):
+        diff = Diff(before="a", after="b", models=(compare_texts(tmp_path, before, after),))
+        assert len(gate.list_reasons(diff)) == reasons
+
+
+def test_a_mass_compares_no_collisions(tmp_path: Path) -> None:
+    changed = ARM.replace('<mass value="0.6"/>', '<mass value="0.7"/>')
+    assert get_mechanism(compare_texts(tmp_path, ARM, changed)).collisions is None
+
+
+def test_a_new_part_collides_with_what_it_does_not_hang_on(tmp_path: Path) -> None:
+    """It overlaps the hand, on which it hangs, and a finger."""
+    lamp = (
+        '<link name="lamp"><collision><geometry><sphere radius="0.03"/></geometry></collision></link>'
+        '<joint name="lamp_turn" type="continuous"><parent link="hand"/><child link="lamp"/>'
+        '<origin xyz="0.06 0.04 0"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    found = get_mechanism(compare_texts(tmp_path, ARM, ARM.replace("</robot>", lamp)))
+    at_rest = [effect for effect in found.effects if effect.numbers["at_rest"]]
+    assert [{effect.subject, effect.other} for effect in at_rest] == [{"link[left]", "link[lamp]"}]

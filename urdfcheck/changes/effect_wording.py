@@ -1,0 +1,46 @@
+"""What follows from changes, in words: the parts first, then what happens to them, with the number that matters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from urdfcheck.changes.wording import format_configuration, format_size, name_part
+from urdfcheck.core.model_diff import MechanismEffect
+
+
+def describe_effect(effect: MechanismEffect) -> str:
+    """Return one line about an effect."""
+    return _WORDS[effect.id](effect)
+
+
+# -- collisions --------------------------------------------------------------------------------------------------------
+
+
+def _describe_pair(verb: str, *, is_new: bool) -> Callable[[MechanismEffect], str]:
+    """Return what describes a pair that collides in one version; ``is_new``: in the second."""
+
+    def describe(effect: MechanismEffect) -> str:
+        numbers, words = effect.numbers, effect.words
+        kind = "the neighbours " if words["relation"] == "neighbours" else ""
+        details = []
+        if effect.id.startswith("pair"):
+            hits, samples = int(numbers["hits"]), int(numbers["samples"])
+            share = f"{hits} of {samples} configurations" if hits < samples else f"all {samples} configurations"
+            details.append(f"{'' if is_new else 'before '}in {'the only configuration' if samples == 1 else share}")
+        if "depth" in numbers:
+            where = f" at {format_configuration(effect.configuration)}" if effect.configuration else ""
+            details.append(f"by {format_size(numbers['depth'])}{where}")
+        if "gap" in numbers:
+            details.append(f"{format_size(numbers['gap'])} apart {'before' if is_new else 'now'}")
+        text = f"{kind}{name_part(effect.subject)} and {name_part(effect.other)} {verb}"
+        return f"{text} ({', '.join(details)})" if details else text
+
+    return describe
+
+
+_WORDS: Mapping[str, Callable[[MechanismEffect], str]] = {
+    "pair-collides": _describe_pair("collide now", is_new=True),
+    "pair-clears": _describe_pair("no longer collide", is_new=False),
+    "rest-collides": _describe_pair("collide at rest now", is_new=True),
+    "rest-clears": _describe_pair("no longer collide at rest", is_new=False),
+}
