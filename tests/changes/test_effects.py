@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
-from versions import ARM, compare_texts
+import trimesh
+from versions import ARM, compare, compare_texts
 
+import urdfcheck
 from urdfcheck.changes.gate import make_gate
 from urdfcheck.core.model_diff import Diff, MechanismDiff, MechanismEffect, ModelDiff
 
@@ -129,3 +131,60 @@ def test_a_new_part_collides_with_what_it_does_not_hang_on(tmp_path: Path) -> No
     found = get_mechanism(compare_texts(tmp_path, ARM, ARM.replace("</robot>", lamp)))
     at_rest = [effect for effect in found.effects if effect.numbers["at_rest"]]
     assert [{effect.subject, effect.other} for effect in at_rest] == [{"link[left]", "link[lamp]"}]
+
+
+# -- meshes ------------------------------------------------------------------------------------------------------------
+
+MESHED = ARM.replace('<box size="0.06 0.1 0.04"/>', '<mesh filename="meshes/hand.stl"/>')
+
+
+def write_versions(folder: Path, before: trimesh.Trimesh, after: trimesh.Trimesh) -> tuple[Path, Path]:
+    """Write the arm twice, with a mesh for its hand."""
+    paths = folder / "old" / "arm.urdf", folder / "new" / "arm.urdf"
+    for path, mesh in zip(paths, (before, after), strict=True):
+        (path.parent / "meshes").mkdir(parents=True)
+        path.write_text(MESHED, encoding="utf-8")
+        mesh.export(path.parent / "meshes" / "hand.stl")
+    return paths
+
+
+def make_hand(knob: float = 0.0) -> trimesh.Trimesh:
+    """Return a box, with a knob of this length on its far side."""
+    box = trimesh.creation.box((0.06, 0.1, 0.04))
+    if not knob:
+        return box
+    middle = trimesh.transformations.translation_matrix((0.03 + knob / 2, 0.0, 0.0))
+    return trimesh.util.concatenate([box, trimesh.creation.box((knob, 0.01, 0.01), transform=middle)])
+
+
+def test_the_surface_of_a_replaced_mesh_is_measured_both_ways(tmp_path: Path) -> None:
+    paths = write_versions(tmp_path, make_hand(), make_hand(0.05))
+    (model,) = compare(*paths).models
+    drawn, collides = get_mechanism(model).changes[-1], get_mechanism(model).changes[0]
+    for change in (drawn, collides):
+        assert (change.id, change.subject) == ("mesh-changed", "link[hand]")
+        assert change.numbers["surface_come"] == pytest.approx(0.05, abs=1e-6)
+        assert change.numbers["surface_gone"] == pytest.approx(0.0, abs=1e-6)
+        assert 0.0 < change.numbers["surface_error"] < 0.005
+    assert "the new surface up to 50 mm from the old one (± " in model.texts[0]
+    (back,) = compare(*reversed(paths)).models
+    assert get_mechanism(back).changes[0].numbers["surface_gone"] == pytest.approx(0.05, abs=1e-6)
+    (quick,) = compare(*paths, tier="source").models
+    assert get_mechanism(quick).changes == ()  # no mesh is read
+
+
+def test_other_triangles_of_one_surface_are_recognised(tmp_path: Path) -> None:
+    (model,) = compare(*write_versions(tmp_path, make_hand(), make_hand().subdivide())).models
+    assert "the same surface (at points " in model.texts[0]
+
+
+@pytest.mark.slow
+def test_workers_read_the_meshes_that_they_compare(tmp_path: Path) -> None:
+    """A knob of 100 mm meets the fingers' boxes, which begin 40 mm before the hand's face; workers may open nothing else."""
+    paths = write_versions(tmp_path, make_hand(), make_hand(0.1))
+    (model,) = urdfcheck.diff(*paths, select="INR003", cache=False).models
+    found = get_mechanism(model)
+    assert found.changes[0].numbers["surface_come"] == pytest.approx(0.1, abs=1e-6)
+    assert found.collisions is not None
+    assert found.collisions.unread == ()
+    assert found.collisions.pairs > 0

@@ -136,8 +136,8 @@ class _Measuring:
 
     cache: Path | None
     """Folder of cached results."""
-    is_moving: bool
-    """Whether shapes are read and moved, as in the last tier."""
+    tier: str
+    """Of `TIERS`: from the second on shapes are read, in the last they are moved."""
 
 
 # -- comparing ---------------------------------------------------------------------------------------------------------
@@ -148,7 +148,7 @@ def _compare_pairs(
 ) -> list[ModelDiff]:
     """Compare the models of each pair, in worker processes unless ``in_process``."""
     limits = request.options.limits
-    measuring = _Measuring(request.cache, is_moving=request.policy.tier == TIERS[-1])
+    measuring = _Measuring(request.cache, request.policy.tier)
     jobs = {
         index: (pair, old_folder, new_folder, measuring) for index, pair in enumerate(pairs) if _is_comparable(pair)
     }
@@ -206,7 +206,8 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str, measuring
     assert before is not None
     assert after is not None
     geometries = ShapeGeometries(ArrayCache(measuring.cache))
-    found = compare_mechanisms(before, after, geometries.read if measuring.is_moving else None)
+    read = None if measuring.tier == TIERS[0] else geometries.read
+    found = compare_mechanisms(before, after, read, with_collisions=measuring.tier == TIERS[-1])
     texts = (
         SideTexts.of_model(before, first.texts, old_folder),
         SideTexts.of_model(after, second.texts, new_folder),

@@ -11,6 +11,8 @@ from urdfcheck.core.text import format_count, format_length, join_names
 
 # Shares and directions below these are rounding.
 _LEAST_COMPONENT = 0.02
+# Surfaces that are nearer (m) are one in other digits.
+_SAME_SURFACE = 2e-5
 _PART = re.compile(r"(link|joint)\[([^\]]*)\]", re.DOTALL)
 
 
@@ -174,9 +176,26 @@ def _describe_shape(verb: str) -> Callable[[MechanismChange], str]:
             text += f", volume {old:.{digits}g} → {new:.{digits}g} m³{format_share(old, new)}"
         if "bounds" in numbers:
             text += f", bounds differ by up to {format_size(numbers['bounds'])}"
+        if "surface_gone" in numbers:
+            text += f", {_describe_surface(numbers)}"
         return text + (f", now {words['closed']}" if "closed" in words else "")
 
     return describe
+
+
+def _describe_surface(numbers: Mapping[str, float]) -> str:
+    """Return how far the surfaces of two meshes are from each other, with what may lie between the points examined."""
+    gone, come, error = (numbers[f"surface_{name}"] for name in ("gone", "come", "error"))
+    if max(gone, come) <= _SAME_SURFACE:
+        return f"the same surface (at points {format_size(error)} apart)"
+    if abs(come - gone) <= error:
+        return f"surfaces up to {format_size(max(gone, come))} apart (± {format_size(error)})"
+    sides = (
+        f"the {one} surface up to {format_size(distance)} from the {other} one"
+        for one, other, distance in (("new", "old", come), ("old", "new", gone))
+        if distance > _SAME_SURFACE
+    )
+    return f"{' and '.join(sides)} (± {format_size(error)})"
 
 
 def _describe_base(change: MechanismChange) -> str:

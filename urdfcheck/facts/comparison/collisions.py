@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from urdfcheck.core.mechanism import MechanismShape
 from urdfcheck.core.model_diff import CollisionDiff, MechanismEffect
 from urdfcheck.facts.arrays import Array, Bools, Indices
 from urdfcheck.facts.comparison.alignment import PlacedPair
@@ -16,12 +15,10 @@ from urdfcheck.facts.comparison.bodies import BodyPair
 from urdfcheck.facts.comparison.collision_units import ComparedUnit, find_changed_pairs, list_units
 from urdfcheck.facts.comparison.home_pose import HomePose
 from urdfcheck.facts.comparison.motion import LimitSamples, compute_displacements, describe_positions, sample_limits
+from urdfcheck.facts.comparison.surfaces import GeometryReader
 from urdfcheck.facts.motion.collision import Colliders
-from urdfcheck.facts.motion.collision_geometry import CollisionGeometry, PlacedGeometry
+from urdfcheck.facts.motion.collision_geometry import PlacedGeometry
 from urdfcheck.facts.motion.gaps import Gaps
-
-# Returns the geometry of a shape; None where it cannot be read.
-GeometryReader = Callable[[MechanismShape], CollisionGeometry | None]
 
 # Pairs of shapes that coal compares in one version; with more, fewer configurations are compared.
 _MOST_TESTS = 20_000

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +18,7 @@ from urdfcheck.facts.comparison.joints import compare_joints
 from urdfcheck.facts.comparison.matching import Correspondence, match_mechanisms
 from urdfcheck.facts.comparison.motion import compare_torques, compute_displacements, measure_shifts, sample_joints
 from urdfcheck.facts.comparison.structure import NOTE, compare_structure, list_frame_notes
-
-if TYPE_CHECKING:
-    from urdfcheck.facts.comparison.collisions import GeometryReader
+from urdfcheck.facts.comparison.surfaces import GeometryReader, SurfaceComparison
 
 # What may move a link, load a joint or bring two shapes together.
 _COLLIDING = frozenset({"structure", "kinematic", "limits", "collision"})
@@ -29,24 +26,24 @@ _MOVING, _LOADING = frozenset({"structure", "kinematic"}), frozenset({"structure
 
 
 def compare_mechanisms(
-    before: RobotMechanism, after: RobotMechanism, read: GeometryReader | None = None
+    before: RobotMechanism, after: RobotMechanism, read: GeometryReader | None = None, *, with_collisions: bool = True
 ) -> MechanismDiff:
     """Compare two versions of a robot. Without changes they move and weigh alike, which is proven, not sampled.
 
-    ``read``: gives the geometry of shapes; without it, collisions are not compared.
+    ``read``: gives the geometry of shapes; without it, surfaces and collisions are not compared.
     """
     with np.errstate(all="ignore"):  # numbers that overflow are findings, not warnings of numpy
-        return _compare_placed(_place_pair(before, after, match_mechanisms(before, after)), read)
+        return _compare_placed(_place_pair(before, after, match_mechanisms(before, after)), read, with_collisions)
 
 
-def _compare_placed(pair: PlacedPair, read: GeometryReader | None) -> MechanismDiff:
+def _compare_placed(pair: PlacedPair, read: GeometryReader | None, with_collisions: bool) -> MechanismDiff:
     before, after = pair.before.mechanism, pair.after.mechanism
     bodies = pair_bodies(pair)
     found = [
         *compare_structure(pair, bodies),
         *compare_joints(pair),
         *(change for body in bodies for change in compare_masses(pair, body)),
-        *compare_shapes(pair, bodies),
+        *compare_shapes(pair, bodies, SurfaceComparison(read)),
         *_compare_robot_names(before, after),
         *_compare_extras(before, after),
     ]
@@ -66,7 +63,7 @@ def _compare_placed(pair: PlacedPair, read: GeometryReader | None) -> MechanismD
             shifts = measure_shifts(pair, samples, *moved)
         torques = sorted(compare_torques(pair, *moved), key=lambda t: -abs(t.after - t.before) / max(t.before, t.after))
     collisions = None
-    if read is not None and categories & _COLLIDING:
+    if read is not None and with_collisions and categories & _COLLIDING:
         collisions = _compare_collisions(pair, bodies, read)
     masses = [sum(link.mass or 0.0 for link in mechanism.links) for mechanism in (before, after)]
     return MechanismDiff(
