@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 from versions import ARM, compare, compare_texts
@@ -13,6 +14,14 @@ from versions import ARM, compare, compare_texts
 import urdfcheck
 from urdfcheck.changes.gate import make_gate
 from urdfcheck.core.model_diff import Diff, MechanismDiff, MechanismEffect, ModelDiff
+from urdfcheck.export.mechanism_builder import build_mechanism
+from urdfcheck.facts.comparison.home_pose import compute_home_pose
+from urdfcheck.facts.comparison.joint_inertias import compute_joint_inertias
+from urdfcheck.facts.comparison.motion import compute_displacements
+from urdfcheck.facts.motion.dynamics import build_configurations, compute_mass_matrices, locate_joint_coordinates
+from urdfcheck.model import Model
+from urdfcheck.source.load import load_source
+from urdfcheck.source.package.finder import PackageFinder
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,6 +140,49 @@ def test_a_new_part_collides_with_what_it_does_not_hang_on(tmp_path: Path) -> No
     found = get_mechanism(compare_texts(tmp_path, ARM, ARM.replace("</robot>", lamp)))
     at_rest = [effect for effect in found.effects if effect.numbers["at_rest"]]
     assert [{effect.subject, effect.other} for effect in at_rest] == [{"link[left]", "link[lamp]"}]
+
+
+# -- inertias ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_inertia_of_a_joint_is_reported_where_it_changes_most(tmp_path: Path) -> None:
+    """A heavier hand changes what every joint that carries it accelerates, the wrist most of all, which carries little else."""
+    old, new = 'ixx="0.0006"', 'ixx="0.0012"'
+    there = compare_texts(tmp_path / "there", ARM, ARM.replace(old, new))
+    back = compare_texts(tmp_path / "back", ARM.replace(old, new), ARM)
+    wrist, *others = [effect for effect in get_mechanism(there).effects if effect.kind == "inertia"]
+    assert wrist.subject == "joint[wrist]"
+    assert wrist.numbers["after"] - wrist.numbers["before"] == pytest.approx(0.0006)
+    assert {effect.subject for effect in others} <= {"joint[elbow]", "joint[pan]"}
+    mirrored = get_mechanism(back).effects[0]
+    assert (mirrored.numbers["before"], mirrored.numbers["after"]) == pytest.approx(
+        (wrist.numbers["after"], wrist.numbers["before"])
+    )
+    assert mirrored.configuration == pytest.approx(wrist.configuration)
+    assert there.effects[0].startswith("joint wrist accelerates ")
+
+
+def test_inertias_are_those_of_pinocchio(tmp_path: Path) -> None:
+    """The diagonal of the mass matrix of a chain, fixed links, a slide and a follower included."""
+    pinocchio = pytest.importorskip("pinocchio")
+    (tmp_path / "arm.urdf").write_text(ARM, encoding="utf-8")
+    source = load_source(tmp_path / "arm.urdf", {}, PackageFinder(tmp_path))
+    assert source.root is not None
+    home = compute_home_pose(build_mechanism(Model(source=source, robot=source.root, tier="source"), "arm"))
+    model = pinocchio.buildModelFromXML(ARM)
+    rng = np.random.default_rng(5)
+    values = {name: rng.uniform(-1.0, 1.0, 4) for name in ("pan", "elbow", "wrist", "grip", "grip_mirror")}
+    found = compute_joint_inertias(home, compute_displacements(home, values, 4))
+    coordinates = locate_joint_coordinates(model, list(values))
+    q = build_configurations(coordinates, np.array(list(values.values())).T)
+    matrices = compute_mass_matrices(model, model.createData(), q)
+    for name, place in zip(values, coordinates.velocity, strict=True):
+        assert found[name] == pytest.approx(matrices[:, place, place], rel=1e-9)
+
+
+def test_a_friction_changes_no_inertia(tmp_path: Path) -> None:
+    changed = ARM.replace('damping="0.5"', 'damping="0.8"')
+    assert get_mechanism(compare_texts(tmp_path, ARM, changed)).effects == ()
 
 
 # -- meshes ------------------------------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from urdfcheck.changes.wording import format_configuration, format_size, name_part
+from urdfcheck.changes.wording import format_configuration, format_pair, format_share, format_size, name_part
 from urdfcheck.core.model_diff import MechanismEffect
 
 
@@ -38,9 +38,20 @@ def _describe_pair(verb: str, *, is_new: bool) -> Callable[[MechanismEffect], st
     return describe
 
 
+# -- inertias ----------------------------------------------------------------------------------------------------------
+
+
+def _describe_inertia(effect: MechanismEffect) -> str:
+    before, after, unit = effect.numbers["before"], effect.numbers["after"], effect.words["unit"]
+    where = f" at {format_configuration(effect.configuration)}" if effect.configuration else ""
+    share = format_share(before, after)
+    return f"{name_part(effect.subject)} accelerates {format_pair(before, after)} {unit}{share}{where}"
+
+
 _WORDS: Mapping[str, Callable[[MechanismEffect], str]] = {
     "pair-collides": _describe_pair("collide now", is_new=True),
     "pair-clears": _describe_pair("no longer collide", is_new=False),
     "rest-collides": _describe_pair("collide at rest now", is_new=True),
     "rest-clears": _describe_pair("no longer collide at rest", is_new=False),
+    "joint-inertia": _describe_inertia,
 }

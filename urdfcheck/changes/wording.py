@@ -344,18 +344,19 @@ def _describe_dynamics(found: MechanismDiff) -> str:
         amount = f" by {share * 100:.2g} %" if worst.before > 1e-9 else ""
         parts.append(
             f"dynamics change{amount} (worst gravity torque of {worst.joint} "
-            f"{_format_pair(worst.before, worst.after)} {worst.unit})"
+            f"{format_pair(worst.before, worst.after)} {worst.unit})"
         )
     before, after = found.mass
     if abs(after - before) > 1e-5 * max(before, after):
-        parts.append(f"mass {_format_pair(before, after)} kg{format_share(before, after)}")
+        parts.append(f"mass {format_pair(before, after)} kg{format_share(before, after)}")
     if not parts:
         own = [change for change in found.changes if change.category == "dynamic"]
         parts.append(_describe_first(own))
     return _join(parts)
 
 
-def _format_pair(before: float, after: float) -> str:
+def format_pair(before: float, after: float) -> str:
+    """Return ``4.74 → 5.02``, with as many digits as tell the numbers apart."""
     digits = min(_choose_digits(before, after), 6)
     digits = next((d for d in range(2, 7) if abs(after - before) > 10.0 ** -(d - 1) * max(before, after) / 2), digits)
     return f"{before:.{digits}g} → {after:.{digits}g}"

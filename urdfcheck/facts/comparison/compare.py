@@ -8,18 +8,21 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from urdfcheck.core.mechanism import MechanismExtra, RobotMechanism, Trace
-from urdfcheck.core.model_diff import CATEGORIES, CollisionDiff, MechanismChange, MechanismDiff
+from urdfcheck.core.model_diff import CATEGORIES, CollisionDiff, MechanismChange, MechanismDiff, MechanismEffect
 from urdfcheck.facts.arrays import Vec3
 from urdfcheck.facts.comparison.alignment import PlacedPair, align_links
 from urdfcheck.facts.comparison.bodies import BodyPair, pair_bodies
 from urdfcheck.facts.comparison.contents import compare_masses, compare_shapes
 from urdfcheck.facts.comparison.home_pose import HomePose, compute_home_pose
+from urdfcheck.facts.comparison.joint_inertias import compare_joint_inertias
 from urdfcheck.facts.comparison.joints import compare_joints
 from urdfcheck.facts.comparison.matching import Correspondence, match_mechanisms
 from urdfcheck.facts.comparison.motion import compare_torques, compute_displacements, measure_shifts, sample_joints
 from urdfcheck.facts.comparison.structure import NOTE, compare_structure, list_frame_notes
 from urdfcheck.facts.comparison.surfaces import GeometryReader, SurfaceComparison
 
+# What may change the inertia of a joint, apart from places, which are reported as such.
+_ACCELERATING = frozenset({"structure", "dynamic"})
 # What may move a link, load a joint or bring two shapes together.
 _COLLIDING = frozenset({"structure", "kinematic", "limits", "collision"})
 _MOVING, _LOADING = frozenset({"structure", "kinematic"}), frozenset({"structure", "kinematic", "dynamic"})
@@ -52,6 +55,7 @@ def _compare_placed(pair: PlacedPair, read: GeometryReader | None, with_collisio
     changes.sort(key=lambda change: CATEGORIES.index(change.category))
     categories = {change.category for change in changes}
     shifts, torques, count = [], [], 0
+    effects: list[MechanismEffect] = []
     if categories & _LOADING:
         samples = sample_joints(pair)
         moved = (
@@ -61,6 +65,8 @@ def _compare_placed(pair: PlacedPair, read: GeometryReader | None, with_collisio
         count = samples.count
         if categories & _MOVING:
             shifts = measure_shifts(pair, samples, *moved)
+        if categories & _ACCELERATING:
+            effects += compare_joint_inertias(pair, samples, *moved)
         torques = sorted(compare_torques(pair, *moved), key=lambda t: -abs(t.after - t.before) / max(t.before, t.after))
     collisions = None
     if read is not None and with_collisions and categories & _COLLIDING:
@@ -75,7 +81,7 @@ def _compare_placed(pair: PlacedPair, read: GeometryReader | None, with_collisio
         com_shift=float(np.linalg.norm(_compute_com(pair.after) - _compute_com(pair.before))) if all(masses) else 0.0,
         samples=count,
         collisions=collisions,
-        effects=() if collisions is None else collisions.effects,
+        effects=(*(() if collisions is None else collisions.effects), *effects),
     )
 
 

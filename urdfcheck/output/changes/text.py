@@ -21,10 +21,9 @@ from urdfcheck.output.shared.wording import format_place
 
 # How many changes, causes, notes and findings are listed unless all are asked for.
 MOST_CHANGES, MOST_CAUSES, MOST_OTHERS = 12, 4, 3
-# How many effects of each kind are listed.
-MOST_EFFECTS = 2
-# What effects that are not listed are called.
-EFFECT_NOUNS = {"collision": "more pair", "inertia": "more joint", "stability": "more"}
+# How many effects of each kind are listed, and links of which a shape could not be read.
+MOST_EFFECTS = {"collision": 2, "inertia": 1, "stability": 2}
+MOST_UNREAD = 2
 # Columns of the names of the categories.
 _COLUMN = 10
 # What the categories are called, where that is not their name.
@@ -82,12 +81,12 @@ def _iter_change_lines(model: ModelDiff, found: MechanismDiff, *, show_all: bool
         yield f"  {'gravity':{_COLUMN}} {describe_torque(torque)}"
     for kind in EFFECTS:
         lines = [text for effect, text in zip(found.effects, model.effects, strict=True) if effect.kind == kind]
-        for line in lines if show_all else lines[:MOST_EFFECTS]:
+        for line in lines if show_all else lines[: MOST_EFFECTS[kind]]:
             yield f"  {kind:{_COLUMN}} {line}"
-        if len(lines) > MOST_EFFECTS and not show_all:
-            yield f"  … {format_count(len(lines) - MOST_EFFECTS, EFFECT_NOUNS[kind])} (-v lists all)"
+        if kind == "collision" and len(lines) > MOST_EFFECTS[kind] and not show_all:
+            yield f"  … {format_count(len(lines) - MOST_EFFECTS[kind], 'more pair')} (-v lists all)"
     if found.collisions is not None and found.collisions.unread:
-        names = join_names([f"link {name}" for name in found.collisions.unread], MOST_EFFECTS)
+        names = join_names([f"link {name}" for name in found.collisions.unread], MOST_UNREAD)
         yield f"  {'collision':{_COLUMN}} not compared: {names}, of which a shape could not be read"
 
 
