@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from builders import box, cylinder, inertial, joint, link, robot, visual
 from versions import ARM, compare, compare_texts
 
 import urdfcheck
@@ -183,6 +184,55 @@ def test_inertias_are_those_of_pinocchio(tmp_path: Path) -> None:
 def test_a_friction_changes_no_inertia(tmp_path: Path) -> None:
     changed = ARM.replace('damping="0.5"', 'damping="0.8"')
     assert get_mechanism(compare_texts(tmp_path, ARM, changed)).effects == ()
+
+
+# -- stability ---------------------------------------------------------------------------------------------------------
+
+
+def make_cart(load: float, mass: float = 5.0) -> str:
+    """Return a cart of 7 kg on four wheels at x = ±0.15 m, y = ±0.2 m, that carries ``mass`` (kg) at x = ``load``."""
+    axle = '<origin rpy="1.5708 0 0"/>'
+    wheel = f"<visual>{axle}<geometry>{cylinder(0.05, 0.02)}</geometry></visual>"
+    wheels = [
+        part
+        for name, place in (("fl", "0.15 0.2"), ("fr", "0.15 -0.2"), ("rl", "-0.15 0.2"), ("rr", "-0.15 -0.2"))
+        for part in (
+            link(f"{name}_wheel", inertial(0.5, 0.001), wheel),
+            joint(f"{name}_wheel_turn", "base", f"{name}_wheel", kind="continuous", xyz=f"{place} 0.05", axis="0 1 0"),
+        )
+    ]
+    return robot(
+        link("base", inertial(5, 0.1, com="0 0 0.1"), visual(box("0.3 0.3 0.04"), xyz="0 0 0.1")),
+        *wheels,
+        link("load", inertial(mass, 0.1)),
+        joint("load_mount", "base", "load", kind="fixed", xyz=f"{load} 0 0.3"),
+    )
+
+
+def test_the_margin_of_a_robot_that_stands_is_compared(tmp_path: Path) -> None:
+    there = compare_texts(tmp_path / "there", make_cart(0.0), make_cart(0.12))
+    effect = get_only(get_mechanism(there), "stability")
+    # 5 of 12 kg move by 0.12 m; the wheels touch 0.15 m ahead.
+    assert (effect.id, effect.numbers["margin_before"]) == ("support-margin", pytest.approx(0.15, abs=1e-4))
+    assert effect.numbers["margin_after"] == pytest.approx(0.10, abs=1e-4)
+    assert "the COM is 150 mm within → 100 mm within the supports; the robot tips over at " in there.effects[-1]
+    back = get_only(get_mechanism(compare_texts(tmp_path / "back", make_cart(0.12), make_cart(0.0))), "stability")
+    assert (back.numbers["tip_before"], back.numbers["tip_after"]) == pytest.approx(
+        (effect.numbers["tip_after"], effect.numbers["tip_before"])
+    )
+
+
+def test_a_robot_that_falls_over_now_is_reported_as_such(tmp_path: Path) -> None:
+    there = compare_texts(tmp_path / "there", make_cart(0.0), make_cart(0.6))
+    assert get_only(get_mechanism(there), "stability").id == "falls"
+    assert "the robot falls over now: its COM is 100 mm outside its supports" in there.effects
+    back = compare_texts(tmp_path / "back", make_cart(0.6), make_cart(0.0))
+    assert get_only(get_mechanism(back), "stability").id == "stands"
+
+
+def test_a_mass_that_moves_no_com_changes_no_margin(tmp_path: Path) -> None:
+    there = get_mechanism(compare_texts(tmp_path / "there", make_cart(0.0), make_cart(0.0, mass=5.001)))
+    assert [effect.kind for effect in there.effects] == []
 
 
 # -- meshes ------------------------------------------------------------------------------------------------------------

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from urdfcheck.changes.wording import format_configuration, format_pair, format_share, format_size, name_part
+from urdfcheck.changes.wording import (
+    format_angle,
+    format_configuration,
+    format_pair,
+    format_share,
+    format_size,
+    name_part,
+)
 from urdfcheck.core.model_diff import MechanismEffect
 
 
@@ -48,10 +55,43 @@ def _describe_inertia(effect: MechanismEffect) -> str:
     return f"{name_part(effect.subject)} accelerates {format_pair(before, after)} {unit}{share}{where}"
 
 
+# -- stability ---------------------------------------------------------------------------------------------------------
+
+
+def _describe_fall(effect: MechanismEffect) -> str:
+    margin = abs(effect.numbers["margin_after"])
+    return f"the robot falls over now: its COM is {format_size(margin)} outside its supports"
+
+
+def _describe_stand(effect: MechanismEffect) -> str:
+    return f"the robot no longer falls over: its COM is {_describe_margin(effect.numbers['margin_after'])} its supports"
+
+
+def _describe_margin(margin: float) -> str:
+    return f"{format_size(abs(margin))} {'within' if margin >= 0.0 else 'outside'}"
+
+
+def _describe_support_margin(effect: MechanismEffect) -> str:
+    numbers = effect.numbers
+    before, after = (_describe_margin(numbers[f"margin_{side}"]) for side in ("before", "after"))
+    angles = " → ".join(format_angle(numbers[f"tip_{side}"]) for side in ("before", "after"))
+    return f"the COM is {before} → {after} the supports; the robot tips over at {angles}"
+
+
+def _describe_lean(effect: MechanismEffect) -> str:
+    return (
+        f"the robot leans by {' → '.join(format_angle(effect.numbers[side]) for side in ('before', 'after'))} at rest"
+    )
+
+
 _WORDS: Mapping[str, Callable[[MechanismEffect], str]] = {
     "pair-collides": _describe_pair("collide now", is_new=True),
     "pair-clears": _describe_pair("no longer collide", is_new=False),
     "rest-collides": _describe_pair("collide at rest now", is_new=True),
     "rest-clears": _describe_pair("no longer collide at rest", is_new=False),
     "joint-inertia": _describe_inertia,
+    "falls": _describe_fall,
+    "stands": _describe_stand,
+    "support-margin": _describe_support_margin,
+    "lean": _describe_lean,
 }

@@ -122,6 +122,24 @@ class MechanismExtra:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MechanismStance:
+    """How a robot stands that is meant to, upright on level ground with all joints at zero."""
+
+    margin: float
+    """Distance from the COM's plumb line to the nearest edge of the support polygon in m, negative outside."""
+    tip_angle: float
+    """Angle in rad by which the ground can be tilted before the robot tips over; negative if it tips over on level ground."""
+    tilt: float
+    """Angle in rad by which the robot leans at rest; infinite if it falls over."""
+    polygon: tuple[tuple[float, ...], ...]
+    """Corners of the support polygon, x y z in root coordinates, anticlockwise from above."""
+    supports: tuple[str, ...]
+    """The links that touch the ground."""
+    com: tuple[float, ...]
+    """Of the whole robot, in root coordinates."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RobotMechanism:
     """A robot that is one tree of links."""
 
@@ -139,6 +157,8 @@ class RobotMechanism:
     """In the order of their children in `links`."""
     is_grounded: bool = False
     """Whether the root is the ground itself, to which simulators hold what is fixed to it."""
+    stance: MechanismStance | None = None
+    """None for a robot that is not meant to stand by itself, or of which that is not known."""
     extras: tuple[MechanismExtra, ...] = ()
     main_file: str = ""
     """Name of the file that the model was read from, as spans call it."""

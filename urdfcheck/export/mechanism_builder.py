@@ -15,6 +15,7 @@ from urdfcheck.core.mechanism import (
     MechanismJoint,
     MechanismLink,
     MechanismShape,
+    MechanismStance,
     RobotMechanism,
     Trace,
 )
@@ -59,12 +60,34 @@ def build_mechanism(model: Model, model_id: str) -> RobotMechanism:
         links=tuple(_build_link(model, model.link_by_name[name]) for name in tree.order),
         joints=tuple(_build_joint(tree.parent_joint[name]) for name in tree.order[1:]),
         is_grounded=tree.root in GROUND_NAMES,
+        stance=_find_stance(model),
         extras=tuple(_iter_extras(model)),
         main_file=model.source.name,
         digests={
             name: hashlib.sha256(file.text.encode("utf-8", "surrogatepass")).hexdigest()
             for name, file in model.source.files.items()
         },
+    )
+
+
+def _find_stance(model: Model) -> MechanismStance | None:
+    """Return how the robot stands; None where it does not, or where that is not known."""
+    from urdfcheck.model.ground.stance import find_stance  # loads numpy
+
+    try:
+        found = find_stance(model)
+    except FactUnavailableError:
+        return None
+    if found is None:
+        return None
+    touching = {model.tree.order[owner] for owner in found.owners[found.now.touching].tolist()}
+    return MechanismStance(
+        margin=found.now.margin,
+        tip_angle=found.now.tip_angle,
+        tilt=found.measure_rest_tilt(found.com).tilt,
+        polygon=tuple(tuple(map(float, corner)) for corner in found.now.polygon),
+        supports=tuple(name for name in model.tree.order if name in touching),
+        com=tuple(map(float, found.com)),
     )
 
 

@@ -18,9 +18,12 @@ from urdfcheck.facts.comparison.joint_inertias import compare_joint_inertias
 from urdfcheck.facts.comparison.joints import compare_joints
 from urdfcheck.facts.comparison.matching import Correspondence, match_mechanisms
 from urdfcheck.facts.comparison.motion import compare_torques, compute_displacements, measure_shifts, sample_joints
+from urdfcheck.facts.comparison.stances import compare_stances
 from urdfcheck.facts.comparison.structure import NOTE, compare_structure, list_frame_notes
 from urdfcheck.facts.comparison.surfaces import GeometryReader, SurfaceComparison
 
+# What may change how a robot stands; of a link without collision shapes the drawn ones count.
+_STANDING = frozenset({"structure", "kinematic", "dynamic", "collision", "visual"})
 # What may change the inertia of a joint, apart from places, which are reported as such.
 _ACCELERATING = frozenset({"structure", "dynamic"})
 # What may move a link, load a joint or bring two shapes together.
@@ -68,6 +71,8 @@ def _compare_placed(pair: PlacedPair, read: GeometryReader | None, with_collisio
         if categories & _ACCELERATING:
             effects += compare_joint_inertias(pair, samples, *moved)
         torques = sorted(compare_torques(pair, *moved), key=lambda t: -abs(t.after - t.before) / max(t.before, t.after))
+    if categories & _STANDING:
+        effects += compare_stances(pair)
     collisions = None
     if read is not None and with_collisions and categories & _COLLIDING:
         collisions = _compare_collisions(pair, bodies, read)
