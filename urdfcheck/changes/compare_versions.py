@@ -10,11 +10,13 @@ from pathlib import Path
 from urdfcheck.changes.effect_wording import describe_effect
 from urdfcheck.changes.finding_changes import compare_findings
 from urdfcheck.changes.model_pairs import ModelPair, VersionedModel, pair_models
+from urdfcheck.changes.seam_changes import compare_seams
 from urdfcheck.changes.text_changes import SideTexts, find_causes
 from urdfcheck.changes.wording import describe_change, judge_change
 from urdfcheck.core import ModelInfo, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
-from urdfcheck.core.model_diff import UNKNOWN, Diff, ModelDiff
+from urdfcheck.core.model_diff import UNKNOWN, Diff, ModelDiff, SeamChange
+from urdfcheck.core.seams import SeamFact
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import TIERS
 from urdfcheck.run.jobs import Request, UnitReport
@@ -70,6 +72,7 @@ def compare_versions(before: Request, after: Request, execution: Execution = IN_
         after=format_path(after.paths[0]),
         models=models,
         findings=compare_findings(first.audited.outcome, second.audited.outcome, ids, names),
+        seams=_compare_seams(first, second, ids, names),
         failures=_list_failures(first, second, models),
         version=__version__,
     )
@@ -267,6 +270,28 @@ def _list_failures(first: _CheckedVersion, second: _CheckedVersion, models: Sequ
     )
     unknown = (f"{model.after or model.before}: {model.headline}" for model in models if model.verdict == UNKNOWN)
     return tuple(dict.fromkeys((*failures, *unknown)))
+
+
+def _compare_seams(
+    first: _CheckedVersion,
+    second: _CheckedVersion,
+    units: Mapping[str, str],
+    names: Mapping[str, Mapping[tuple[str, str], str]],
+) -> tuple[SeamChange, ...]:
+    """Return what differs in the files around the models; what several models share is reported once."""
+    olds, news = _list_seams(first), _list_seams(second)
+    every = (
+        change
+        for unit, other in units.items()
+        if unit in olds or other in news
+        for change in compare_seams(olds.get(unit, ()), news.get(other, ()), names.get(unit, {}))
+    )
+    return tuple(dict.fromkeys(every))
+
+
+def _list_seams(side: _CheckedVersion) -> dict[str, tuple[SeamFact, ...]]:
+    reports = ((unit.id, side.audited.reports.get(index)) for index, unit in enumerate(side.audited.units))
+    return {unit: report.seams for unit, report in reports if report is not None and report.seams}
 
 
 def _pair_units(first: _CheckedVersion, second: _CheckedVersion, models: Mapping[str, str]) -> dict[str, str]:

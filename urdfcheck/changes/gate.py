@@ -10,7 +10,7 @@ from urdfcheck.core import UrdfcheckError
 from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, MechanismDiff, ModelDiff
 
 # What `--fail-on` takes.
-KINDS = ("kinematic", "dynamic", "limits", "collision", "findings", "any", "never")
+KINDS = ("kinematic", "dynamic", "limits", "collision", "seams", "findings", "any", "never")
 # Effects by which links collide that did not.
 _COLLIDING = frozenset({"pair-collides", "rest-collides"})
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
@@ -33,6 +33,8 @@ class Gate:
     def list_reasons(self, diff: Diff) -> list[str]:
         """Return why a difference fails, by model; nothing where it passes."""
         reasons = [f"{model.after or model.before}: {what}" for model in diff.models for what in self._judge(model)]
+        if self.kinds & {"seams", "any"} and diff.seams:
+            reasons.append("files around the models change")
         if self.kinds & {"findings", "any"} and diff.findings.new:
             reasons.append("new findings")
         return reasons

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from urdfcheck.core.findings import Finding
+from urdfcheck.core.findings import Finding, Span
 from urdfcheck.core.mechanism import NO_TRACE, Trace
 
 # What a change is about, the most important first. The first that a model has is its verdict.
@@ -16,7 +16,9 @@ IDENTICAL, COSMETIC = "identical", "cosmetic"
 UNKNOWN = "unknown"
 # What the effects of changes are about.
 EFFECTS = ("collision", "inertia", "stability")
-VERDICTS = (UNKNOWN, *CATEGORIES, COSMETIC, IDENTICAL)
+# No model changes, and a file around them does: an SRDF file, a controller, a launch file, a manifest.
+SEAMS = "seams"
+VERDICTS = (UNKNOWN, *CATEGORIES, SEAMS, COSMETIC, IDENTICAL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,6 +146,24 @@ class MechanismDiff:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SeamChange:
+    """One difference in the files around the models."""
+
+    kind: str
+    """srdf | controllers | launch | package | argument."""
+    id: str
+    """removed | added | changed | old-name."""
+    subject: str
+    """What it is about: ``joint elbow of group arm``."""
+    text: str
+    """In words."""
+    before: Span | None = None
+    """Where the first version has it."""
+    after: Span | None = None
+    """Where the second version has it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class FindingsDiff:
     """The findings of two checks, one for each subject."""
 
@@ -188,6 +208,8 @@ class Diff:
     """The second version as it was named."""
     models: tuple[ModelDiff, ...]
     findings: FindingsDiff = field(default_factory=FindingsDiff)
+    seams: tuple[SeamChange, ...] = ()
+    """What differs in the files around the models."""
     failures: tuple[str, ...] = ()
     """Why a side or a part of it is unknown: they make the exit code 2."""
     notes: tuple[str, ...] = ()
@@ -198,5 +220,5 @@ class Diff:
     @property
     def verdict(self) -> str:
         """The most important verdict of all models."""
-        found = {model.verdict for model in self.models}
+        found = {model.verdict for model in self.models} | ({SEAMS} if self.seams else set())
         return next((verdict for verdict in VERDICTS if verdict in found), UNKNOWN if self.failures else IDENTICAL)

@@ -14,6 +14,7 @@ from urdfcheck.core.model_diff import (
     MechanismDiff,
     MechanismEffect,
     ModelDiff,
+    SeamChange,
 )
 from urdfcheck.output.shared.escaping import escape_for_json
 from urdfcheck.output.shared.json_objects import build_finding_object, to_json_value
@@ -30,6 +31,7 @@ def render(diff: Diff) -> str:
         "after": diff.after,
         "verdict": diff.verdict,
         "models": [_build_model(model) for model in diff.models],
+        "seams": list(map(_build_seam, diff.seams)),
         "findings": {
             "new": [build_finding_object(finding) for finding in diff.findings.new],
             "gone": [build_finding_object(finding) for finding in diff.findings.gone],
@@ -71,6 +73,17 @@ def _build_change(change: MechanismChange, text: str) -> dict[str, Any]:
         "words": to_json_value(change.words),
         "before": _build_place(change.before.start),
         "after": _build_place(change.after.start),
+    }
+
+
+def _build_seam(change: SeamChange) -> dict[str, Any]:
+    return {
+        "kind": change.kind,
+        "id": change.id,
+        "subject": change.subject,
+        "text": change.text,
+        "before": _build_place(change.before),
+        "after": _build_place(change.after),
     }
 
 

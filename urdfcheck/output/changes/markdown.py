@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from urdfcheck.core import Finding, Severity
 from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, ChangeCause, Diff, ModelDiff
 from urdfcheck.core.text import format_count
-from urdfcheck.output.changes.text import LABELS, describe_torque, has_headline
+from urdfcheck.output.changes.text import LABELS, describe_seam, describe_torque, group_alike, has_headline, name_models
 from urdfcheck.output.markdown.bounded_page import BoundedPage, make_fold, truncate_text
 from urdfcheck.output.markdown.explanations import wrap_in_fence
 from urdfcheck.output.markdown.finding_rows import SIGNS
@@ -64,15 +64,17 @@ def _count_findings(diff: Diff) -> str:
 
 def _add_changes(page: BoundedPage, diff: Diff) -> None:
     """Add a table of the models and their changes, those beyond the first rows folded."""
-    rows = [[row] for model in diff.models for row in _iter_rows(model, is_only=len(diff.models) == 1)]
+    rows = [[row] for alike in group_alike(diff.models) for row in _iter_rows(alike, is_only=len(diff.models) == 1)]
+    rows += [[_format_row("", change.kind, describe_seam(change))] for change in diff.seams]
     page.add_group("change", head=_TABLE, blocks=rows[:MOST_ROWS], foot=[""])
     head, foot = make_fold(format_count(len(rows) - MOST_ROWS, "more change"))
     page.add_group("change", head=[*head, *_TABLE], blocks=rows[MOST_ROWS:], foot=foot)
 
 
-def _iter_rows(model: ModelDiff, *, is_only: bool) -> Iterator[str]:
-    """Yield a row for the verdict of a model, unless the title has it, and one for each change."""
-    name = "" if is_only else format_code_span(model.after or model.before)
+def _iter_rows(alike: Sequence[ModelDiff], *, is_only: bool) -> Iterator[str]:
+    """Yield a row for the verdict of models that change alike, unless the title has it, and one for each change."""
+    model = alike[0]
+    name = "" if is_only else format_code_span(name_models(alike))
     if not is_only and model.verdict != IDENTICAL:
         yield _format_row(name, f"**{model.verdict}**", model.headline)
         name = ""

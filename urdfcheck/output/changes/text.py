@@ -14,6 +14,7 @@ from urdfcheck.core.model_diff import (
     JointTorque,
     MechanismDiff,
     ModelDiff,
+    SeamChange,
 )
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
@@ -33,15 +34,16 @@ LABELS = {"kinematic": "motion", "dynamic": "dynamics", "extension": "other"}
 def render(diff: Diff, *, show_all: bool = False) -> str:
     """Render the lines of the report, each model with its verdict first."""
     lines: list[str] = []
-    for model in diff.models:
-        if len(diff.models) > 1 and model.verdict == IDENTICAL and not show_all:
+    for alike in group_alike(diff.models):
+        if len(diff.models) > 1 and alike[0].verdict == IDENTICAL and not show_all:
             continue
-        lines += _iter_model_lines(model, is_only=len(diff.models) == 1, show_all=show_all)
+        lines += _iter_model_lines(alike, is_only=len(diff.models) == 1, show_all=show_all)
     if not diff.models and not diff.failures:
         lines.append("identical: no robot uses a file that differs")
     same = sum(model.verdict == IDENTICAL for model in diff.models)
     if len(diff.models) > 1 and same and not show_all:
         lines.append(f"{format_count(same, 'model is', 'models are')} identical")
+    lines += _iter_seam_lines(diff, show_all=show_all)
     lines += _iter_finding_lines(diff, show_all=show_all)
     lines += [f"not compared: {failure}" for failure in diff.failures if not has_headline(diff, failure)]
     lines += [f"not compared: {note}" for note in diff.notes]
@@ -53,10 +55,33 @@ def has_headline(diff: Diff, failure: str) -> bool:
     return any(failure.endswith(model.headline) for model in diff.models)
 
 
-def _iter_model_lines(model: ModelDiff, *, is_only: bool, show_all: bool) -> Iterator[str]:
-    name = model.after or model.before
-    yield model.headline if is_only else f"{name}: {model.headline}"
-    if model.before and model.after and model.matched_by in {"name", "structure"}:
+def group_alike(models: Sequence[ModelDiff]) -> list[list[ModelDiff]]:
+    """Group the models that change alike by the same lines, such as variants of one file, in the order of their first ones."""
+    groups: dict[tuple[object, ...], list[ModelDiff]] = {}
+    for model in models:
+        causes = () if model.mechanism is None else model.mechanism.causes
+        lines = tuple((cause.before, cause.after) for cause in causes)
+        own = model.before if _is_matched_otherwise(model) else ""  # shown with what it was
+        key = (model.verdict, model.headline, model.texts, model.effects, model.notes, lines, own)
+        groups.setdefault(key, []).append(model)
+    return list(groups.values())
+
+
+def _is_matched_otherwise(model: ModelDiff) -> bool:
+    """Whether two models with different paths are taken for versions of one."""
+    return bool(model.before and model.after) and model.matched_by in {"name", "structure"}
+
+
+def name_models(alike: Sequence[ModelDiff]) -> str:
+    """Return the names of models, the first of many."""
+    return join_names([model.after or model.before for model in alike], MOST_OTHERS)
+
+
+def _iter_model_lines(alike: Sequence[ModelDiff], *, is_only: bool, show_all: bool) -> Iterator[str]:
+    """Yield the lines about models that change alike; the causes are those of the first."""
+    model = alike[0]
+    yield model.headline if is_only else f"{name_models(alike)}: {model.headline}"
+    if _is_matched_otherwise(model):
         yield f"  before: {model.before}, matched by {model.matched_by}"
     found = model.mechanism
     if found is None:
@@ -108,6 +133,21 @@ def _iter_cause_lines(causes: Sequence[ChangeCause], *, show_all: bool) -> Itera
                 yield f"    {sign} {file}:{line}  {text}"
     if len(causes) > len(shown):
         yield f"  … {format_count(len(causes) - len(shown), 'more cause')} (-v lists all)"
+
+
+def _iter_seam_lines(diff: Diff, *, show_all: bool) -> Iterator[str]:
+    """Yield what differs in the files around the models."""
+    shown = diff.seams if show_all else diff.seams[:MOST_OTHERS]
+    for change in shown:
+        yield f"{change.kind}: {describe_seam(change)}"
+    if len(diff.seams) > len(shown):
+        yield f"… {format_count(len(diff.seams) - len(shown), 'more change')} around the models (-v lists all)"
+
+
+def describe_seam(change: SeamChange) -> str:
+    """Return what differs in a file around a model, with its place."""
+    span = change.after or change.before
+    return change.text if span is None else f"{change.text} ({format_place(span)})"
 
 
 def _iter_finding_lines(diff: Diff, *, show_all: bool) -> Iterator[str]:
