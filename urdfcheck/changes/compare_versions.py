@@ -15,7 +15,7 @@ from urdfcheck.changes.text_changes import SideTexts, find_causes
 from urdfcheck.changes.wording import describe_change, judge_change
 from urdfcheck.core import ModelInfo, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
-from urdfcheck.core.model_diff import UNKNOWN, Diff, ModelDiff, SeamChange
+from urdfcheck.core.model_diff import UNKNOWN, Diff, MechanismDiff, ModelDiff, SeamChange
 from urdfcheck.core.seams import SeamFact
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import TIERS
@@ -152,12 +152,14 @@ def _compare_pairs(
     """Compare the models of each pair, in worker processes unless ``in_process``."""
     limits = request.options.limits
     measuring = _Measuring(request.cache, request.policy.tier)
+    found = {index: same for index, pair in enumerate(pairs) if (same := _describe_same(pair)) is not None}
     jobs = {
-        index: (pair, old_folder, new_folder, measuring) for index, pair in enumerate(pairs) if _is_comparable(pair)
+        index: (pair, old_folder, new_folder, measuring)
+        for index, pair in enumerate(pairs)
+        if index not in found and _is_comparable(pair)
     }
-    found: dict[int, ModelDiff] = {}
     if in_process:
-        found = {index: _compare_models(*job) for index, job in jobs.items()}
+        found |= {index: _compare_models(*job) for index, job in jobs.items()}
     else:
         places = list(jobs)
         longest = limits.seconds + sandbox.PATIENCE if limits.seconds else None
@@ -174,6 +176,38 @@ def _compare_pairs(
 
 def _is_comparable(pair: ModelPair) -> bool:
     return all(model is not None and model.mechanism is not None for model in (pair.before, pair.after))
+
+
+def _describe_same(pair: ModelPair) -> ModelDiff | None:
+    """Return the empty difference of two models with equal values, which need no comparison; None for others."""
+    first, second = pair.before, pair.after
+    before, after = (None if model is None else model.mechanism for model in (first, second))
+    if first is None or second is None or before is None or after is None:
+        return None
+    if before.compute_digest() != after.compute_digest():
+        return None
+    mass = sum(link.mass or 0.0 for link in before.links)
+    same = MechanismDiff(changes=(), notes=(), shifts=(), torques=(), mass=(mass, mass), com_shift=0.0, samples=0)
+    return _describe_pair(pair, first, second, same)
+
+
+def _describe_pair(pair: ModelPair, first: VersionedModel, second: VersionedModel, found: MechanismDiff) -> ModelDiff:
+    """Return a difference with its verdict and in words."""
+    assert first.mechanism is not None
+    assert second.mechanism is not None
+    texts = [sorted(mechanism.digests.values()) for mechanism in (first.mechanism, second.mechanism)]
+    verdict, headline = judge_change(found, has_equal_texts=texts[0] == texts[1])
+    return ModelDiff(
+        before=first.info.id,
+        after=second.info.id,
+        verdict=verdict,
+        headline=headline,
+        mechanism=found,
+        texts=tuple(map(describe_change, found.changes)),
+        notes=tuple(map(describe_change, found.notes)),
+        effects=tuple(map(describe_effect, found.effects)),
+        matched_by=pair.matched_by,
+    )
 
 
 def _compare_in_worker(
@@ -216,19 +250,7 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str, measuring
         SideTexts.of_model(after, second.texts, new_folder),
     )
     found = replace(found, causes=find_causes(found.changes, *texts))
-    is_equal = sorted(before.digests.values()) == sorted(after.digests.values())
-    verdict, headline = judge_change(found, has_equal_texts=is_equal)
-    return ModelDiff(
-        before=first.info.id,
-        after=second.info.id,
-        verdict=verdict,
-        headline=headline,
-        mechanism=found,
-        texts=tuple(map(describe_change, found.changes)),
-        notes=tuple(map(describe_change, found.notes)),
-        effects=tuple(map(describe_effect, found.effects)),
-        matched_by=pair.matched_by,
-    )
+    return _describe_pair(pair, first, second, found)
 
 
 def _describe_lone(pair: ModelPair) -> ModelDiff:

@@ -5,8 +5,9 @@ Poses are 4x4 row-major; lengths are in m, masses in kg, angles in rad. A value 
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from urdfcheck.core.findings import Span
 
@@ -164,6 +165,17 @@ class RobotMechanism:
     """Name of the file that the model was read from, as spans call it."""
     digests: Mapping[str, str] = field(default_factory=dict)
     """Digest of the text of each file that makes up the model, by name."""
+
+    def compute_digest(self) -> str:
+        """Return a digest of everything that is compared: robots with one digest are the same, whatever files they are from."""
+        links = [
+            replace(link, traces={}, shapes=tuple(replace(shape, file="", traces={}) for shape in link.shapes))
+            for link in self.links
+        ]
+        joints = [replace(joint, traces={}) for joint in self.joints]
+        extras = sorted((extra.label, extra.content) for extra in self.extras)
+        values = (self.name, self.root, links, joints, self.is_grounded, self.stance, extras)
+        return hashlib.sha256(repr(values).encode("utf-8", "surrogatepass")).hexdigest()
 
     @property
     def mesh_files(self) -> set[str]:
