@@ -347,6 +347,13 @@ class TestEncodings:
 
 
 class TestXML005:
+    def test_missing_products_are_zero_about_principal_axes(self, tmp_path: Path) -> None:
+        inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{inertial}</link></robot>', "XML005")
+        assert finding.fix is not None
+        assert finding.fix.title.startswith('write ixy="0" ixz="0" iyz="0" if')
+        assert "delete" not in finding.fix.title  # an inertial needs its inertia
+
     @pytest.mark.parametrize(
         ("link", "loss"),
         [
@@ -416,6 +423,16 @@ class TestXML007:
         assert finding.message_id == kind
         assert finding.fix is not None
         assert [e.replacement for e in finding.fix.edits] == ([] if repair is None else [repair])
+
+    def test_an_operator_outside_the_braces(self, tmp_path: Path) -> None:
+        xacro = with_effort("${r + 1} * (${r}*2)").replace(
+            "<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ', 1
+        )
+        text = xacro.replace("<link", '<xacro:property name="r" value="2"/><link', 1)
+        (finding,) = [f for f in check_text(tmp_path, text, "robot.urdf.xacro").findings if f.code == "XML007"]
+        assert finding.fix is not None
+        assert (finding.message_id, finding.data["value"]) == ("outside", "3 * (2*2)")
+        assert "`${(r + 1) * (r*2)}`" in finding.fix.title
 
     def test_number_that_only_a_limit_may_have(self, tmp_path: Path) -> None:
         assert not findings(tmp_path, with_effort("1e308"), "XML007")

@@ -176,6 +176,14 @@ def test_a_violation_of_many_digits_is_not() -> None:
     assert not rounding("0.00123000 0 0 0.00045000 0 0.00169000").explained_by_rounding
 
 
+def test_a_number_beside_longer_ones_has_as_many_digits() -> None:
+    # A placeholder beside computed moments; programs leave out zeros at the end.
+    assert not rounding("0.3333333333333333 0 0 1.0 0 0.3333333333333333").explained_by_rounding
+    assert not rounding("0.00123456 0 0 0.00045678 0 0.0017").explained_by_rounding
+    # With as many decimals in each, small moments are short.
+    assert rounding("0.000002 0 0 0.000001 0.000001 0.000002").explained_by_rounding
+
+
 def test_a_valid_tensor_needs_no_explanation() -> None:
     assert not rounding("0.01 0 0 0.01 0 0.01").explained_by_rounding
 

@@ -24,9 +24,9 @@ from castings import (
 
 from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.model import Model
-from urdfcheck.model.inertials import inertia_diagnosis
+from urdfcheck.model.inertials.diagnosis import link_diagnosis
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
+from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
 from urdfcheck.model.repairs.inertial_edits import build_inertial_repair
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
@@ -72,7 +72,7 @@ def judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], t
         calls += 1
         return diagnose_inertial(*arguments, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(inertia_diagnosis, "diagnose_inertial", counted)
+    monkeypatch.setattr(link_diagnosis, "diagnose_inertial", counted)
 
     def judge(text: str) -> tuple[dict[str, str | None], int]:
         nonlocal calls

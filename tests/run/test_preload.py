@@ -15,7 +15,7 @@ RARELY_NEEDED = {
     "urdfcheck.facts.likeness.mirror",
     "urdfcheck.facts.mesh.decode",
     "urdfcheck.model.ground.wheels",
-    "urdfcheck.model.inertials.inertial_proposals",
+    "urdfcheck.model.inertials.proposals",
     "urdfcheck.model.motion.collisions.lying_meshes",
     "urdfcheck.model.motion.collisions.restored_origins",
     "urdfcheck.model.shapes.visual_solid",

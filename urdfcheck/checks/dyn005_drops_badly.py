@@ -46,7 +46,7 @@ def _iter_drop_defects(
         if release.burst is not None:
             yield release, "explodes", {"link": release.fastest, "time": release.burst}
     if test.free.gain is not None and test.free.gain > gain:
-        joules = test.free.gain * test.mass * 9.81 * test.size
+        joules = test.free.gain * test.weight * test.size
         yield test.free, "gains", {"link": test.free.fastest, "gain": test.free.gain, "joules": joules}
     for release in releases:
         stands = release.settled is not None and not (release.has_tipped or release.saturated)

@@ -19,7 +19,7 @@ from urdfcheck.model.inertials.habits.rotor_inertias import find_rotor_inertias
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
 
 if TYPE_CHECKING:
-    from urdfcheck.model.inertials.inertial_proposals import InertialProposal
+    from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
@@ -37,7 +37,8 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         if not excess > rel_tol:  # INR004 covers a tensor whose largest moment is not positive
             continue
         # Most models have no such tensor, and do without what a repair needs.
-        from urdfcheck.model.inertials.inertial_proposals import has_mistake, propose_repair
+        from urdfcheck.model.inertials.proposals.possible_tensors import propose_repair
+        from urdfcheck.model.inertials.proposals.undone_mistakes import has_mistake
 
         whole = find_merged_body(model, declared.link)
         typed = measure_tensor_rounding(declared.texts, rel_tol)

@@ -22,7 +22,7 @@ from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
 
 if TYPE_CHECKING:
-    from urdfcheck.model.inertials.inertial_proposals import InertialProposal
+    from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 
 DIAGONAL = (0, 3, 5)
 PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
@@ -152,7 +152,7 @@ def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, 
 
 def _propose_repair(model: Model, declared: DeclaredTensor) -> InertialProposal:
     # Most models have no such tensor, and do without what a repair needs.
-    from urdfcheck.model.inertials.inertial_proposals import propose_repair
+    from urdfcheck.model.inertials.proposals.possible_tensors import propose_repair
 
     return propose_repair(model, declared.link)
 

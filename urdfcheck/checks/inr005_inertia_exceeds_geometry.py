@@ -28,15 +28,10 @@ from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
-from urdfcheck.model.inertials.inertial_proposals import (
-    LARGEST_SOUND_MISMATCH,
-    describe_drawn_inertial,
-    describe_mistake,
-    has_com_apart,
-    has_mistake,
-    lacks_only_com,
-    propose_undo,
-)
+from urdfcheck.model.inertials.proposals.com_places import has_com_apart
+from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, lacks_only_com
+from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
+from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import list_habitual_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair

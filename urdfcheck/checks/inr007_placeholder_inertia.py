@@ -17,7 +17,7 @@ from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
-from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
+from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
 from urdfcheck.model.motion.fixed_base import is_ballast, is_bolted_arm
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box

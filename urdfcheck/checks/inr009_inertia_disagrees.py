@@ -35,14 +35,11 @@ from urdfcheck.model.inertials.inertial_effects import (
     is_vast,
     measure_mismatch,
 )
-from urdfcheck.model.inertials.inertial_proposals import (
-    describe_drawn_inertial,
-    describe_mistake,
-    has_com_of_shell,
-    name_mistake,
-    propose_undo,
-)
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
+from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
+from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial
+from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake, name_mistake
+from urdfcheck.model.inertials.proposals.undone_mistakes import propose_undo
 from urdfcheck.model.inertials.shared_mistakes import (
     find_disputed_units,
     find_rotated_tensors,

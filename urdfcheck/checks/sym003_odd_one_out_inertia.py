@@ -13,8 +13,8 @@ from urdfcheck.facts.likeness.mirror import measure_deviation
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
-from urdfcheck.model.inertials.inertial_proposals import describe_mistake
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
+from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.parts import Inertial, Link

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -24,6 +24,9 @@ _CHECKED_TAGS = frozenset({
     "link", "parent", "child", "mass", "inertia", "mesh", "box", "cylinder", "capsule", "sphere", "mimic", "material",
     "color",
 })  # fmt: skip
+
+
+_DELETABLE = frozenset({"mimic", "material", "color"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -86,12 +89,31 @@ def _check_attributes(element: Element, rule: Rule) -> Iterator[Finding]:
     data: dict[str, Any] = {"tag": element.tag, "owner": _describe_owner(element)}
     if missing:
         consequences = {**_describe_consequences(element, *missing), **describe_engine_reactions(element, missing)}
-        yield rule.finding("attribute", at=element, consequences=consequences, missing=", ".join(missing), **data)
+        listed = ", ".join(missing)
+        yield rule.finding(
+            "attribute",
+            at=element,
+            consequences=consequences,
+            missing=listed,
+            wanted=_describe_wanted(element, missing),
+            **data,
+        )
     elif element.tag in {"parent", "child"} and "link" in element.attributes and not element.get("link"):
         at = element.attributes["link"]
         yield rule.finding("empty", at=at, consequences=_describe_consequences(element, "link"), missing="link", **data)
     elif element.tag == "mesh" and "filename" in element.attributes and not element.get("filename").strip():
         yield rule.finding("file", at=element.attributes["filename"], **data)
+
+
+def _describe_wanted(element: Element, missing: Sequence[str]) -> str:
+    """Return what to write; a tag that its parent requires cannot be deleted instead."""
+    if element.tag == "inertia" and not set(missing) & {"ixx", "iyy", "izz"}:
+        zeros = " ".join(f'{name}="0"' for name in missing)
+        return f"{zeros} if the axes of the inertial are the part's principal axes, else its products of inertia"
+    noun = "attributes" if len(missing) > 1 else "attribute"
+    return f"the {noun} {', '.join(missing)}" + (
+        f", or delete the <{element.tag}>" if element.tag in _DELETABLE else ""
+    )
 
 
 def _describe_consequences(element: Element, *missing: str) -> dict[str, str]:

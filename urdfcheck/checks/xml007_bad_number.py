@@ -21,6 +21,7 @@ _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 _HEXADECIMAL = re.compile(r"[+-]?0x[0-9a-f.]+(p[+-]?\d+)?", re.IGNORECASE)
 _UNIT = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?) ?([A-Za-zµμ°%\"'][A-Za-z0-9µμ°%·*^/²³]*)")
 _EXPRESSION = re.compile(r"(?=[\w.\s()*/+-]*\Z)[\w.\s()]*(?:[*/()]|\bpi\b|\bM_PI\b).*", re.IGNORECASE | re.DOTALL)
+_BRACED = re.compile(r"\$\{([^{}]*)\}")
 _UNITS = frozenset({
     "m", "mm", "cm", "dm", "um", "µm", "km", "in", "inch", "inches", "ft", "g", "kg", "t", "lb", "lbs", "oz", "rad",
     "deg", "degree", "degrees", "°", "%", "n", "nm", "mnm", "n*m", "n·m", "nmm", "s", "ms", "rpm", "rad/s", "deg/s",
@@ -42,6 +43,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             verdict = _classify_value(attribute.value, count)
             if verdict is not None:
                 message, word, better = verdict
+                if message == "expression" and "${" in attribute.typed:
+                    yield _build_outside_finding(rule, element, attribute)
+                    continue
                 edits = _propose_edits(attribute, word, better)
                 reactions = describe_empty_number(element, name) if message == "empty" else {}
                 yield rule.finding(
@@ -70,6 +74,29 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     consequences={"urdfdom": describe_loss(element)},
                     **_collect_data(attribute, attribute.value),
                 )
+
+
+def _build_outside_finding(rule: Rule, element: Element, attribute: Attribute) -> Finding:
+    """Report an expression of which xacro computes only parts."""
+    return rule.finding(
+        "outside",
+        at=attribute,
+        related=attribute.collect_definitions(),
+        consequences={
+            "urdfdom": describe_loss(element),
+            **describe_number_in_python(element, attribute.name, attribute.value),
+        },
+        where=f"{attribute.owner.subject}@{attribute.name}",
+        attribute=attribute.name,
+        value=truncate_text(attribute.value, 60),
+        joined=_join_expressions(attribute.typed),
+    )
+
+
+def _join_expressions(typed: str) -> str:
+    """Return ``${a + b} * ${c}`` as ``${(a + b) * c}``."""
+    inner = _BRACED.sub(lambda m: m[1] if re.fullmatch(r"[\w.]+", m[1]) else f"({m[1]})", typed)
+    return f"${{{inner.strip()}}}"
 
 
 def _is_spare_shape(element: Element) -> bool:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 from urdfcheck.core.drive_test import DriveTest
 
+# m/s², downwards.
+GRAVITY = 9.81
 # s that a robot is watched, and between two steps: 1 ms is Gazebo's default; MuJoCo's is 2 ms.
 SECONDS, STEP = 2.0, 1e-3
 # s after which a robot that is held and has not come to rest is looked at again: what leans has fallen by then, and what swings
@@ -161,3 +163,8 @@ class DropTest:
     """How the robot drives with its differential drive; None where it was not driven."""
     undriven: str
     """Why it was not driven; empty where it was, and where its root cannot move."""
+
+    @property
+    def weight(self) -> float:
+        """N."""
+        return self.mass * GRAVITY

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from urdfcheck.core.drop_test import GRAVITY
 from urdfcheck.core.mechanism import MechanismJoint
 from urdfcheck.core.model_diff import JointTorque, LinkShift
 from urdfcheck.facts.arrays import Array, Bools
@@ -14,7 +15,6 @@ from urdfcheck.facts.comparison.alignment import PlacedPair
 from urdfcheck.facts.comparison.home_pose import ANGLE_TOLERANCE, LENGTH_TOLERANCE, HomePose, locate_screw
 from urdfcheck.facts.comparison.joints import ONE_DOF
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
-from urdfcheck.facts.motion.simulation import GRAVITY
 
 # Joint configurations beside those in which one joint is at an end; fewer for robots of thousands of links, whose poses would
 # take gigabytes.

@@ -190,9 +190,19 @@ def list_half_units(texts: Sequence[str]) -> list[float]:
     """List half a unit of the last place of each number as typed, the most that it differs from the number that was rounded;
     zeros are exact.
 
+    Programs write all numbers with as many decimals, or with as many significant digits, and leave out zeros at the end:
+    a 1 beside 0.33333333 was not rounded to one digit.
+
     :raises ValueError: when a text is not a finite number.
     """
-    return [float(f"5e{_find_last_decimal_place(v) - 1}") if v else 0.0 for v in map(_parse_decimal, texts)]
+    values = [_parse_decimal(text) for text in texts]
+    places = [_find_last_decimal_place(v) for v in values if v]
+    finest = min(places, default=0)
+    significant = max((v.adjusted() - _find_last_decimal_place(v) for v in values if v), default=0)
+    return [
+        float(f"5e{min(_find_last_decimal_place(v), max(finest, v.adjusted() - significant)) - 1}") if v else 0.0
+        for v in values
+    ]
 
 
 def _can_be_valid_within(typed: Array, half: Array, rel_tol: float) -> bool:

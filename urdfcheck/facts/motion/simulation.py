@@ -2,7 +2,7 @@
 
 MuJoCo steps rigid bodies in joint coordinates; contacts and limits are soft constraints (Todorov, *Convex and
 analytically-invertible dynamics with contacts and constraints in MuJoCo*, 2014). Bodies touch the plane only, not each other.
-z points up, gravity is 9.81 m/s².
+z points up, against gravity.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.core.drop_test import GRAVITY
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdfcheck.facts.arrays import Array, Mat3, Mat4, Vec3
 
-
-GRAVITY = 9.81
 # s between two samples of a moving mechanism: a fall of half a millimetre.
 SAMPLING_INTERVAL = 0.01
 # s at the end over which speeds and loads are averaged.

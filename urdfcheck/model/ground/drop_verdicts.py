@@ -54,22 +54,21 @@ def find_standing_defect(model: Model, test: DropTest, *, lean: float) -> Standi
 def _iter_defects(
     model: Model, test: DropTest, release: ReleaseResult, wheels: list[Wheel], lean: float
 ) -> Iterator[StandingDefect]:
-    weight = 9.81 * test.mass
     loads = {touching.link: touching.load for touching in release.touching}
     bodies = {wheel.joint.child: model.tree.list_body_links(wheel.joint.child) for wheel in wheels}
     idle = [
         name
         for name, links in bodies.items()
-        if sum(loads.get(link, 0.0) for link in links) < _NOTHING * weight / len(wheels)
+        if sum(loads.get(link, 0.0) for link in links) < _NOTHING * test.weight / len(wheels)
     ]
     reason = _describe_reason(model, wheels)
-    data = {"reason": f"; {reason}" if reason else "", "on": join_names(loads), "weight": weight}
+    data = {"reason": f"; {reason}" if reason else "", "on": join_names(loads), "weight": test.weight}
     casters = list_casters(model)
     rolling = {link for wheel in rolling_wheels(model) for link in model.tree.list_body_links(wheel.joint.child)}
     others = {name: load for name, load in loads.items() if name not in rolling and name not in casters}
     carries = len(wheels) + len(casters) >= _FEWEST_CARRIERS
     heavy = max(others, key=lambda name: others[name], default="")
-    if carries and heavy and others[heavy] > _NOTHING * weight:
+    if carries and heavy and others[heavy] > _NOTHING * test.weight:
         yield StandingDefect("touches", heavy, {"load": others[heavy], **data})
     if release.settled is not None and idle:
         yield StandingDefect("unloaded", idle[0], {"wheels": join_names(idle), **data})

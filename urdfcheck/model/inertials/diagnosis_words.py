@@ -18,10 +18,7 @@ from urdfcheck.facts.inertials.mistakes.mixing_mistakes import ABOUT_ORIGIN, TEN
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import APPROXIMATIONS, SIMILAR, measure_difference
-from urdfcheck.model.inertials.inertial_proposals import (
-    describe_mistake,
-    name_mistake,
-)
+from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake, name_mistake
 from urdfcheck.model.shapes.visual_solid import (
     describe_geometry_source,
     measure_link_geometry,

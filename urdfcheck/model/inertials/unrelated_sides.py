@@ -11,12 +11,12 @@ from urdfcheck.core.text import format_length, join_numbers
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import InertialDeviation, measure_principal_deviation
-from urdfcheck.model.inertials.inertial_proposals import describe_mistake
 from urdfcheck.model.inertials.mirrored_inertials import (
     find_copied_side,
     fit_own_drawings_alike,
     get_comparable_inertial,
 )
+from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model

@@ -12,7 +12,6 @@ from urdfcheck.core import FactUnavailableError, drop_test
 from urdfcheck.core.drop_test import DropTest, GroundContact, ReleaseResult, StabilityCurve
 from urdfcheck.facts.motion.simulation import (
     AVERAGING_WINDOW,
-    GRAVITY,
     MotionTrace,
     PlaneContact,
     Simulation,
@@ -59,7 +58,7 @@ def _add_drive(model: Model, test: DropTest) -> DropTest:
 
 
 def _simulate_drop(robot: StandingRobot, simulation: Simulation) -> DropTest:
-    slow = drop_test.SETTLED_SPEED_RATIO * math.sqrt(GRAVITY * robot.size)
+    slow = drop_test.SETTLED_SPEED_RATIO * math.sqrt(drop_test.GRAVITY * robot.size)
     free, held = (
         _simulate_release(robot, simulation, slow=slow, seconds=drop_test.SECONDS, held=held) for held in (False, True)
     )
@@ -73,7 +72,7 @@ def _simulate_drop(robot: StandingRobot, simulation: Simulation) -> DropTest:
         shapes=len(robot.links),
         ground=robot.ground,
         size=robot.size,
-        mass=simulation.weight / GRAVITY,
+        mass=simulation.weight / drop_test.GRAVITY,
         slow=slow,
         soft=compute_rest_depth(),
         unlimited=tuple(

@@ -63,9 +63,9 @@ def _render_contacts_table(drop_test: DropTest, release: ReleaseResult, is_share
     for touching in release.touching:
         cells = "".join(f'<td class="num">{_replace_minus_sign(cell)}</td>' for cell in format_contact_cells(touching))
         rows.append(f'<tr><th scope="row"><code>{escape_html(touching.link)}</code></th>{cells}</tr>')
-    load, weight = sum(t.load for t in release.touching), drop_test.mass * 9.81
+    load = sum(t.load for t in release.touching)
     foot = (
-        f'<tr><th scope="row">Together, of a weight of {format_number(weight)} N</th><td colspan="5"></td>'
+        f'<tr><th scope="row">Together, of a weight of {format_number(drop_test.weight)} N</th><td colspan="5"></td>'
         f'<td class="num">{format_number(load)}</td></tr>'
     )
     how = "with and without torques" if is_shared else format_release_heading(release)

@@ -80,7 +80,7 @@ def _iter_contact_lines(drop_test: DropTest, release: ReleaseResult, is_shared: 
     if (rest := len(release.touching) - len(shown)) > 0:
         yield Text(f"… and {rest} more {'link' if rest == 1 else 'links'}")
     yield Text(
-        f"together {sum(t.load for t in release.touching):.4g} N of {drop_test.mass * 9.81:.4g} N, the robot's weight"
+        f"together {sum(t.load for t in release.touching):.4g} N of {drop_test.weight:.4g} N, the robot's weight"
     )
 
 

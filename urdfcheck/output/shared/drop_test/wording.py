@@ -37,7 +37,7 @@ def describe_reference_scales(drop_test: DropTest) -> str:
     """Describe the scales of the numbers: speed at rest, depth of a soft contact, energy."""
     return (
         f"At rest: below {_format_speed(drop_test.slow)}. Soft contacts sink in by about {1e3 * drop_test.soft:.2f} mm. "
-        f"100 % is weight × size: {_format_energy(drop_test.mass * 9.81 * drop_test.size)} J."
+        f"100 % is weight × size: {_format_energy(drop_test.weight * drop_test.size)} J."
     )
 
 

@@ -1,0 +1,135 @@
+"""The numbers of an ``<inertial>`` by what the link draws, at its mass and uniform density."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import Span
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST
+from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.proposals.inertial_texts import links_by_inertial_text
+from urdfcheck.model.parts import DeclaredTensor, Link
+from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, has_loose_hull, measure_link_geometry
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array, Mat3
+    from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
+
+# What a mesh leaves of a product that is zero, relative to the largest moment.
+_MESH_NOISE = 1e-3
+# Significant digits of numbers that a uniform density gives.
+_GUESSED_DIGITS = 4
+
+
+def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False) -> str:
+    """Describe the inertia of what the link draws, at its mass and uniform density. It is advice: the density is not known.
+
+    For an open mesh, the tensor is that of its convex hull or of the collision shape, and the COM is left out. Empty when that
+    is not known, or written already, or when the hull is not that of the part. ``with_com``: a COM that was typed is replaced,
+    which neither a hull nor a collision shape in place of an open mesh can do.
+    """
+    change, drawn = _compute_from_geometry(model, link, with_com=with_com), measure_link_geometry(model, link)
+    if change is None or drawn is None or not change.text or has_loose_hull(model, link):
+        return ""
+    if with_com and (not drawn.closed or _is_replaced_by_collision(model, link)):
+        return ""
+    body, why = "the drawn part" if drawn.closed else "the convex hull of the open mesh", ""
+    if drawn.closed and (reason := explain_collision_stand_in(model, link)) is not None:
+        body = "the collision shape"
+        why = {"open": "; the visual mesh is open", "unread": "; the visual mesh could not be read"}.get(reason, "")
+    return f"{change.text} ({body} at this mass and uniform density{why})"
+
+
+def lacks_only_com(model: Model, link: Link) -> bool:
+    """Whether a tensor is that of what the link draws at its mass, and the COM was left at zero, where that part's is not."""
+    change = _compute_from_geometry(model, link, with_com=True)
+    xyz = None if link.inertial is None else link.inertial.origin.xyz
+    return change is not None and xyz is not None and not any(xyz) and _list_changed(change) == ["xyz"]
+
+
+def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
+    """Propose the inertia of what the link draws, at its declared mass and uniform density, in place of a placeholder.
+
+    None when that is not known, or there is no mass. Without edits where a macro wrote the same text for links that draw or
+    weigh something else, where a hull or a collision shape replaces an open mesh, and where no ordinary material makes the shape
+    weigh this much: then the drawing, or the mass, is a placeholder too.
+    """
+    change = _compute_from_geometry(model, link)
+    if change is None or link.inertial is None:
+        return None
+    drawn = measure_link_geometry(model, link)
+    is_exact = drawn is not None and drawn.closed and not _is_replaced_by_collision(model, link)
+    is_ordinary = is_exact and _has_ordinary_density(link, drawn)
+    is_same = _has_same_geometry(model, link.inertial.element.span)
+    return change if is_ordinary and is_same else replace(change, edits=())
+
+
+def compute_drawn_tensor(model: Model, declared: DeclaredTensor) -> Mat3 | None:
+    """Compute the tensor (3, 3) of what the link draws, at its mass and in the axes of its inertial."""
+    inertial, drawn = declared.inertial, measure_link_geometry(model, declared.link)
+    matrix = inertial.origin.matrix
+    if drawn is None or matrix is None or inertial.mass is None or not inertial.mass > 0:
+        return None
+    rotation = matrix[:3, :3]
+    tensor: Mat3 = rotation.T @ compute_solid_inertia(drawn.solid, inertial.mass) @ rotation
+    return tensor
+
+
+def _list_changed(change: InertialRepair) -> list[str]:
+    return [word.partition("=")[0] for word in change.text.split('" ')]
+
+
+def _is_replaced_by_collision(model: Model, link: Link) -> bool:
+    """Whether the collision shapes replace a visual mesh that is open or could not be read."""
+    return explain_collision_stand_in(model, link) in {"open", "unread"}
+
+
+def _has_ordinary_density(link: Link, drawn: VisualGeometry | None) -> bool:
+    mass = None if link.inertial is None else link.inertial.mass
+    if mass is None or drawn is None or not drawn.solid.volume > 0.0:
+        return False
+    return LIGHTEST <= mass / drawn.solid.volume <= DENSEST_PART
+
+
+@fact
+def _has_same_geometry(model: Model, text: Span | None) -> bool:
+    """Whether all links whose inertials are one text get the same numbers from what they draw."""
+    return len({_format_drawn_inertial(model, link) for link in links_by_inertial_text(model)[text]}) == 1
+
+
+def _format_drawn_inertial(model: Model, link: Link) -> str | None:
+    change = _compute_from_geometry(model, link)
+    return None if change is None else change.text
+
+
+def _compute_from_geometry(model: Model, link: Link, *, with_com: bool = False) -> InertialRepair | None:
+    inertial, drawn = link.inertial, measure_link_geometry(model, link)
+    if inertial is None or drawn is None or inertial.mass is None or not inertial.mass > 0:
+        return None
+    size = float(np.trace(drawn.solid.covariance))
+    if not size > 0.0:  # a surface that is not a solid, or numbers too large to square
+        return None
+    matrix = inertial.origin.matrix
+    rotation = np.eye(3) if matrix is None else matrix[:3, :3]  # the axes that the author chose are kept
+    tensor = rotation.T @ compute_solid_inertia(drawn.solid, inertial.mass) @ rotation
+    own = None if matrix is None else matrix[:3, 3]
+    # A COM that was typed is not part of the placeholder. What a mesh leaves of a zero is not a number to write.
+    is_exact = drawn.closed and not _is_replaced_by_collision(model, link)
+    keeps_com = own is not None and (not is_exact or (own.any() and not with_com))
+    com = own if own is not None and keeps_com else _drop_noise(drawn.solid.com, size**0.5)
+    tensor = _drop_noise(tensor, float(np.abs(tensor).max()))
+    return build_inertial_repair(
+        inertial, DeclaredInertial(mass=inertial.mass, com=com, tensor=tensor, rotation=rotation), _GUESSED_DIGITS
+    )
+
+
+def _drop_noise(numbers: Array, size: float) -> Array:
+    kept: Array = np.where(np.abs(numbers) > _MESH_NOISE * size, numbers, 0.0)
+    return kept

@@ -1,0 +1,24 @@
+"""The nearest tensor that a body can have, where little is missing or the digits are too few."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from urdfcheck.facts.inertials.mistakes.tensor_slips import find_nearest_tensor
+from urdfcheck.model.inertials.proposals.tensor_repairs import SMALL_EXCESS, InertialProposal, replace_tensor
+from urdfcheck.model.parts import DeclaredTensor
+
+# The nearest possible tensor is offered as an edit without a cause where it changes less than mass properties are known by.
+_NEGLIGIBLE_CHANGE = 5e-3
+
+
+def propose_nearest(declared: DeclaredTensor, cause: str | None, *, digits: int = 6) -> InertialProposal:
+    """Propose the nearest tensor that a body can have, about the author's own COM, with so few digits that it is still one."""
+    components, change = find_nearest_tensor(declared.components, thickness=10.0 ** (1 - min(digits, 6)))
+    nearest = replace_tensor(declared.link, components, digits=min(digits, 6))
+    if nearest is None or not nearest.text:
+        return InertialProposal()
+    edits = nearest.edits if change < (SMALL_EXCESS if cause else _NEGLIGIBLE_CHANGE) else ()
+    words = replace(nearest, edits=edits).words
+    remedy = f"write {words}, the nearest possible tensor ({100 * change:.2g} % off), or better "
+    return InertialProposal(edits, "", remedy, cause=cause)

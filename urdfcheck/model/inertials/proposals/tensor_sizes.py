@@ -1,0 +1,51 @@
+"""Tensors that are too large for what the link draws."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from urdfcheck.facts.inertials.hull_bounds import measure_extent
+from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_tensor, describe_drawn_inertial
+from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
+from urdfcheck.model.parts import DeclaredTensor
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+
+# The moments of all mass at twice the drawn part's size exceed those of any part like it: no small change makes a tensor right
+# that has more.
+_OTHER_SIZE = 1.0
+
+
+def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialProposal | None:
+    """Propose the drawn part's inertia where no part of its size can have the moments, so that no small change helps; None
+    where one can."""
+    excess = _measure_size_excess(model, declared)
+    if not excess > _OTHER_SIZE:
+        return None
+    drawn = describe_drawn_inertial(model, declared.link)
+    times, least = _format_factor(_compare_with_drawn(model, declared)), _format_factor(excess)
+    claim = f"; for this mass the moments are {times} times the drawn part's, and at least {least} times what its size allows"
+    return InertialProposal(message=claim, remedy=f"write {drawn}, or " if drawn else "", oversize=times)
+
+
+def _measure_size_excess(model: Model, declared: DeclaredTensor) -> float:
+    """Return how many times the moments exceed those of the link's mass at twice the drawn part's size from the COM; zero where
+    nothing is drawn."""
+    drawn, mass = measure_link_geometry(model, declared.link), declared.inertial.mass
+    if drawn is None or mass is None or not mass > 0.0:
+        return 0.0
+    farthest = 2.0 * measure_extent(drawn.points)
+    most = 2.0 * mass * farthest * farthest  # ∫ r² dm is half the sum of the moments
+    return float(np.trace(declared.tensor)) / most if most > 0.0 else 0.0
+
+
+def _compare_with_drawn(model: Model, declared: DeclaredTensor) -> float:
+    """Return how many times the moments are those of what the link draws, at its mass; infinite where that has none."""
+    drawn = compute_drawn_tensor(model, declared)
+    size = 0.0 if drawn is None else float(np.trace(drawn))
+    return float(np.trace(declared.tensor)) / size if size > 0.0 else np.inf
+
+
+def _format_factor(factor: float) -> str:
+    rounded = float(f"{factor:.2g}")
+    return f"{rounded:,.0f}" if 100.0 <= rounded < 1e6 else f"{rounded:g}"

@@ -1,0 +1,139 @@
+"""What undoes the mistake that was found in an ``<inertial>``, and how certain that is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from urdfcheck.core import Span
+from urdfcheck.facts.inertials.certainty import EXACT
+from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial
+from urdfcheck.facts.inertials.hull_bounds import measure_extent
+from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
+from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
+from urdfcheck.model.inertials.proposals.inertial_texts import links_by_inertial_text
+from urdfcheck.model.parts import Link
+from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+
+# Causes after which the file does not show which number is right, or whose numbers come from the mesh.
+_UNDECIDED_CAUSES = frozenset(
+    {"other_mass", "one_piece", "shell", "bounding_box", "convex_hull", "com_missing", "mesh_scale"}
+)
+# Units: all links of a file have the same.
+_UNIT_CAUSES = frozenset({"inertia_unit", "mass_unit", "com_unit", "units"})
+# The undone mistake must leave no more than this part of the mismatch, and no more than lumps of a third of the mass make.
+_REMAINING, LARGEST_SOUND_MISMATCH = 0.3, 0.75
+# Another decimal point brings one number near the part's by chance: of 1,200 lumped parts of which one moment was multiplied by
+# any factor from 1/2000 to 2000, 12 % fit one with a mismatch below 0.75, and 2.4 % below 0.3; of those with a slip 57 % do.
+_LONE_NUMBER = 0.3
+# A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size.
+_FAR_COM = 0.1
+
+
+def propose_undo(model: Model, link: Link) -> InertialRepair | None:
+    """Propose what undoes the mistake that was found in a link's inertial.
+
+    None where no mistake is certain, or it is not in the inertial. Without edits where the evidence is weak, and where a macro
+    wrote the same text for other links, in which this mistake was not found.
+    """
+    diagnosed, inertial = inertial_diagnoses(model).get(link.name), link.inertial
+    if diagnosed is None or inertial is None or diagnosed.diagnosis.mended is None:
+        return None
+    if diagnosed.diagnosis.cause == "shell" and has_com_of_shell(model, link):
+        return None  # the part may be hollow: then all of its numbers are right
+    change = build_inertial_repair(inertial, diagnosed.diagnosis.mended)
+    if not change.text or _leaves_com_off(model, link, diagnosed):
+        return None
+    is_certain = (
+        not diagnosed.diagnosis.com_order  # two mistakes, and only the numbers of one of them are proven
+        and is_evident(diagnosed.diagnosis)
+        and _has_same_mistake(model, inertial.element.span)
+        and not _contradicts_twins(model, diagnosed)
+        and not _is_lone_unit(model, diagnosed)
+        and not _is_of_either_side(model, link, diagnosed)
+    )
+    return change if is_certain else replace(change, edits=())
+
+
+def has_mistake(model: Model, link: Link, cause: str) -> bool:
+    """Whether this mistake (a cause of INR009) was found in the inertial of a link."""
+    return identify_mistake(model, link)[0] == cause
+
+
+def identify_mistake(model: Model, link: Link) -> tuple[str | None, str]:
+    """Return the mistake (a cause of INR009) found in the inertial of a link, and its detail; None and "" without one."""
+    diagnosed = inertial_diagnoses(model).get(link.name)
+    return (None, "") if diagnosed is None else (diagnosed.diagnosis.cause, diagnosed.diagnosis.detail)
+
+
+def _leaves_com_off(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
+    """Whether a repair moves the COM to a place that is far from the drawn part's and not much nearer, or farther than before."""
+    drawn, mended = measure_link_geometry(model, link), diagnosed.diagnosis.mended
+    if drawn is None or mended is None or diagnosed.diagnosis.judged_by != "mesh":
+        return False
+    before, after = (float(np.linalg.norm(com - drawn.solid.com)) for com in (diagnosed.declared.com, mended.com))
+    is_moved = float(np.linalg.norm(mended.com - diagnosed.declared.com)) > 0.0
+    is_worse = drawn.closed and after > before
+    return is_moved and (is_worse or after > _FAR_COM * max(before, measure_extent(drawn.points)))
+
+
+def is_evident(diagnosis: Diagnosis) -> bool:
+    """Whether the named mistake is so certain that undoing it is offered as an edit.
+
+    It is where the numbers without it are those of the drawn part or the twin. Otherwise it must be the mistake that makes most
+    of the mismatch, and leave a part that may well be; a decimal point of the tensor has to leave one that is nearly uniform.
+    """
+    if diagnosis.cause in _UNDECIDED_CAUSES:
+        return False
+    if diagnosis.unique or diagnosis.judged_by == "twin":
+        return True
+    before, after = diagnosis.tensor_mismatch, diagnosis.mended_tensor_mismatch
+    if diagnosis.mended_com_mismatch != diagnosis.com_mismatch:
+        before, after = max(before, diagnosis.com_mismatch), max(after, diagnosis.mended_com_mismatch)
+    is_of_tensor = diagnosis.cause == "decimal_point" and not diagnosis.detail.startswith("com ")
+    most = _LONE_NUMBER if is_of_tensor else LARGEST_SOUND_MISMATCH
+    return after < most and after < _REMAINING * before
+
+
+def _is_lone_unit(model: Model, diagnosed: DiagnosedInertial) -> bool:
+    """Whether a unit was found in one link alone, and the numbers in that unit are not exactly the drawn part's: no program
+    writes one link of a file in another unit."""
+    diagnosis = diagnosed.diagnosis
+    is_exact = max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch) < EXACT
+    if is_exact or diagnosed.is_habit or diagnosis.judged_by == "twin" or diagnosis.cause not in _UNIT_CAUSES:
+        return False
+    numbers = {(one.declared.mass, *one.declared.tensor.ravel()) for one in inertial_diagnoses(model).values()}
+    with_unit = {
+        (one.declared.mass, *one.declared.tensor.ravel())
+        for one in inertial_diagnoses(model).values()
+        if one.diagnosis.cause == diagnosis.cause
+    }
+    return len(numbers) > len(with_unit) == 1
+
+
+def _is_of_either_side(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
+    """Whether a decimal point may also have slipped in the twin: the numbers that the twin has are not sound for the drawing,
+    so that it does not say which side is right."""
+    diagnosis, drawn = diagnosed.diagnosis, measure_link_geometry(model, link)
+    if diagnosis.judged_by != "twin" or diagnosis.cause != "decimal_point" or diagnosis.mended is None:
+        return False
+    of_twin = None if drawn is None else diagnose_inertial(diagnosis.mended, drawn)
+    return of_twin is None or not of_twin.sound
+
+
+def _contradicts_twins(model: Model, diagnosed: DiagnosedInertial) -> bool:
+    """Whether undoing a mistake may make two parts differ that are drawn alike: the other does not have the mistake."""
+    diagnosis = diagnosed.diagnosis
+    if diagnosis.judged_by == "twin":
+        return False
+    return any(identify_mistake(model, model.link_by_name[twin])[0] != diagnosis.cause for twin in diagnosed.twins)
+
+
+@fact
+def _has_same_mistake(model: Model, text: Span | None) -> bool:
+    """Whether one mistake was found in all links whose inertials are one text."""
+    return len({identify_mistake(model, link) for link in links_by_inertial_text(model)[text]}) == 1
