@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
@@ -18,6 +17,8 @@ from urdfcheck.facts.comparison.motion import LimitSamples
 
 # Displacements that differ by less move two parts alike: rounding adds up along the chain.
 _SAME_MOTION = 4.0 * ANGLE_TOLERANCE
+# Groups of units that move alike; and the number from which those are counted that are alone.
+_MOST_GROUPS, _LONE = 60, 1_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,30 +89,25 @@ def find_changed_pairs(
 
     Parts of one body are left out, and neighbours of which one version has only one: a part is fastened where it touches.
     """
-    edited = [_is_edited(pair, unit) for unit in units]
-    motions = _group_motions(pair, units, *moved)
-    ranged = [_list_ranged_joints(pair, unit, samples) for unit in units]
-    joined = (
-        _list_joined_bodies(pair.before, bodies, after=False),
-        _list_joined_bodies(pair.after, bodies, after=True),
-    )
-    found: list[tuple[int, int]] = []
-    neighbours: list[bool] = []
-    for a, b in combinations(range(len(units)), 2):
-        one, other = units[a], units[b]
-        is_pair = (one.before and other.before) or (one.after and other.after)
-        if not is_pair or any(x == y is not None for x, y in zip(one.bodies, other.bodies, strict=True)):
-            continue
-        is_neighbour = any(
-            (x, y) in above or (y, x) in above for x, y, above in zip(one.bodies, other.bodies, joined, strict=True)
-        )
-        if is_neighbour and not all(unit.before and unit.after for unit in (one, other)):
-            continue
-        is_same_motion = motions[a] == motions[b] and motions[a] is not None
-        if edited[a] or edited[b] or not is_same_motion or ranged[a] ^ ranged[b]:
-            found.append((a, b))
-            neighbours.append(is_neighbour)
-    return ChangedPairs(np.array(found, dtype=np.int64).reshape(-1, 2), np.array(neighbours, dtype=bool))
+    one, other = np.triu_indices(len(units), 1)
+    edited = np.array([_is_edited(pair, unit) for unit in units], dtype=bool)
+    motions = np.array(_group_motions(pair, units, *moved), dtype=np.int64)
+    ranged = np.array(_number_ranges(pair, units, samples), dtype=np.int64)
+    differs = edited[one] | edited[other] | (motions[one] != motions[other]) | (ranged[one] != ranged[other])
+    is_pair, is_neighbour = np.zeros(len(one), dtype=bool), np.zeros(len(one), dtype=bool)
+    exists = np.ones(len(one), dtype=bool)
+    for side, home in enumerate((pair.before, pair.after)):
+        number = np.array([-1 if unit.bodies[side] is None else unit.bodies[side] for unit in units], dtype=np.int64)
+        shaped = np.array([bool((unit.before, unit.after)[side]) for unit in units], dtype=bool)
+        above = _list_parents(home, bodies, side)
+        a, b = number[one], number[other]
+        known = (a >= 0) & (b >= 0)
+        differs &= ~(known & (a == b))
+        is_neighbour |= known & ((above[a] == b) | (above[b] == a))
+        is_pair |= shaped[one] & shaped[other]
+        exists &= shaped[one] & shaped[other]
+    chosen = differs & is_pair & (exists | ~is_neighbour)
+    return ChangedPairs(np.column_stack((one, other))[chosen], is_neighbour[chosen])
 
 
 def _is_edited(pair: PlacedPair, unit: ComparedUnit) -> bool:
@@ -123,35 +119,37 @@ def _is_edited(pair: PlacedPair, unit: ComparedUnit) -> bool:
 
 def _group_motions(
     pair: PlacedPair, units: Sequence[ComparedUnit], before: Mapping[str, Array], after: Mapping[str, Array]
-) -> list[int | None]:
+) -> list[int]:
     """Return the number of a group for each unit: units of one group are displaced alike by the edit in all configurations.
 
-    None for a unit of one version only.
+    A unit of one version only is a group of its own, and so are the others where there are many groups.
     """
     groups: list[Array] = []
-    numbers: list[int | None] = []
-    for unit in units:
-        if not unit.before or not unit.after:
-            numbers.append(None)
-            continue
-        old = unit.before[0]
-        new = pair.match.links.get(old, unit.after[0])
-        displaced = after[new] @ pair.maps[old] @ np.linalg.inv(before[old])
-        known = (n for n, group in enumerate(groups) if float(np.abs(group - displaced).max()) <= _SAME_MOTION)
-        number = next(known, None)
-        if number is None:
-            number = len(groups)
-            groups.append(displaced)
+    numbers: list[int] = []
+    for place, unit in enumerate(units):
+        number = _LONE + place
+        if unit.before and unit.after and len(groups) < _MOST_GROUPS:
+            old = unit.before[0]
+            new = pair.match.links.get(old, unit.after[0])
+            displaced = after[new] @ pair.maps[old] @ np.linalg.inv(before[old])
+            known = (n for n, group in enumerate(groups) if float(np.abs(group - displaced).max()) <= _SAME_MOTION)
+            number = next(known, len(groups))
+            if number == len(groups):
+                groups.append(displaced)
         numbers.append(number)
     return numbers
 
 
+def _number_ranges(pair: PlacedPair, units: Sequence[ComparedUnit], samples: LimitSamples) -> list[int]:
+    """Return the same number for units above which the same joints may go to other positions than before."""
+    known: dict[frozenset[str], int] = {}
+    return [known.setdefault(_list_ranged_joints(pair, unit, samples), len(known)) for unit in units]
+
+
 def _list_ranged_joints(pair: PlacedPair, unit: ComparedUnit, samples: LimitSamples) -> frozenset[str]:
     """Return the joints above a unit that may go to other positions than before, as the first version names them."""
-    if not unit.before:
-        return frozenset()
-    names = set()
-    joint = pair.before.joint_above.get(unit.before[0])
+    names: set[str] = set()
+    joint = pair.before.joint_above.get(unit.before[0]) if unit.before and samples.ranged else None
     while joint is not None:
         leader = joint.name if joint.mimic is None else joint.mimic[0]
         if leader in samples.ranged:
@@ -160,9 +158,12 @@ def _list_ranged_joints(pair: PlacedPair, unit: ComparedUnit, samples: LimitSamp
     return frozenset(names)
 
 
-def _list_joined_bodies(
-    home: HomePose, bodies: Sequence[BodyPair], *, after: bool
-) -> frozenset[tuple[int | None, int | None]]:
-    """Return the numbers of each body and of the one on which it hangs."""
-    numbers = {name: number for number, body in enumerate(bodies) for name in (body.after if after else body.before)}
-    return frozenset((numbers[joint.child], numbers[joint.parent]) for joint in home.joints.values())
+def _list_parents(home: HomePose, bodies: Sequence[BodyPair], side: int) -> Indices:
+    """Return for each body of a version (0 or 1) the number of the one on which it hangs; -2 for none, also at the end."""
+    numbers = {name: number for number, body in enumerate(bodies) for name in (body.before, body.after)[side]}
+    parents = np.full(len(bodies) + 1, -2, dtype=np.int64)
+    for joint in home.joints.values():
+        child, parent = numbers[joint.child], numbers[joint.parent]
+        if child != parent:
+            parents[child] = parent
+    return parents

@@ -20,6 +20,8 @@ from urdfcheck.facts.motion.collision import Colliders
 from urdfcheck.facts.motion.collision_geometry import PlacedGeometry
 from urdfcheck.facts.motion.gaps import Gaps
 
+# Parts with collision shapes; they make two million pairs.
+MOST_UNITS = 2_000
 # Pairs of shapes that coal compares in one version; with more, fewer configurations are compared.
 _MOST_TESTS = 20_000
 # Pairs whose overlap is measured, and configurations in which it is, for each.
@@ -29,11 +31,14 @@ _MOST_GAPS, _MOST_FACES = 16, 50_000
 
 
 def compare_collisions(pair: PlacedPair, bodies: Sequence[BodyPair], read: GeometryReader) -> CollisionDiff | None:
-    """Compare which parts collide; None where no pair of parts has another geometry, motion or range.
+    """Compare which parts collide; None where no pair of parts has another geometry, motion or range, or where there are
+    more than `MOST_UNITS`.
 
     :raises ImportError: when coal is not installed.
     """
     units = list_units(pair, bodies)
+    if len(units) > MOST_UNITS:
+        return None
     samples = sample_limits(pair)
     moved = (
         compute_displacements(pair.before, samples.joints.before, samples.joints.count),
