@@ -356,7 +356,7 @@ def _describe_dynamics(found: MechanismDiff) -> str:
 
 
 def format_pair(before: float, after: float) -> str:
-    """Return ``4.74 → 5.02``, with as many digits as tell the numbers apart."""
+    """Return ``4.74 → 5.02``, with as many digits as the numbers need to differ."""
     digits = min(_choose_digits(before, after), 6)
     digits = next((d for d in range(2, 7) if abs(after - before) > 10.0 ** -(d - 1) * max(before, after) / 2), digits)
     return f"{before:.{digits}g} → {after:.{digits}g}"

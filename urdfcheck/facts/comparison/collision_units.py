@@ -122,7 +122,7 @@ def _group_motions(
 ) -> list[int]:
     """Return the number of a group for each unit: units of one group are displaced alike by the edit in all configurations.
 
-    A unit of one version only is a group of its own, and so are the others where there are many groups.
+    A unit of one version only is alone in its group, and so are the others where there are many groups.
     """
     groups: list[Array] = []
     numbers: list[int] = []

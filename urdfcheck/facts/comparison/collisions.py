@@ -24,6 +24,8 @@ from urdfcheck.facts.motion.gaps import Gaps
 MOST_UNITS = 2_000
 # Pairs of shapes that coal compares in one version; with more, fewer configurations are compared.
 _MOST_TESTS = 20_000
+# Pairs of parts times configurations that are compared.
+_MOST_PLACES = 4_000_000
 # Pairs whose overlap is measured, and configurations in which it is, for each.
 _MOST_MEASURED, _MEASURED_ROWS = 20, 4
 # Pairs of shapes between which a distance is measured, and triangles of a shape above which it is not.
@@ -70,9 +72,14 @@ def compare_collisions(pair: PlacedPair, bodies: Sequence[BodyPair], read: Geome
 
 def _choose_rows(sides: Sequence[_PlacedSide], pairs: Indices, count: int) -> Indices:
     """Return the configurations that are compared: all, or the first and some of the others where that takes too long."""
-    tests = max(side.count_tests(pairs) for side in sides) if len(pairs) else 0
-    kept = count if tests <= _MOST_TESTS else max(2, count * _MOST_TESTS // tests)
-    rows: Indices = np.unique(np.linspace(0, count - 1, kept).astype(np.int64))
+    rows = _spread_rows(count, count * _MOST_PLACES // max(1, len(pairs) * count))
+    tests = max(side.count_tests(rows, pairs) for side in sides)
+    return rows[_spread_rows(len(rows), len(rows) * _MOST_TESTS // max(1, tests))]
+
+
+def _spread_rows(count: int, most: int) -> Indices:
+    """Return ``most`` of ``count`` numbers, at least two, the first and the last among them."""
+    rows: Indices = np.unique(np.linspace(0, count - 1, max(2, min(count, most))).astype(np.int64))
     return rows
 
 
@@ -127,10 +134,10 @@ class _PlacedSide:
         """Units that have a shape here."""
         return frozenset(placed.owner for placed in self.placed)
 
-    def count_tests(self, pairs: Indices) -> int:
+    def count_tests(self, rows: Indices, pairs: Indices) -> int:
         """Count the pairs of shapes that are left to coal."""
         known = pairs[self._mask_known(pairs)]
-        return len(self.colliders.find_candidate_pairs(self.frames, known).pair) if len(known) else 0
+        return len(self.colliders.find_candidate_pairs(self.frames[rows], known).pair) if len(known) else 0
 
     def detect(self, rows: Indices, pairs: Indices) -> Bools:
         """Return which pairs meet (K, N); those of which a part has no shape here do not."""
