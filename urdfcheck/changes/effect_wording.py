@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from urdfcheck.changes.wording import (
-    format_angle,
-    format_configuration,
     format_pair,
     format_share,
     format_size,
     name_part,
 )
 from urdfcheck.core.model_diff import MechanismEffect
+from urdfcheck.core.text import format_angle, format_configuration
 
 
 def describe_effect(effect: MechanismEffect) -> str:
