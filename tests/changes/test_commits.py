@@ -12,6 +12,8 @@ import pytest
 from conftest import command, make_request
 from versions import ARM
 
+import urdfcheck
+from urdfcheck.api import DiffSettings
 from urdfcheck.changes.commits.compare_states import compare_states
 from urdfcheck.changes.commits.state_folders import is_hostile_name
 from urdfcheck.cli import FAILED, FINDINGS, OK
@@ -144,6 +146,20 @@ def test_two_revisions_are_compared_without_the_work_tree(repository: Path) -> N
     assert f"+ HEAD:{MODEL}:" in show(forth)
     assert compare("..HEAD").verdict == "identical"
     assert (repository / MODEL).read_text() == "<robot"
+
+
+@pytest.mark.slow
+def test_python_compares_commits_of_a_repository_elsewhere(
+    repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(repository / MODEL, LONGER)
+    commit(repository)
+    monkeypatch.chdir(tmp_path)
+    settings: DiffSettings = {"select": "INR003", "tier": "source", "cache": False}
+    found = urdfcheck.diff_commits("HEAD~1..HEAD", repository=repository, **settings)
+    assert [model.headline for model in found.models] == ["tool0 moves by 41 mm in every configuration"]
+    limited = urdfcheck.diff_commits("HEAD~1..HEAD", [repository / "absent"], repository=repository, **settings)
+    assert (limited.models, limited.failures) == ((), ())
 
 
 def test_three_dots_begin_at_the_common_ancestor(repository: Path) -> None:

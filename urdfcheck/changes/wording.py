@@ -10,17 +10,20 @@ from urdfcheck.core.text import format_angle, format_configuration, format_count
 
 # Shares and directions below these are rounding.
 _LEAST_COMPONENT = 0.02
+# Surfaces that are nearer (m) are one in other digits.
+_SAME_SURFACE = 2e-5
 _PART = re.compile(r"(link|joint)\[([^\]]*)\]", re.DOTALL)
 
 
 def describe_change(change: MechanismChange) -> str:
     """Return one line about a change."""
-    return f"{_name_part(change)} {_WORDS[change.id](change)}"
+    return f"{name_part(change.subject)} {_WORDS[change.id](change)}"
 
 
-def _name_part(change: MechanismChange) -> str:
-    match = _PART.fullmatch(change.subject)
-    return change.subject if match is None else f"{match[1]} {match[2]}"
+def name_part(subject: str) -> str:
+    """Return ``link hand`` for ``link[hand]``."""
+    match = _PART.fullmatch(subject)
+    return subject if match is None else f"{match[1]} {match[2]}"
 
 
 def format_size(metres: float) -> str:
@@ -162,6 +165,8 @@ def _describe_shape(verb: str) -> Callable[[MechanismChange], str]:
         if "bounds" in numbers:
             text += f", bounds differ by up to {format_size(numbers['bounds'])}"
         text += _READABLE[words["read"]] if "read" in words else ""
+        if "surface_gone" in numbers:
+            text += f", {_describe_surface(numbers)}"
         return text + (f", now {words['closed']}" if "closed" in words else "")
 
     return describe
@@ -172,6 +177,21 @@ _READABLE = {
     "no longer": ", which cannot be read; the file before can",
     "neither": "; neither file can be read",
 }
+
+
+def _describe_surface(numbers: Mapping[str, float]) -> str:
+    """Return how far the surfaces of two meshes are from each other, with what may lie between the points examined."""
+    gone, come, error = (numbers[f"surface_{name}"] for name in ("gone", "come", "error"))
+    if max(gone, come) <= _SAME_SURFACE:
+        return f"the same surface (at points {format_size(error)} apart)"
+    if abs(come - gone) <= error:
+        return f"surfaces up to {format_size(max(gone, come))} apart (± {format_size(error)})"
+    sides = (
+        f"the {one} surface up to {format_size(distance)} from the {other} one"
+        for one, other, distance in (("new", "old", come), ("old", "new", gone))
+        if distance > _SAME_SURFACE
+    )
+    return f"{' and '.join(sides)} (± {format_size(error)})"
 
 
 def _describe_base(change: MechanismChange) -> str:
@@ -324,18 +344,19 @@ def _describe_dynamics(found: MechanismDiff) -> str:
         amount = f" by {share * 100:.2g} %" if worst.before > 1e-9 else ""
         parts.append(
             f"dynamics change{amount} (worst gravity torque of {worst.joint} "
-            f"{_format_pair(worst.before, worst.after)} {worst.unit})"
+            f"{format_pair(worst.before, worst.after)} {worst.unit})"
         )
     before, after = found.mass
     if abs(after - before) > 1e-5 * max(before, after):
-        parts.append(f"mass {_format_pair(before, after)} kg{format_share(before, after)}")
+        parts.append(f"mass {format_pair(before, after)} kg{format_share(before, after)}")
     if not parts:
         own = [change for change in found.changes if change.category == "dynamic"]
         parts.append(_describe_first(own))
     return _join(parts)
 
 
-def _format_pair(before: float, after: float) -> str:
+def format_pair(before: float, after: float) -> str:
+    """Return ``4.74 → 5.02``, with as many digits as the numbers need to differ."""
     digits = min(_choose_digits(before, after), 6)
     digits = next((d for d in range(2, 7) if abs(after - before) > 10.0 ** -(d - 1) * max(before, after) / 2), digits)
     return f"{before:.{digits}g} → {after:.{digits}g}"

@@ -33,7 +33,7 @@ OTHER_DRIVES = frozenset({"mecanum_drive_controller/MecanumDriveController", "tr
 def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
     if isinstance(subject, LaunchContext):
         model = subject.model
-        configs = [] if model is None else find_launched_configs(subject.launch, model)
+        configs = () if model is None else find_launched_configs(subject.launch, model)
     else:
         model, configs = subject, find_controller_configs(subject)
         yield from _check_parameter_files(subject, rule)

@@ -15,6 +15,7 @@ from urdfcheck.core.mechanism import (
     MechanismJoint,
     MechanismLink,
     MechanismShape,
+    MechanismStance,
     RobotMechanism,
     Trace,
 )
@@ -60,6 +61,7 @@ def build_mechanism(model: Model, model_id: str) -> RobotMechanism:
         links=tuple(_build_link(model, model.link_by_name[name]) for name in tree.order),
         joints=tuple(_build_joint(tree.parent_joint[name]) for name in tree.order[1:]),
         is_grounded=tree.root in GROUND_NAMES,
+        stance=_find_stance(model),
         extras=tuple(_iter_extras(model)),
         main_file=model.source.name,
         digests={
@@ -68,6 +70,27 @@ def build_mechanism(model: Model, model_id: str) -> RobotMechanism:
         },
         idle_lines=dict(_list_idle_lines(model)),
         conditions=tuple(_list_conditions(model)),
+    )
+
+
+def _find_stance(model: Model) -> MechanismStance | None:
+    """Return how the robot stands; None where it does not, or where that is not known."""
+    from urdfcheck.model.ground.stance import find_stance  # loads numpy
+
+    try:
+        found = find_stance(model)
+    except FactUnavailableError:
+        return None
+    if found is None:
+        return None
+    touching = {model.tree.order[owner] for owner in found.owners[found.now.touching].tolist()}
+    return MechanismStance(
+        margin=found.now.margin,
+        tip_angle=found.now.tip_angle,
+        tilt=found.measure_rest_tilt(found.com).tilt,
+        polygon=tuple(tuple(map(float, corner)) for corner in found.now.polygon),
+        supports=tuple(name for name in model.tree.order if name in touching),
+        com=tuple(map(float, found.com)),
     )
 
 
@@ -134,6 +157,7 @@ def _build_shape(model: Model, shape: Shape) -> MechanismShape:
         pose=() if pose is None else _flatten(pose),
         mesh="" if shape.mesh_filename is None else _name_file(model, shape.mesh_filename.value),
         digest="" if path is None else model.meshes.digests.get(path, ""),
+        file=str(path) if path in model.meshes.digests else "",
         low=low,
         high=high,
         volume=None if solid is None else _scale_volume(solid.volume, shape, size),

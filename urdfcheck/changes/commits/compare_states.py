@@ -57,10 +57,11 @@ def compare_states(
     paths: Sequence[str],
     make_request: RequestMaker,
     *,
+    around: Path | None = None,
     allowed: Sequence[str] = (),
     execution: Execution = IN_WORKERS,
 ) -> Diff:
-    """Compare two states of the repository around the working directory, or around the first path.
+    """Compare two states of the repository around a folder, or else around the first path or the working directory.
 
     :param revisions: ``REV``, ``REV..REV`` or ``REV...REV``; empty for HEAD. Without dots the second state is the work tree.
     :param paths: the models, and what they use, to which the comparison is limited; none for everything.
@@ -68,9 +69,9 @@ def compare_states(
     :raises UrdfcheckError: if there is no repository or revision, or it cannot be read.
     :raises KeyboardInterrupt: if the user interrupts.
     """
-    repository = Repository.find(
-        Path(paths[0]) if paths and os.path.lexists(paths[0]) else Path(), list(map(Path, allowed))
-    )
+    if around is None:
+        around = Path(paths[0]) if paths and os.path.lexists(paths[0]) else Path()
+    repository = Repository.find(around, list(map(Path, allowed)))
     old, new = repository.resolve_range(revisions)
     wanted = [_find_place(path, repository.top) for path in paths]
     with _make_folder() as folder:

@@ -8,12 +8,14 @@ from collections.abc import Iterator, Sequence
 from urdfcheck.core import Finding
 from urdfcheck.core.model_diff import (
     COSMETIC,
+    EFFECTS,
     IDENTICAL,
     ChangeCause,
     Diff,
     JointTorque,
     MechanismDiff,
     ModelDiff,
+    SeamChange,
 )
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.output.changes.change_groups import describe_group, group_changes
@@ -21,9 +23,13 @@ from urdfcheck.output.changes.summary import count_findings, describe_verdict, g
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.output.shared.wording import format_place
 
-# How many changes, causes, lines of one side of a cause, notes and findings are listed unless all are asked for.
-MOST_CHANGES, MOST_CAUSES, MOST_LINES, MOST_NOTES, MOST_FINDINGS = 5, 2, 2, 1, 3
-# How many parts with one change are named.
+# How many changes, causes, lines of one side of a cause, notes, findings, and changes around the models are listed
+# unless all are asked for.
+MOST_CHANGES, MOST_CAUSES, MOST_LINES, MOST_NOTES, MOST_FINDINGS, MOST_SEAMS = 5, 2, 2, 1, 3, 3
+# How many effects of each kind are listed, and links of which a shape could not be read.
+MOST_EFFECTS = {"collision": 2, "inertia": 1, "stability": 2}
+MOST_UNREAD = 2
+# How many parts with one change, or models that change alike, are named.
 _MOST_NAMES = 3
 # Columns of the names of the categories.
 _COLUMN = 10
@@ -32,20 +38,16 @@ _COLUMN = 10
 def render(diff: Diff, *, show_all: bool = False) -> str:
     """Render the lines of the report, each model with its verdict first."""
     lines: list[str] = []
-    if show_all:
-        groups = [
-            ([model.after or model.before], list(_iter_model_lines(model, show_all=True))) for model in diff.models
-        ]
-    else:
-        groups = list(_group_models(diff.models))
-    for names, said in groups:
-        about = "" if len(diff.models) == 1 else f"{join_names(names, _MOST_NAMES)}: "
-        lines += [f"{about}{said[0]}", *said[1:]]
+    for alike in group_alike(diff.models):
+        if len(diff.models) > 1 and alike[0].verdict == IDENTICAL and not show_all:
+            continue
+        lines += _iter_model_lines(alike, is_only=len(diff.models) == 1, show_all=show_all)
     if not diff.models and not diff.failures:
         lines.append(describe_verdict(diff))
     same = sum(model.verdict == IDENTICAL for model in diff.models)
     if len(diff.models) > 1 and same and not show_all:
         lines.append(f"{format_count(same, 'model is', 'models are')} identical")
+    lines += _iter_seam_lines(diff, show_all=show_all)
     lines += _iter_finding_lines(diff, show_all=show_all)
     lines += [f"not compared: {failure}" for failure in diff.failures if not has_headline(diff, failure)]
     lines += [f"not compared: {note}" for note in diff.notes]
@@ -57,20 +59,33 @@ def has_headline(diff: Diff, failure: str) -> bool:
     return any(failure.endswith(model.headline) for model in diff.models)
 
 
-def _group_models(models: Sequence[ModelDiff]) -> Iterator[tuple[list[str], list[str]]]:
-    """Yield what there is to say about the models, each text once, with the names of the models that it is about."""
-    groups: dict[tuple[str, ...], list[str]] = {}
+def group_alike(models: Sequence[ModelDiff]) -> list[list[ModelDiff]]:
+    """Group the models that change alike by the same lines, such as variants of one file, in the order of their first ones."""
+    groups: dict[tuple[object, ...], list[ModelDiff]] = {}
     for model in models:
-        if len(models) == 1 or model.verdict != IDENTICAL:
-            groups.setdefault(tuple(_iter_model_lines(model, show_all=False)), []).append(model.after or model.before)
-    for said, names in groups.items():
-        yield names, list(said)
+        causes = () if model.mechanism is None else model.mechanism.causes
+        lines = tuple((cause.before, cause.after) for cause in causes)
+        own = model.before if _is_matched_otherwise(model) else ""  # shown with what it was
+        key = (model.verdict, model.headline, model.texts, model.effects, model.notes, model.idle_edits, lines, own)
+        groups.setdefault(key, []).append(model)
+    return list(groups.values())
 
 
-def _iter_model_lines(model: ModelDiff, *, show_all: bool) -> Iterator[str]:
-    """Yield the lines about a model, without its name."""
-    yield model.headline
-    if model.before and model.after and model.matched_by in {"name", "structure"}:
+def _is_matched_otherwise(model: ModelDiff) -> bool:
+    """Whether two models with different paths are taken for versions of one."""
+    return bool(model.before and model.after) and model.matched_by in {"name", "structure"}
+
+
+def name_models(alike: Sequence[ModelDiff]) -> str:
+    """Return the names of models, the first of many."""
+    return join_names([model.after or model.before for model in alike], _MOST_NAMES)
+
+
+def _iter_model_lines(alike: Sequence[ModelDiff], *, is_only: bool, show_all: bool) -> Iterator[str]:
+    """Yield the lines about models that change alike; the causes are those of the first."""
+    model = alike[0]
+    yield model.headline if is_only else f"{name_models(alike)}: {model.headline}"
+    if _is_matched_otherwise(model):
         yield f"  before: {model.before}, matched by {model.matched_by}"
     found = model.mechanism
     if found is None:
@@ -99,6 +114,15 @@ def _iter_change_lines(model: ModelDiff, found: MechanismDiff, *, show_all: bool
     torques = found.torques if show_all else found.torques[:1]
     for torque in torques:
         yield f"  {'gravity':{_COLUMN}} {describe_torque(torque)}"
+    for kind in EFFECTS:
+        lines = [text for effect, text in zip(found.effects, model.effects, strict=True) if effect.kind == kind]
+        for line in lines if show_all else lines[: MOST_EFFECTS[kind]]:
+            yield f"  {kind:{_COLUMN}} {line}"
+        if kind == "collision" and len(lines) > MOST_EFFECTS[kind] and not show_all:
+            yield f"  … {format_count(len(lines) - MOST_EFFECTS[kind], 'more pair')} (-v lists all)"
+    if found.collisions is not None and found.collisions.unread:
+        names = join_names([f"link {name}" for name in found.collisions.unread], MOST_UNREAD)
+        yield f"  {'collision':{_COLUMN}} not compared: {names}, of which a shape could not be read"
 
 
 def describe_idle_edits(model: ModelDiff) -> str:
@@ -130,6 +154,21 @@ def _iter_cause_lines(causes: Sequence[ChangeCause], *, show_all: bool) -> Itera
                 yield f"    {sign} {file}:{line}  {text}{more if number == most else ''}"
     if len(causes) > len(shown):
         yield f"  … {format_count(len(causes) - len(shown), 'more cause')} (-v lists all)"
+
+
+def _iter_seam_lines(diff: Diff, *, show_all: bool) -> Iterator[str]:
+    """Yield what differs in the files around the models."""
+    shown = diff.seams if show_all else diff.seams[:MOST_SEAMS]
+    for change in shown:
+        yield f"{change.kind}: {describe_seam(change)}"
+    if len(diff.seams) > len(shown):
+        yield f"… {format_count(len(diff.seams) - len(shown), 'more change')} around the models (-v lists all)"
+
+
+def describe_seam(change: SeamChange) -> str:
+    """Return what differs in a file around a model, with its place."""
+    span = change.after or change.before
+    return change.text if span is None else f"{change.text} ({format_place(span)})"
 
 
 def _iter_finding_lines(diff: Diff, *, show_all: bool) -> Iterator[str]:
