@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,7 @@ from versions import ARM, compare
 
 from urdfcheck.cli import OK
 from urdfcheck.core.model_diff import Diff
-from urdfcheck.output.changes import markdown
+from urdfcheck.output.changes import html, markdown
 from urdfcheck.output.changes.text import render as render_text
 
 LONGER = ARM.replace('<origin xyz="0.3 0 0" rpy="0 0 0"/>', '<origin xyz="0.341 0 0" rpy="0 0 0"/>')
@@ -50,6 +52,19 @@ def test_the_verdict_and_the_table_are_seen_and_the_rest_is_folded(
     assert f'- old/arm.urdf:{number}  <origin xyz="0.3 0 0" rpy="0 0 0"/>\n' in text
     assert f'+ new/arm.urdf:{number}  <origin xyz="0.341 0 0" rpy="0 0 0"/>\n' in text
     assert "INR003" in text.replace("\n".join(lines), "")
+
+
+@pytest.mark.parametrize("render", [markdown.render, render_text, html.render])
+def test_links_whose_collisions_are_unknown_are_named(tmp_path: Path, render: Callable[[Diff], str]) -> None:
+    diff = compare_texts(tmp_path, ARM, LONGER)
+    (model,) = diff.models
+    assert model.mechanism is not None
+    assert model.mechanism.collisions is not None
+    collisions = replace(model.mechanism.collisions, unread=("left", "right", "hand"))
+    unread = replace(model, mechanism=replace(model.mechanism, collisions=collisions))
+    assert "of which a shape could not be read" not in render(diff)
+    shown = "not compared: link left, link right and 1 more, of which a shape could not be read"
+    assert shown in render(replace(diff, models=(unread,)))
 
 
 def test_an_equal_robot_is_two_lines(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from urdfcheck.output.changes.text import (
     describe_idle_edits,
     describe_seam,
     describe_torque,
+    describe_unread,
     group_alike,
     has_headline,
     name_models,
@@ -92,6 +93,8 @@ def _iter_rows(alike: Sequence[ModelDiff], *, is_only: bool) -> Iterator[str]:
         yield _format_row(name, "gravity", describe_torque(torque))
     for effect, text in zip(found.effects, model.effects, strict=True):
         yield _format_row(name, effect.kind, text)
+    if unread := describe_unread(found):
+        yield _format_row(name, "collision", unread)
 
 
 def _format_row(name: str, kind: str, text: str) -> str:
