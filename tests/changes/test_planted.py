@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from builders import joint, link, robot
 from versions import ARM, compare_texts
 
 from urdfcheck.core.model_diff import Diff, MechanismDiff, ModelDiff
@@ -299,6 +300,31 @@ def test_the_worst_configuration_is_named(tmp_path: Path) -> None:
     assert abs(worst.configuration["elbow"]) > 1.0
     assert found.headline.startswith(f"{worst.link} moves by up to ")
     assert f"worst of {get_mechanism(found).samples} configurations at pan " in found.headline
+
+
+def make_legs(*heights: float) -> str:
+    """Return a body with four legs, each a hip at this height and a foot."""
+    legs = [
+        part
+        for name, place, height in zip(("lf", "rf", "lh", "rh"), ("1 1", "1 -1", "-1 1", "-1 -1"), heights, strict=True)
+        for part in (
+            link(f"{name}_hip"),
+            joint(f"{name}_hip_turn", "body", f"{name}_hip", kind="continuous", xyz=f"{place} {height}", axis="0 1 0"),
+            link(f"{name}_foot"),
+            joint(f"{name}_ankle", f"{name}_hip", f"{name}_foot", kind="fixed", xyz="0 0 -0.3"),
+        )
+    ]
+    return robot(link("body"), *legs)
+
+
+def test_branches_that_move_alike_are_counted(tmp_path: Path) -> None:
+    found = compare_texts(tmp_path, make_legs(0, 0, 0, 0), make_legs(0.01, 0.01, 0.01, 0.01))
+    assert found.headline == "8 links move by 10 mm in every configuration (lf_foot, lh_foot, rf_foot, …)"
+    assert {shift.branch for shift in get_mechanism(found).shifts} == {"lf_hip", "rf_hip", "lh_hip", "rh_hip"}
+    one = compare_texts(tmp_path / "one", make_legs(0, 0, 0, 0), make_legs(0.01, 0, 0, 0))
+    assert one.headline == "lf_foot moves by 10 mm in every configuration"
+    two = compare_texts(tmp_path / "two", make_legs(0, 0, 0, 0), make_legs(0.01, 0.02, 0, 0.02))
+    assert two.headline == "4 links move by 20 mm in every configuration (rf_foot, rh_foot, …)"
 
 
 def test_gravity_torques_are_those_of_statics(tmp_path: Path) -> None:
