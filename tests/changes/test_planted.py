@@ -327,6 +327,14 @@ def test_branches_that_move_alike_are_counted(tmp_path: Path) -> None:
     assert two.headline == "4 links move by 20 mm in every configuration (rf_foot, rh_foot, …)"
 
 
+def test_joints_that_are_moved_alike_in_several_links_are_one_line(tmp_path: Path) -> None:
+    legs = make_legs(0, 0, 0, 0)
+    shorter = legs.replace('xyz="0 0 -0.3"', 'xyz="0 0 -0.28"')
+    lines = render_text(Diff(before="a", after="b", models=(compare_texts(tmp_path, legs, shorter),))).splitlines()
+    said = "joints lf_ankle, rf_ankle, lh_ankle and 1 more: moves by 20 mm (z +20 mm), each in its parent link"
+    assert [line.split(maxsplit=1)[1] for line in lines if line.startswith("  motion")] == [said]
+
+
 def test_gravity_torques_are_those_of_statics(tmp_path: Path) -> None:
     """The elbow holds the forearm and all that hangs on it; stretched out, each at its lever."""
     found = compare_texts(tmp_path, ARM, ARM.replace('<mass value="0.6"/>', '<mass value="1.6"/>'))
