@@ -61,6 +61,15 @@ def test_links_that_collide_now_are_a_warning_at_what_brings_them_together(
     )
 
 
+def test_neighbours_that_overlap_now_are_a_notice(tmp_path: Path) -> None:
+    """The hand has 30 mm of its box in the forearm, as in many a robot."""
+    lines = render(tmp_path, LONGER, ARM)
+    (line,) = (line for line in lines if "collide now" in line)
+    assert line.startswith("::notice ")
+    assert "the neighbours link fore and link hand collide now" in line
+    assert "pair" not in lines[-1]
+
+
 def test_of_two_possible_causes_none_is_accused(tmp_path: Path) -> None:
     wide = LONGER.replace('lower="-0.03" upper="0.01"', 'lower="-0.036" upper="0.01"')
     first, *_ = render(tmp_path, ARM, wide)

@@ -11,7 +11,7 @@ from conftest import command
 from versions import ARM, compare
 
 from urdfcheck.cli import OK
-from urdfcheck.core.model_diff import Diff
+from urdfcheck.core.model_diff import Diff, SeamChange
 from urdfcheck.output.changes import html, markdown
 from urdfcheck.output.changes.text import render as render_text
 
@@ -20,7 +20,7 @@ LONGER = ARM.replace('<origin xyz="0.3 0 0" rpy="0 0 0"/>', '<origin xyz="0.341 
 
 def compare_texts(folder: Path, before: str, after: str) -> Diff:
     for side, text in (("old", before), ("new", after)):
-        (folder / side).mkdir()
+        (folder / side).mkdir(parents=True)
         (folder / side / "arm.urdf").write_text(text, encoding="utf-8")
     return compare(folder / "old/arm.urdf", folder / "new/arm.urdf")
 
@@ -65,6 +65,20 @@ def test_links_whose_collisions_are_unknown_are_named(tmp_path: Path, render: Ca
     assert "of which a shape could not be read" not in render(diff)
     shown = "not compared: link left, link right and 1 more, of which a shape could not be read"
     assert shown in render(replace(diff, models=(unread,)))
+
+
+def test_what_no_one_wants_is_in_the_second_line_once(tmp_path: Path) -> None:
+    """Of models that change alike, it is counted once."""
+    diff = compare_texts(tmp_path, ARM, ARM.replace('lower="-0.03" upper="0.01"', 'lower="-0.036" upper="0.01"'))
+    (model,) = diff.models
+    stale = SeamChange(kind="srdf", id="old-name", subject="group arm", text="group arm: link a is called b now")
+    text = markdown.render(replace(diff, models=(model, model), seams=(stale, stale)))
+    assert text.splitlines()[3].endswith(
+        " · **1 pair of links collides now** · **2 statements use old names** · findings: 0 new, 0 gone, 0 unchanged"
+    )
+    (back,) = compare_texts(tmp_path / "back", ARM, LONGER).models
+    assert back.effects
+    assert "**" not in markdown.render(replace(diff, models=(back,))).splitlines()[3]
 
 
 def test_an_equal_robot_is_two_lines(tmp_path: Path) -> None:

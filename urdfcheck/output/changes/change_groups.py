@@ -44,7 +44,7 @@ def describe_group(group: Sequence[DescribedChange], most: int) -> str:
 
 
 def _strip_parent(change: MechanismChange, said: str) -> str:
-    """Return what is said of a joint that is moved, without the link that it is moved in."""
+    """Return the words about a joint that is moved, without the link that it is moved in."""
     return said.removesuffix(f" in link {change.words.get('parent', '')}") if change.id == "joint-moved" else said
 
 

@@ -7,19 +7,20 @@ from dataclasses import dataclass
 
 from urdfcheck.core.model_diff import CATEGORIES, Diff, MechanismDiff, ModelDiff, SeamChange
 from urdfcheck.output.changes.causes import SharedCause, merge_causes, strip_revision
-from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
+from urdfcheck.output.changes.summary import (
+    OLD_NAME,
+    count_findings,
+    describe_verdict,
+    get_harm,
+    get_label,
+    list_harm,
+)
 from urdfcheck.output.changes.text import has_headline
 from urdfcheck.output.github import MOST_ANNOTATIONS, format_workflow_command
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 
 # Changes that no robot feels.
 _LIGHT = frozenset({"visual", "extension"})
-# Effects that do harm, and what they are called.
-_HARM = {
-    "pair-collides": "links collide now",
-    "rest-collides": "links collide now",
-    "falls": "the robot falls over now",
-}
 # The changes that can have an effect of a kind, by category, and those among them that cannot.
 _CAUSING = {
     "collision": frozenset({"structure", "kinematic", "limits", "collision"}),
@@ -27,9 +28,6 @@ _CAUSING = {
     "stability": frozenset({"structure", "kinematic", "dynamic", "collision", "visual"}),
 }
 _UNABLE = frozenset({"link-renamed", "joint-renamed", "effort", "velocity"})
-# What a renamed part leaves behind in another file.
-_OLD_NAME = "old-name"
-
 # File and first and last line in the new version, as properties of a command.
 _Place = tuple[tuple[str, object], ...]
 
@@ -73,7 +71,7 @@ def _iter_lines(diff: Diff) -> Iterator[str]:
         hidden += len(group[MOST_ANNOTATIONS:])
     if hidden:
         yield f"{hidden} more: see the job summary"
-    yield escape_for_log(escape_one_line(f"{describe_verdict(diff)}; {count_findings(diff)}"))
+    yield escape_for_log(escape_one_line("; ".join((describe_verdict(diff), *list_harm(diff), count_findings(diff)))))
 
 
 # -- causes ------------------------------------------------------------------------------------------------------------
@@ -124,7 +122,7 @@ def _iter_effects(model: ModelDiff, version: str) -> Iterator[_Annotation]:
         return
     texts: dict[tuple[str, str], list[str]] = {}
     for effect, text in zip(found.effects, model.effects, strict=True):
-        texts.setdefault((effect.kind, _HARM.get(effect.id, "")), []).append(text)
+        texts.setdefault((effect.kind, get_harm(effect)), []).append(text)
     for (kind, harm), lines in texts.items():
         place = _locate_only_cause(found, kind, version)
         if harm or place:
@@ -148,7 +146,7 @@ def _annotate_seam(change: SeamChange, version: str) -> _Annotation:
     """Return what a statement of the new version says differently, at its place."""
     span = change.after
     assert span is not None
-    is_stale = change.id == _OLD_NAME
+    is_stale = change.id == OLD_NAME
     place = (("file", strip_revision(span.file, version)), ("line", span.line), ("endLine", span.end_line))
     title = "still uses the old name" if is_stale else f"changes around the robot: {change.kind}"
     return _Annotation("warning" if is_stale else "notice", place, title, change.text)

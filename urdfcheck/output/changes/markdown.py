@@ -11,7 +11,7 @@ from urdfcheck.core import Finding, Severity
 from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, ModelDiff
 from urdfcheck.core.text import format_count
 from urdfcheck.output.changes.causes import SharedCause, merge_causes
-from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
+from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label, list_harm
 from urdfcheck.output.changes.text import (
     describe_idle_edits,
     describe_seam,
@@ -49,7 +49,8 @@ def render_job_summary(diff: Diff, byte_limit: int) -> str:
 
 def _render_page(diff: Diff, page: BoundedPage) -> str:
     page.add_lines(f"### {_VERDICT_SIGNS.get(diff.verdict, '🔀')} {_describe_verdict(diff)}", "")
-    page.add_lines(f"{format_code_span(diff.before)} → {format_code_span(diff.after)} · {count_findings(diff)}", "")
+    versions = f"{format_code_span(diff.before)} → {format_code_span(diff.after)}"
+    page.add_lines(" · ".join((versions, *(f"**{harm}**" for harm in list_harm(diff)), count_findings(diff))), "")
     failures = [failure for failure in diff.failures if not has_headline(diff, failure)]
     blocks = [[f"- not compared: {escape_for_markdown(truncate_text(text))}"] for text in (*failures, *diff.notes)]
     page.add_group("part that was not compared", head=[], blocks=blocks, foot=[""])

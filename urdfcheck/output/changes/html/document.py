@@ -16,7 +16,7 @@ from urdfcheck.output.changes.html.finding_lists import list_rules, render_findi
 from urdfcheck.output.changes.html.notes import render_idle_edits, render_notes
 from urdfcheck.output.changes.html.seam_rows import render_seams
 from urdfcheck.output.changes.png import draw_versions
-from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
+from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label, list_harm
 from urdfcheck.output.changes.text import has_headline
 from urdfcheck.output.html.glyphs import SYMBOLS, render_glyph
 from urdfcheck.output.html.html_text import escape_html
@@ -88,8 +88,9 @@ def _render_scene_scripts(models: Sequence[ComparedModel]) -> tuple[str, list[st
 
 def _render_header(diff: Diff, models: Sequence[ComparedModel], title: str) -> str:
     seams = [f"{format_count(len(diff.seams), 'change')} around the robot"] if diff.seams else []
+    harm = "".join(f"<li><b>{escape_html(text)}</b></li>" for text in list_harm(diff))
     facts = [*_count_changes(models), *seams, count_findings(diff)]
-    items = "".join(f"<li>{escape_html(fact)}</li>" for fact in facts)
+    items = harm + "".join(f"<li>{escape_html(fact)}</li>" for fact in facts)
     return (
         f'<header class="top">{render_brand_line(diff.version)}<h1>{escape_html(title)}</h1>'
         f"{_render_versions(diff.before, diff.after)}"
