@@ -162,7 +162,7 @@ def test_edits_that_make_no_part_of_the_robot_are_listed(tmp_path: Path) -> None
         (tmp_path / side).mkdir()
         (tmp_path / side / "arm.urdf.xacro").write_text(text, encoding="utf-8")
     found = read_page(compare(tmp_path / "old", tmp_path / "new", scene=True))
-    assert "edited lines make no part of this robot" in found.text
+    assert "Edited lines that make no part of this robot 2arm.urdf.xacro:3 " in found.text
     assert '<link name="light"/>' in found.text
     assert {"href": "#m1-idle"} in found.all("a")
 

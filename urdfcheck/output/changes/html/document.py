@@ -158,7 +158,7 @@ def _render_model(diff: Diff, model: ComparedModel, drawn: Sequence[ComparedMode
         render_causes(diff, model),
         render_findings(diff, model.id, model.new, model.gone),
         render_notes(model),
-        render_idle_edits(model),
+        render_idle_edits(diff, model),
     )
     return f'<section class="model" id="{model.id}">{"".join(parts)}</section>'
 

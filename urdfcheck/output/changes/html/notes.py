@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from urdfcheck.core.model_diff import Diff
+from urdfcheck.output.changes.causes import strip_revision
 from urdfcheck.output.changes.html.compared_models import ComparedModel
 from urdfcheck.output.changes.html.rows import FEWEST_FOLDED, MOST_ROWS
-from urdfcheck.output.changes.text import describe_idle_edits
 from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import escape_html
+from urdfcheck.output.shared.wording import get_base_name
 
 
 def render_notes(model: ComparedModel) -> str:
@@ -17,21 +19,25 @@ def render_notes(model: ComparedModel) -> str:
     return _render_fold(model, "notes", "Other descriptions of the same", len(notes), notes)
 
 
-def render_idle_edits(model: ComparedModel) -> str:
+def render_idle_edits(diff: Diff, model: ComparedModel) -> str:
     """Render the edited lines that the robot has nothing of."""
     edits = model.difference.idle_edits
     if not edits:
         return ""
-    lines = [
-        f"<code>{escape_html(f'{file}:{line}')}</code> <code>{escape_html(text)}</code>" for file, line, text in edits
-    ]
+    lines = [f"{_render_place(diff, file, line)} <code>{escape_html(text)}</code>" for file, line, text in edits]
     listed = lines if len(lines) < MOST_ROWS + FEWEST_FOLDED else [*lines[:MOST_ROWS], f"{len(lines) - MOST_ROWS} more"]
-    items = [escape_html(describe_idle_edits(model.difference)), *listed]
-    return _render_fold(model, "idle", "Edited lines that make no part of this robot", len(edits), items)
+    hint = '<p class="facts"><code>--all-args</code> compares the robot with other arguments, which may use them.</p>'
+    return _render_fold(model, "idle", "Edited lines that make no part of this robot", len(edits), listed, hint)
 
 
-def _render_fold(model: ComparedModel, name: str, title: str, count: int, items: Sequence[str]) -> str:
-    """Render a list of HTML; nothing without items."""
+def _render_place(diff: Diff, file: str, line: int) -> str:
+    """Render where a line is: the file without its folders, which the title has."""
+    short = get_base_name(strip_revision(strip_revision(file, diff.after), diff.before))
+    return f'<code class="soft" title="{escape_html(f"{file}:{line}")}">{escape_html(f"{short}:{line}")}</code>'
+
+
+def _render_fold(model: ComparedModel, name: str, title: str, count: int, items: Sequence[str], hint: str = "") -> str:
+    """Render a list of HTML, with a hint below; nothing without items."""
     if not items:
         return ""
     is_all = model.found is not None and not model.found.changes
@@ -39,5 +45,5 @@ def _render_fold(model: ComparedModel, name: str, title: str, count: int, items:
     listed = "".join(f"<li>{item}</li>" for item in items)
     return (
         f'<details class="fold notes info"{" open" if is_all else ""}><summary><h3>{heading}</h3></summary>'
-        f'<div id="{model.id}-{name}"><ul class="plain">{listed}</ul></div></details>'
+        f'<div id="{model.id}-{name}"><ul class="plain">{listed}</ul>{hint}</div></details>'
     )
