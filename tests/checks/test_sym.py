@@ -302,6 +302,23 @@ def test_of_three_in_a_row_numbers_have_to_decide(tmp_path: Path) -> None:
     assert "its siblings hip_1, hip_2 (mirror x) have round angles" in finding.message
 
 
+@pytest.mark.parametrize(("coxa", "tibia", "found"), [("0 0.03 0", "0 -0.02 0", 0), ("0 0 0", "0 -0.02 0", 1)])
+def test_a_joint_is_not_blamed_for_the_one_before_it(tmp_path: Path, coxa: str, tibia: str, found: int) -> None:
+    """Behind a coxa that is off, the pattern would turn the tibia farther away from the angle of its siblings."""
+    parts = ['<link name="base"/>']
+    for name, (xyz, _, _) in CORNERS.items():
+        odd = name == "rear_left"
+        parts.append(f'<link name="{name}_coxa"/><link name="{name}_tibia">{WHEEL}</link>')
+        turns = (coxa, tibia) if odd else ("0 0 0", "0 0 0")
+        parts.append(make_joint_on_base(f"{name}_hip", f"{name}_coxa", xyz, turns[0], "0 1 0", "revolute"))
+        parts.append(
+            make_joint_on_base(
+                f"{name}_knee", f"{name}_tibia", "0 0 0", turns[1], "0 1 0", "revolute", parent=f"{name}_coxa"
+            )
+        )
+    assert len(find(tmp_path, f'<robot name="legs">{"".join(parts)}</robot>', "SYM001")) == found
+
+
 def test_a_base_that_is_turned_in_the_world_changes_nothing(tmp_path: Path) -> None:
     world = '<link name="world"/>' + make_joint_on_base(
         "to_world", "base", "1 2 3", "0.3 -0.8 2", "0 0 1", "fixed", parent="world"
