@@ -27,7 +27,6 @@ from urdfcheck import cli
 from urdfcheck.core import Run
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import has_check, load_check, load_rules
-from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditOptions, PackageFolders, Request
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.run.preload import preload_modules
@@ -156,7 +155,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return 1 if item.path.parent == REPOSITORY / "tests" else 2
 
     processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
-    kinds = [[item for item in items if rank(item) == kind] for kind in range(4)]
+    kinds: list[list[pytest.Item]] = [[], [], [], []]
+    for item in items:
+        kinds[rank(item)].append(item)
     items[:] = [
         item
         for process in range(processes)
@@ -258,7 +259,8 @@ def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
             yield index, process_pool._PlainUnpickler(io.BytesIO(pickle.dumps(called(*words)))).load()
 
     monkeypatch.setattr(process_pool, "FORKS", False)
-    monkeypatch.setattr(pipeline, "map_in_processes", in_turn)
+    for module in ("run.pipeline", "changes.compare_versions", "fix.repair.repair_model"):
+        monkeypatch.setattr(f"urdfcheck.{module}.map_in_processes", in_turn)
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)
     monkeypatch.setattr(sandbox, "limit_memory", lambda _: None)
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from conftest import make_once
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks" / "accuracy"))
 
@@ -22,20 +23,24 @@ pytestmark = pytest.mark.slow
 NUMBER = 12
 
 
-def cases(mode: str) -> list[Outcome]:
+def cases(mode: str, tmp_path_factory: pytest.TempPathFactory) -> Sequence[Outcome]:
     """Twelve parts that are made without a boolean library, with every mistake."""
+    return make_once(f"accuracy-{mode}", lambda _: list_outcomes(mode), tmp_path_factory)
+
+
+def list_outcomes(mode: str) -> list[Outcome]:
     found = [c for index in range(NUMBER) for c in outcomes("tuning", 1, index, (mode,), PLAIN)]
     return [c for c in found if isinstance(c, Outcome)]
 
 
 @pytest.fixture(scope="module")
-def exact() -> Sequence[Outcome]:
-    return cases("exact")
+def exact(tmp_path_factory: pytest.TempPathFactory) -> Sequence[Outcome]:
+    return cases("exact", tmp_path_factory)
 
 
 @pytest.fixture(scope="module")
-def lumped() -> Sequence[Outcome]:
-    return cases("lumped")
+def lumped(tmp_path_factory: pytest.TempPathFactory) -> Sequence[Outcome]:
+    return cases("lumped", tmp_path_factory)
 
 
 def test_every_mistake_has_a_name() -> None:

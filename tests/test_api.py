@@ -36,6 +36,7 @@ def as_json(text: str) -> object:
     return value
 
 
+@pytest.mark.usefixtures("one_process")
 def test_it_finds_what_the_command_finds() -> None:
     for path, words, arguments in (
         (CAR / "urdf" / "car-3.urdf", (), {}),
@@ -51,6 +52,7 @@ def test_it_finds_what_the_command_finds() -> None:
         assert as_json(render_json(outcome)) == as_json(printed)
 
 
+@pytest.mark.usefixtures("one_process")
 def test_it_heeds_the_configuration_unless_isolated(tmp_path: Path) -> None:
     model = tmp_path / "a.urdf"
     model.write_text('<robot name="r"><link name="a"/><joint/></robot>')
@@ -62,6 +64,7 @@ def test_it_heeds_the_configuration_unless_isolated(tmp_path: Path) -> None:
     assert {f.code for f in urdfcheck.check(model, select=known).findings} == known - {min(known)}
 
 
+@pytest.mark.usefixtures("one_process")
 def test_it_takes_one_path_or_many_of_any_kind(tmp_path: Path) -> None:
     one, other = tmp_path / "one.urdf", tmp_path / "other.urdf"
     one.write_text(ROBOT)
@@ -70,6 +73,7 @@ def test_it_takes_one_path_or_many_of_any_kind(tmp_path: Path) -> None:
         assert len(urdfcheck.check(paths, tier="source").models) == 2
 
 
+@pytest.mark.usefixtures("one_process")
 def test_arguments_reach_the_xacro(tmp_path: Path) -> None:
     model = tmp_path / "a.xacro"
     model.write_text(XACRO)
@@ -78,6 +82,7 @@ def test_arguments_reach_the_xacro(tmp_path: Path) -> None:
     assert run.scenes[0].root == "3_kg"
 
 
+@pytest.mark.usefixtures("one_process")
 def test_what_is_wrong_with_a_model_is_a_finding_and_what_is_missing_a_failure(tmp_path: Path) -> None:
     broken = tmp_path / "broken.urdf"
     broken.write_text("<robot")

@@ -123,3 +123,17 @@ def test_a_code_in_small_letters_is_understood(capsys: pytest.CaptureFixture[str
 def test_the_tests_of_a_rule_that_does_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["rule", "NAM998"]) == 2
     assert "new-rule NAM998 NAME" in capsys.readouterr().err
+
+
+def test_the_words_of_a_rule_are_among_its_tests(monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[list[str]] = []
+
+    def start(words: list[str], **_: object) -> subprocess.CompletedProcess[str]:
+        started.append(words)
+        return subprocess.CompletedProcess(words, 3 if "tools/check_prose.py" in words else 0)
+
+    monkeypatch.setattr(subprocess, "run", start)
+    assert main(["rule", "NAM001"]) == 3
+    files = {word for words in started for word in words if word.endswith((".md", ".py"))}
+    assert files >= {"rules/NAM001-illegal-name.md", "urdfcheck/checks/nam001_illegal_name.py"}
+    assert all((REPOSITORY / file).is_file() for file in files)

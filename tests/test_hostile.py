@@ -241,6 +241,7 @@ def test_a_file_that_is_called_like_an_option_is_none(checked: Checked) -> None:
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
 @pytest.mark.parametrize("output_format", ["text", "json", "html"])
+@pytest.mark.usefixtures("one_process")
 def test_a_name_that_is_no_text_can_be_written_in_any_encoding(
     checked: Checked, encoding: str, output_format: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

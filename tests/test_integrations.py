@@ -9,14 +9,17 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
+from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
-from typing import Any
+from threading import Thread
+from typing import Any, ClassVar
 from xml.etree import ElementTree
 
 import pytest
 import yaml
 from conftest import REPOSITORY
 from services import accepts
+from versions import ARM
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
@@ -137,7 +140,7 @@ class Runner:
 
     def filled(self, text: str) -> str:
         # What is not there is empty, as on GitHub.
-        return re.sub(r"\$\{\{ ([\w.-]+) \}\}", lambda match: self.known.get(match.group(1), ""), text)
+        return re.sub(r"\$\{\{ (.+?) \}\}", lambda match: self.known.get(match.group(1), ""), text)
 
     def output(self, name: str) -> str:
         return self.known[f"steps.check.outputs.{name}"]
@@ -255,6 +258,214 @@ def test_what_is_installed_once_is_not_installed_again(tmp_path: Path, commands:
     (own / "installed").write_text(str(commands))
     assert runner.run("Install urdfcheck", tmp_path).returncode == 0
     assert runner.known["steps.install.outputs.bin"] == str(commands)
+
+
+# -- the action, what a pull request changes ---------------------------------------------------------------------------
+
+QUICK = "--tier source --select INR003 --no-cache"
+ACCEPTED = "contains(github.event.pull_request.labels.*.name, inputs.diff-accept-label)"
+
+
+@pytest.fixture
+def merged(tmp_path: Path) -> tuple[Path, str]:
+    """A checkout of a pull request as GitHub merges it into a base that has moved on, and the head of the pull request."""
+    folder = tmp_path / "checkout"
+    (folder / "robots").mkdir(parents=True)
+
+    def git(*words: str) -> str:
+        own = ["git", "-c", "user.name=a", "-c", "user.email=a@b", "-c", "commit.gpgsign=false"]
+        return subprocess.run([*own, *words], cwd=folder, check=True, capture_output=True, text=True).stdout.strip()
+
+    def commit(name: str, text: str) -> None:
+        (folder / "robots" / name).write_text(text, encoding="utf-8")
+        git("add", "-A")
+        git("commit", "-q", "-m", name)
+
+    git("init", "-q", "-b", "main")
+    commit("arm.urdf", ARM)
+    git("switch", "-q", "-c", "feature")
+    commit("arm.urdf", ARM.replace('<origin xyz="0.3 0 0" rpy="0 0 0"/>', '<origin xyz="0.341 0 0" rpy="0 0 0"/>'))
+    head = git("rev-parse", "HEAD")
+    git("switch", "-q", "main")
+    commit("other.urdf", SOUND)
+    git("switch", "-q", "--detach")
+    git("merge", "-q", "--no-ff", "-m", "merge", "feature")
+    return folder, head
+
+
+class PullRequest(Runner):
+    """Runs the steps about the change of a pull request."""
+
+    def compare(self, commands: Path, cwd: Path) -> subprocess.CompletedProcess[str]:
+        self.known["steps.install.outputs.bin"] = str(commands)
+        return self.run("What the change does to the robots", cwd)
+
+    def result(self, cwd: Path) -> int:
+        self.known["steps.check.outputs.exit-code"] = "0"
+        return self.run("Result", cwd).returncode
+
+    def output(self, name: str) -> str:
+        return self.known.get(f"steps.diff.outputs.{name}", "")
+
+
+@pytest.mark.smoke
+def test_the_action_compares_a_pull_request_with_its_base(
+    tmp_path: Path, commands: Path, merged: tuple[Path, str]
+) -> None:
+    folder, head = merged
+    inputs = {"diff-fail-on": "kinematic", "diff-args": QUICK}
+    runner = PullRequest(tmp_path, inputs, **{"event.pull_request.head.sha": head})
+    done = runner.compare(commands, folder)
+    assert done.returncode == 0, done.stdout + done.stderr  # so that the steps that upload run
+    assert (runner.output("exit-code"), runner.output("verdict")) == ("1", "kinematic")
+    # What the base did since is no change of the pull request.
+    assert "other.urdf" not in done.stdout
+    assert "::warning file=robots/arm.urdf," in done.stdout
+    assert "tool0 moves by 41 mm" in runner.summary.read_text(encoding="utf-8")
+    assert Path(runner.output("comment")).read_text(encoding="utf-8").startswith("<!-- urdfcheck diff -->\n")
+    assert Path(runner.output("html")).name == "urdfcheck-diff.html"
+    assert Path(runner.output("png")).name == "urdfcheck-diff.png"
+    assert runner.result(folder) == 1
+    runner.known[ACCEPTED] = "true"
+    assert runner.result(folder) == 0
+    # A label accepts a change, and not a version that could not be read.
+    runner.known["steps.diff.outputs.exit-code"] = "2"
+    assert runner.result(folder) == 2
+
+
+def test_a_base_that_was_not_fetched_is_no_green_run(tmp_path: Path, commands: Path, merged: tuple[Path, str]) -> None:
+    folder, head = merged
+    subprocess.run(["git", "clone", "-q", "--depth", "1", folder.as_uri(), tmp_path / "shallow"], check=True)
+    base = subprocess.run(["git", "rev-parse", "main"], cwd=folder, capture_output=True, text=True).stdout.strip()
+    for known, code in ((base, "2"), ("", "2")):
+        event = {"event.pull_request.head.sha": head if known else "", "event.pull_request.base.sha": known}
+        runner = PullRequest(tmp_path, {"diff-args": QUICK}, **event)
+        done = runner.compare(commands, tmp_path / "shallow")
+        assert "give actions/checkout fetch-depth: 2" in done.stdout
+        assert runner.output("exit-code") == code
+        assert runner.result(tmp_path) == 2
+
+
+def test_a_checkout_of_the_head_is_compared_with_where_it_left_the_base(
+    tmp_path: Path, commands: Path, merged: tuple[Path, str]
+) -> None:
+    folder, head = merged
+    base = subprocess.run(["git", "rev-parse", "main"], cwd=folder, capture_output=True, text=True).stdout.strip()
+    subprocess.run(["git", "switch", "-q", "feature"], cwd=folder, check=True)
+    event = {"event.pull_request.head.sha": head, "event.pull_request.base.sha": base}
+    runner = PullRequest(tmp_path, {"diff-args": QUICK, "diff-html": ""}, **event)
+    done = runner.compare(commands, folder)
+    assert (runner.output("exit-code"), runner.output("verdict"), runner.output("html")) == ("0", "kinematic", "")
+    assert "other.urdf" not in done.stdout
+    assert runner.result(folder) == 0
+
+
+def test_what_a_change_is_compared_with_is_not_heeded_either(
+    tmp_path: Path, commands: Path, merged: tuple[Path, str]
+) -> None:
+    other = f'if [ "$2" = - ]; then exec "{sys.executable}" "$@"; fi'
+    (commands / "python").write_text(f'#!/bin/sh\n{other}\nprintf "%s\\n" "$@" > "{tmp_path}/words"\nexit 3\n')
+    for isolated, heeded in (("", False), ("true", False), ("false", True)):
+        runner = PullRequest(tmp_path, {"paths": "-o\nrobots"}, **{"event.pull_request.head.sha": merged[1]})
+        if isolated:
+            runner.known["steps.check.outputs.isolated"] = isolated
+        runner.compare(commands, merged[0])
+        words = (tmp_path / "words").read_text().splitlines()
+        assert ("--isolated" not in words) == heeded
+        assert words[words.index("--") :] == ["--", "-o", "robots"]
+
+
+class Comments(BaseHTTPRequestHandler):
+    """The part of GitHub that keeps the comments of a pull request."""
+
+    kept: ClassVar[list[dict[str, Any]]] = []
+    asked: ClassVar[list[tuple[str, str]]] = []
+    refusal: ClassVar[int] = 0
+
+    def answer(self, code: int, body: object) -> None:
+        self.asked.append((self.command, self.path))
+        if self.refusal and self.command != "GET":
+            code, body = self.refusal, {}
+        self.send_response(code)
+        self.send_header("Content-Type", "application/json")
+        self.send_header("Location", "http://elsewhere.invalid/")
+        self.end_headers()
+        self.wfile.write(json.dumps(body).encode())
+
+    def read_body(self) -> str:
+        assert self.headers["Authorization"] == "Bearer secret"
+        return str(json.loads(self.rfile.read(int(self.headers["Content-Length"])))["body"])
+
+    def do_GET(self) -> None:
+        page = int(self.path.partition("&page=")[2])
+        self.answer(200, self.kept[100 * (page - 1) : 100 * page])
+
+    def do_POST(self) -> None:
+        text = self.read_body()
+        if not self.refusal:
+            self.kept.append({"id": len(self.kept), "user": {"type": "Bot"}, "body": text})
+        self.answer(201, {})
+
+    def do_PATCH(self) -> None:
+        self.kept[int(self.path.rsplit("/", 1)[1])]["body"] = self.read_body()
+        self.answer(200, {})
+
+    def log_message(self, *_words: object) -> None:
+        pass
+
+
+@pytest.mark.smoke
+def test_the_comment_is_written_once_and_then_renewed(
+    tmp_path: Path, commands: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    comment = tmp_path / "comment.md"
+    monkeypatch.setattr(Comments, "kept", [])
+    monkeypatch.setattr(Comments, "asked", [])
+    monkeypatch.setenv("no_proxy", "*")
+    with HTTPServer(("127.0.0.1", 0), Comments) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        runner = PullRequest(
+            tmp_path,
+            {},
+            api_url=f"http://127.0.0.1:{server.server_port}",
+            repository="own/robots",
+            token="secret",
+            action_path=str(REPOSITORY),
+            **{"event.pull_request.number": "7"},
+        )
+        runner.known["steps.install.outputs.bin"] = str(commands)
+        runner.known["steps.diff.outputs.comment"] = str(comment)
+
+        def renew(text: str, verdict: str = "kinematic") -> str:
+            comment.write_text(f"<!-- urdfcheck diff -->\n{text}\n", encoding="utf-8")
+            runner.known["steps.diff.outputs.verdict"] = verdict
+            done = runner.run("Comment on the change", tmp_path)
+            assert done.returncode == 0, done.stderr
+            return done.stdout.strip()
+
+        # A person quotes it, on a page that is full.
+        Comments.kept += [{"id": n, "user": {"type": "User"}, "body": "<!-- urdfcheck diff -->"} for n in range(100)]
+        assert renew("same", "identical") == "comment not written: the robots are the same"
+        assert renew("one") == "comment written"
+        runner.known["steps.diff-artifact.outputs.artifact-url"] = "https://example.org/1"
+        assert renew("two", "identical") == "comment renewed"
+        assert len(Comments.kept) == 101
+        assert Comments.kept[100]["body"].startswith("<!-- urdfcheck diff -->\ntwo\n\nBoth versions in 3D: ")
+        assert "(https://example.org/1)" in Comments.kept[100]["body"]
+        assert {body["body"] for body in Comments.kept[:100]} == {"<!-- urdfcheck diff -->"}
+        assert {path.partition("?")[0] for _, path in Comments.asked} == {
+            "/repos/own/robots/issues/7/comments",
+            "/repos/own/robots/issues/comments/100",
+        }
+        # Neither a token that may only read nor a server that leads elsewhere fails the job.
+        Comments.kept.clear()
+        for refusal, why in ((403, "pull-requests: write"), (302, "the server refuses it")):
+            monkeypatch.setattr(Comments, "refusal", refusal)
+            said = renew("three")
+            assert said.startswith(f"::notice title=urdfcheck diff::no comment ({refusal})")
+            assert why in said
+        server.shutdown()
+    assert renew("four").startswith("::notice title=urdfcheck diff::no comment: ")
 
 
 # -- GitLab and Jenkins: their shell scripts ---------------------------------------------------------------------------

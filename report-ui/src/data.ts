@@ -63,6 +63,10 @@ export interface Finding {
   joints: string[];
   layers: Layer[];
   preview: Preview[];
+  /** Of a change: the links as the first version calls them, in the order of `links`; a name that is empty has no counterpart. */
+  before?: string[];
+  /** The joint positions at which it is seen best. */
+  pose?: Record<string, number>;
 }
 
 export interface ModelData {
@@ -75,6 +79,11 @@ export interface ModelData {
   overlaps: { a: string; b: string; points: number[][]; depth: number | null; finding: string | null }[];
   ground: null | { height: number; contacts: { link: string; point: number[] }[]; support: number[][]; com: number[] };
   findings: Finding[];
+  /** The version that it is compared with, and the pose of that one's root here: the two may have different roots. */
+  before?: ModelData;
+  beforeAt?: number[];
+  /** What has another name there: that name, by the name here. */
+  renamed?: { links: Record<string, string>; joints: Record<string, string> };
 }
 
 /** Where a mesh lies in the geometry, see urdfcheck/facts/mesh/codec.py. */

@@ -2,8 +2,9 @@
 import { Vector3 } from "three";
 import type { Robot } from "./robot.ts";
 import type { Stage } from "./stage.ts";
+import type { Versions } from "./versions.ts";
 
-export function handleOf(stage: Stage, robotNow: () => Robot, moved: () => void): object {
+export function handleOf(stage: Stage, robotNow: () => Robot, versionsNow: () => Versions | null, moved: () => void): object {
   const link = (name: string) => {
     robotNow().root.updateMatrixWorld(true);
     return robotNow().links.get(name)!;
@@ -29,6 +30,10 @@ export function handleOf(stage: Stage, robotNow: () => Robot, moved: () => void)
       const rect = stage.canvas.getBoundingClientRect();
       return [rect.left + ((at.x + 1) / 2) * rect.width, rect.top + ((1 - at.y) / 2) * rect.height];
     },
+    /** Of two versions: the frame of a link in the first, how many bodies differ in each, and which one is chosen (0 to 1). */
+    frameBefore: (name: string) => versionsNow()!.before.links.get(name)!.frame.matrixWorld.clone().transpose().toArray(),
+    differing: () => versionsNow()!.counts,
+    part: () => versionsNow()!.part,
     set: (name: string, value: number) => { robotNow().set(name, value); moved(); },
     /** The picture as a PNG in a data URL. */
     picture: () => stage.picture(),

@@ -7,6 +7,8 @@ export interface Anchor {
   text: string;
   title?: string;
   object: Object3D;
+  /** The link that it names with more words: it needs no second label. */
+  about?: string;
   kind: "link" | "joint" | "frame" | "error" | "ok" | "turn";
   /** Where two labels would lie over each other the higher one stays. */
   rank: number;

@@ -10,19 +10,22 @@ export interface Marks {
   lines: Set<Line>;
   /** Whether there is an inertia that belongs to no body. */
   broken: boolean;
-  repair: { after: boolean; line: Line; turns: boolean; frames: Set<string>; inertias: Set<string>; broken: boolean };
+  /** Whether two versions are compared: then lines tell them apart. */
+  versions: boolean;
+  repair: { isAfter: boolean; line: Line; turns: boolean; frames: Set<string>; inertias: Set<string>; broken: boolean };
 }
 
 // Below this width of the picture, in pixels, the legend is closed at first.
 const NARROW = 600;
 
 /** The lines of the legend: the kind of each mark, and what it means. */
-export function explain({ layers, lines, broken, repair }: Marks): [string, string][] {
-  const { after } = repair;
+export function explain({ layers, lines, broken, versions, repair }: Marks): [string, string][] {
+  const { isAfter: after } = repair;
   const moves = repair.frames.size > 0;
   const said: [string, string | false][] = [
     ["line error", !moves && lines.has("error") && "Link or joint with an error"],
-    ["line warning", !moves && lines.has("warning") && "Link or joint with a warning"],
+    ["line warning", !moves && lines.has("warning") && (versions ? "Before: no longer there" : "Link or joint with a warning")],
+    ["line other", versions && lines.has("other") && "After: not there before"],
     [`line ${repair.line}`, moves && lines.has(repair.line) && `The part ${after ? "before" : "after"} the repair`],
     ["turn", repair.turns && "Rotation from the repaired frame"],
     [`shown ${after ? "after" : "before"}`, repair.inertias.size > 0 && (after || !repair.broken) && `Inertia box ${after ? "after" : "before"} the repair`],

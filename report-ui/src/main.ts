@@ -12,12 +12,13 @@ import type { Line } from "./outline.ts";
 import { filled, Overlays } from "./overlays.ts";
 import { JointPanel } from "./panel.ts";
 import { Repair } from "./repair.ts";
-import { positionOf, Robot, worse, type LinkNode } from "./robot.ts";
+import { positionOf, Robot, worse, type LinkNode, type Look } from "./robot.ts";
 import { Shadow } from "./shadow.ts";
 import { matrix, Shapes } from "./shapes.ts";
 import { DIRECTIONS, Stage, type View } from "./stage.ts";
 import { onTheme, themeOf } from "./theme.ts";
 import { KEYED, Toolbar } from "./toolbar.ts";
+import { Versions } from "./versions.ts";
 
 // How much of the picture stays free around the whole robot, and around what is selected.
 const ROOM = 0.1;
@@ -33,6 +34,8 @@ interface Shown {
   robot: Robot;
   overlays: Overlays;
   repair: Repair;
+  /** Null where the model is not compared with another version. */
+  versions: Versions | null;
   layers: Set<Layer>;
   offered: Set<Layer>;
 }
@@ -62,6 +65,8 @@ class Viewer {
   /** While something is selected: its glyphs only. */
   private onlySelected = true;
   private hovered: string | null = null;
+  /** Whether the joints are where a selection wants them. */
+  private posedForSelection = false;
 
   constructor(private readonly section: HTMLElement, private readonly data: StageData, geometry: Uint8Array) {
     const part = (name: string) => section.querySelector<HTMLElement>(`.uc-${name}`)!;
@@ -110,25 +115,36 @@ class Viewer {
     return this.robot.data;
   }
 
+  /** The bounds of all that is drawn. */
+  private get box(): Box3 {
+    const { robot, versions } = this.shown;
+    return versions ? robot.box.clone().union(versions.before.box) : robot.box;
+  }
+
   // -- what is shown --
 
   private open(index: number): void {
     if (this.shown) {
       this.shown.repair.show(null);
       this.shown.robot.root.removeFromParent();
+      this.shown.versions?.before.root.removeFromParent();
+      this.shown.versions?.ways.removeFromParent();
     }
     let shown = this.known.get(index);
     if (!shown) {
-      const robot = new Robot(this.data.models[index], this.shapes);
-      const offered = filled(robot, this.shapes);
+      const data = this.data.models[index]!;
+      const robot = new Robot(data, this.shapes);
+      const versions = data.before ? new Versions(robot, data.before, this.shapes) : null;
+      const offered = new Set([...filled(robot, this.shapes), ...(versions?.offered ?? [])]);
       const layers = new Set<Layer>(offered.has("visual") ? ["visual"] : offered.has("collision") ? ["collision"] : []);
-      shown = { robot, overlays: new Overlays(robot, this.shapes), repair: new Repair(robot), layers, offered };
+      shown = { robot, overlays: new Overlays(robot, this.shapes), repair: new Repair(robot), versions, layers, offered };
       this.known.set(index, shown);
     }
     this.shown = shown;
     this.stage.scene.add(this.robot.root);
+    if (shown.versions) this.stage.scene.add(shown.versions.before.root, shown.versions.ways);
     const { data } = this.robot;
-    this.stage.fit(this.robot.box, this.robot.ground, this.theme);
+    this.stage.fit(this.box, this.robot.ground, this.theme);
     this.scale.textContent = `grid ${this.stage.cell}`;
     this.stage.canvas.setAttribute(
       "aria-label",
@@ -136,7 +152,7 @@ class Viewer {
     );
     this.print.alt = `${data.name}, as it stands with every joint at its start`;
     const severities = [...this.robot.links.values()].map((link) => this.robot.severityOf(link));
-    this.toolbar.offer(shown.offered, severities.includes("error") || severities.includes("warning"));
+    this.toolbar.offer(shown.offered, !shown.versions && (severities.includes("error") || severities.includes("warning")));
     if (this.toolbar.models) this.toolbar.models.selectedIndex = index;
     this.panel.show(this.robot);
     this.cast();
@@ -150,7 +166,7 @@ class Viewer {
     if (!this.selection) return null;
     const { link, joint } = this.selection;
     const joints = this.finding ? this.finding.joints : joint === undefined ? [] : [joint];
-    const links = new Set(this.finding ? this.finding.links : link === undefined ? [] : [link]);
+    const links = new Set(this.finding ? this.finding.links.filter(Boolean) : link === undefined ? [] : [link]);
     for (const name of joints) {
       const child = this.robot.joints.get(name)?.data.child;
       if (child !== undefined) links.add(child);
@@ -161,9 +177,21 @@ class Viewer {
     return links.size ? links : null;
   }
 
+  /** The same links as the first of two versions calls them; null where none are named, or all of the robot is shown. */
+  private get subjectsBefore(): Set<string> | null {
+    const { versions } = this.shown;
+    if (!versions || !this.selection) return null;
+    if (this.finding?.pose) return null;
+    const own = this.finding?.before?.filter(Boolean) ?? [...(this.subjects ?? [])].map((name) => versions.nameBefore(name));
+    return own.length || this.subjects ? new Set(own) : null;
+  }
+
   /** Those that stay solid: the subjects, and what a joint hangs on where that helps to see it. */
   private lit(subjects: Set<string> | null): Set<string> | null {
-    if (!subjects) return null;
+    // How far a part moves is seen beside all that does not.
+    if (this.finding?.pose) return null;
+    // What is only in the first version stands out from all of the second.
+    if (!subjects) return this.subjectsBefore ? new Set() : null;
     const lit = new Set(subjects);
     for (const name of subjects) {
       const node = this.robot.links.get(name);
@@ -174,42 +202,50 @@ class Viewer {
   }
 
   private update(): void {
-    const { robot, overlays, layers, repair } = this.shown;
+    const { robot, layers, repair, versions } = this.shown;
     const subjects = this.subjects;
     const visual = layers.has("visual") || this.asked.has("visual");
-    const outlined = robot.dress(
-      {
-        visual,
-        collision: layers.has("collision") || this.asked.has("collision"),
-        lit: this.lit(subjects),
-        // A repair has lines of its own, and after it there is nothing to warn of.
-        outline: (name, own) => {
-          if (!this.outlined || repair.frames.size || repair.after) return "";
-          return !this.finding || !subjects ? own : subjects.has(name) ? this.finding.severity : "";
-        },
-        hovered: this.hovered,
+    const collision = layers.has("collision") || this.asked.has("collision");
+    const look: Look = {
+      visual,
+      // Of two versions those of the one that is chosen.
+      collision: collision && (versions?.isAfter ?? true),
+      lit: this.lit(subjects),
+      // Two versions and a repair have lines of their own, and after a repair there is nothing to warn of.
+      outline: (name, own) => {
+        if (!this.outlined || versions || repair.frames.size || repair.isAfter) return "";
+        return !this.finding || !subjects ? own : subjects.has(name) ? this.finding.severity : "";
       },
-      this.theme,
-    );
+      hovered: this.hovered,
+    };
+    const outlined = robot.dress(look, this.theme);
     if (visual) outlined.push(...repair.outlined);
+    const litBefore = this.subjectsBefore;
+    versions?.dress(outlined, { ...look, collision }, litBefore, this.theme);
     this.stage.outline.show(outlined);
     robot.root.updateMatrixWorld(true);
-    this.shadow.show(visual, this.theme.dark, subjects !== null);
-    const anchors = overlays.show(layers, this.asked, subjects, this.onlySelected, repair).concat(repair.anchors);
+    this.shadow.show(visual, this.theme.dark, look.lit !== null);
+    const isBefore = versions !== null && !versions.isAfter;
+    const [overlays, others] = isBefore ? [versions.overlays, this.shown.overlays] : [this.shown.overlays, versions?.overlays];
+    others?.show(new Set(), new Set(), null, false, repair);
+    const anchors = overlays.show(layers, this.asked, isBefore ? litBefore : subjects, this.onlySelected, repair)
+      .concat(repair.anchors, versions?.anchors ?? []);
     this.labels.set(anchors.concat(this.names(subjects, anchors)));
     const on = new Set([...layers, ...this.asked]);
-    this.toolbar.show(on, this.outlined, this.onlySelected, this.stage.parallel, subjects !== null);
-    this.compare.show(repair);
+    this.toolbar.show(on, this.outlined, this.onlySelected, this.stage.parallel, look.lit !== null);
+    this.compare.show(versions ?? repair);
     const lines = new Set(outlined.map(({ line }) => line).filter((line): line is Line => line !== null));
     const { drawn } = overlays;
-    this.legend.show({ ...drawn, layers: on.has("collision") ? drawn.layers.add("collision") : drawn.layers, lines, repair });
+    this.legend.show({
+      ...drawn, layers: on.has("collision") ? drawn.layers.add("collision") : drawn.layers, lines, repair, versions: versions !== null,
+    });
     this.stage.request();
   }
 
   /** The names of the selected links, if no label says them already. */
   private names(subjects: Set<string> | null, others: Anchor[]): Anchor[] {
     if (!subjects || subjects.size > 6) return [];
-    const said = new Set(others.filter((anchor) => anchor.kind === "link").map((anchor) => anchor.text));
+    const said = new Set(others.map((anchor) => anchor.about ?? (anchor.kind === "link" ? anchor.text : "")));
     return [...subjects].flatMap((name) => {
       const link = this.robot.links.get(name);
       return link && !said.has(name) && !this.shown.repair.inertias.has(name) ? [{ text: name, object: link.frame, kind: "link" as const, rank: 5 }] : [];
@@ -223,17 +259,29 @@ class Viewer {
 
   private posed(): void {
     this.cast();
-    const { repair } = this.shown;
+    const { repair, versions } = this.shown;
+    versions?.pose();
+    versions?.trace(this.finding);
     if (repair.shown) {
-      const { after } = repair;
+      const { isAfter } = repair;
       this.suggest();
-      repair.place(after ? 1 : 0);
+      repair.place(isAfter ? 1 : 0);
     }
     this.update();
   }
 
+  /** Puts the joints where a change is seen best, or back. */
+  private assume(pose: Record<string, number> | undefined): void {
+    if (!pose && !this.posedForSelection) return;
+    for (const joint of this.robot.movable) this.robot.set(joint.data.name, pose?.[joint.data.name] ?? joint.data.start);
+    this.posedForSelection = pose !== undefined;
+    this.panel.refresh(true);
+    this.posed();
+  }
+
   private suggest(): Vector3[] {
     this.compare.stop();
+    this.shown.versions?.trace(this.finding);
     return this.shown.repair.show(this.finding);
   }
 
@@ -249,7 +297,7 @@ class Viewer {
 
   private look(name: string): void {
     const { subjects } = this;
-    const box = subjects ? this.boundsOf(subjects, []) : this.robot.box;
+    const box = subjects ? this.boundsOf(subjects, []) : this.box;
     this.stage.touched = false;
     this.aim = () => this.stage.around(box, new Vector3(...DIRECTIONS[name]), subjects ? CLOSE : ROOM);
     this.arrive();
@@ -257,7 +305,7 @@ class Viewer {
 
   private home(atOnce = false): void {
     this.stage.touched = false;
-    this.aim = () => this.stage.around(this.robot.box, new Vector3(...DIRECTIONS.iso), ROOM);
+    this.aim = () => this.stage.around(this.box, new Vector3(...DIRECTIONS.iso), ROOM);
     this.arrive(atOnce);
   }
 
@@ -269,6 +317,16 @@ class Viewer {
     // On a low picture the buttons may lie over the robot.
     this.stage.inset = Math.min(this.bar.offsetTop + this.bar.offsetHeight, 0.3 * this.stage.bounds.height);
     this.stage.fly(this.aim(), atOnce);
+  }
+
+  /** The bounds of all that is drawn, as the joints are now. */
+  private boundsNow(): Box3 {
+    const { robot, versions } = this.shown;
+    const box = new Box3();
+    for (const drawn of versions ? [robot, versions.before] : [robot]) {
+      for (const link of drawn.links.values()) box.union(drawn.boundsOf(link)).expandByPoint(positionOf(link.frame));
+    }
+    return box;
   }
 
   /** The bounds of links; those without shapes count as big as their glyphs. The body that an inertia stands for counts where
@@ -291,6 +349,11 @@ class Viewer {
         box.union(body.applyMatrix4(matrix(inertia.at)).applyMatrix4(link.frame.matrixWorld));
       }
     }
+    for (const name of this.subjectsBefore ?? []) {
+      const { before } = this.shown.versions!;
+      const link = before.links.get(name);
+      if (link) box.union(before.boundsOf(link)).expandByPoint(positionOf(link.frame));
+    }
     // However small a link is, what is around it helps to tell where it is.
     const small = 0.05 * this.robot.size;
     const middle = box.getCenter(new Vector3());
@@ -310,22 +373,24 @@ class Viewer {
     const { offered, layers } = this.shown;
     const asked: Layer[] = this.finding?.layers ?? (selection.joint !== undefined ? ["axes", "frames"] : ["frames"]);
     this.asked = new Set(asked.filter((layer) => offered.has(layer) && !layers.has(layer)));
+    this.assume(this.finding?.pose);
     const points = this.suggest();
     const subjects = [...(this.subjects ?? [])];
     // Where nothing of it can be seen, its frame is shown.
     if (subjects.length && subjects.every((name) => this.robot.links.get(name)?.box.isEmpty())) this.asked.add("frames");
     document.body.dataset.selected = subjects[0] ?? "";
     this.update();
-    if (!subjects.length && !points.length) return this.home();
+    if (!subjects.length && !points.length && !this.subjectsBefore) return this.home();
     const { direction } = this.stage.view();
     // From below or straight above little can be told.
     const level = Math.max(0.22, Math.min(0.72, direction.z));
     const flat = Math.hypot(direction.x, direction.y) || 1;
     const side = Math.sqrt(1 - level * level) / flat;
     const from = new Vector3(direction.x * side, direction.y * side, level);
-    const box = this.boundsOf(subjects, points);
+    const isWhole = this.finding?.pose !== undefined;
+    const box = isWhole ? this.boundsNow() : this.boundsOf(subjects, points);
     this.stage.touched = false;
-    this.aim = () => this.stage.around(box, from, CLOSE);
+    this.aim = () => this.stage.around(box, from, isWhole ? ROOM : CLOSE);
     this.arrive();
   }
 
@@ -334,6 +399,7 @@ class Viewer {
     this.selection = null;
     this.finding = null;
     this.asked.clear();
+    this.assume(undefined);
     this.suggest();
     document.body.dataset.selected = "";
     this.update();
@@ -399,7 +465,7 @@ class Viewer {
     const own = this.model.findings.filter(
       ({ links, joints }) => links.includes(link.data.name) || (joint !== undefined && joints.includes(joint)),
     );
-    if (!own.length) return [el("span", {}, "no findings")];
+    if (!own.length) return [el("span", {}, this.shown.versions ? "no change" : "no findings")];
     const worst = own.reduce((a, b) => (worse(a.severity, b.severity) === a.severity ? a : b));
     const more = own.length > 1 ? ` and ${own.length - 1} more` : "";
     return [el("span", { class: worst.severity }, `${worst.severity} ${worst.code}${more}`)];
@@ -447,7 +513,7 @@ class Viewer {
   }
 
   get handle(): object {
-    return handleOf(this.stage, () => this.robot, () => { this.panel.refresh(); this.posed(); });
+    return handleOf(this.stage, () => this.robot, () => this.shown.versions, () => { this.panel.refresh(); this.posed(); });
   }
 }
 

@@ -116,7 +116,7 @@ export class Overlays {
   /** A repair draws frames and inertias itself, and may move the COM. */
   private replaced({ layer, links }: Overlay, repair: Repair): boolean {
     if (layer === "frames") return links.length === 1 && repair.frames.has(links[0]);
-    return (layer === "box" || (layer === "com" && repair.after)) && links.some((link) => repair.inertias.has(link));
+    return (layer === "box" || (layer === "com" && repair.isAfter)) && links.some((link) => repair.inertias.has(link));
   }
 
   private build(layer: Layer): Overlay[] {

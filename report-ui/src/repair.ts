@@ -41,7 +41,10 @@ export class Repair {
     return this.steps.length > 0;
   }
 
-  get after(): boolean {
+  readonly slides = false;
+  readonly what = "the repair";
+
+  get isAfter(): boolean {
     return this.part > 0.5;
   }
 
@@ -66,12 +69,12 @@ export class Repair {
   }
 
   get anchors(): Anchor[] {
-    return this.steps.flatMap((step) => step.anchors(this.after));
+    return this.steps.flatMap((step) => step.anchors(this.isAfter));
   }
 
   /** The colour of the state that is not drawn. */
   get line(): Line {
-    return !this.after ? "other" : this.severity === "error" ? "error" : "warning";
+    return !this.isAfter ? "other" : this.severity === "error" ? "error" : "warning";
   }
 
   get outlined(): Outlined[] {

@@ -70,7 +70,9 @@ export class Robot {
   private readonly bones = mark(UNPAINTED);
   private collisionsBuilt = false;
 
-  constructor(readonly data: ModelData, private readonly shapes: Shapes) {
+  /** `at`: the pose of the root in the world. */
+  constructor(readonly data: ModelData, private readonly shapes: Shapes, at?: number[]) {
+    if (at) this.root.matrix.copy(matrix(at));
     for (const link of data.links) this.links.set(link.name, this.linkNode(link));
     const below = new Map<string, Joint[]>();
     for (const joint of data.joints) below.set(joint.parent, [...(below.get(joint.parent) ?? []), joint]);

@@ -7,6 +7,11 @@ export function length(metres: number): string {
   return `${Number((metres * factor).toPrecision(2))} ${unit}`;
 }
 
+/** A length as `urdfcheck diff` writes it: 41 mm, 1.25 m. */
+export function distance(metres: number): string {
+  return metres < 1 ? `${Number((1000 * metres).toPrecision(3))} mm` : `${Number(metres.toPrecision(3))} m`;
+}
+
 /** An angle in degrees with a minus sign: −43.1°, 180°, 0.25°. */
 export function angle(radians: number): string {
   const degrees = (radians * 180) / Math.PI;

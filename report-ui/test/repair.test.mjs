@@ -5,7 +5,7 @@ import { load } from "./load.mjs";
 
 const { turnOf } = await load("repair");
 const { explain } = await load("legend");
-const { angle, length } = await load("words");
+const { angle, distance, length } = await load("words");
 
 const turned = (axis, degrees) => new Matrix4().makeRotationAxis(new Vector3(...axis).normalize(), (degrees * Math.PI) / 180);
 const degrees = (turn) => (turn.angle * 180) / Math.PI;
@@ -34,21 +34,24 @@ test("numbers read well", () => {
   assert.equal(angle(-1e-6), "0°");
   assert.equal(length(0.0032), "3.2 mm");
   assert.equal(length(1.5), "1.5 m");
+  assert.equal(distance(0.1044), "104 mm");
+  assert.equal(distance(1.2519), "1.25 m");
 });
 
 test("the legend names what is drawn, and nothing else", () => {
-  const none = { after: false, line: "other", turns: false, frames: new Set(), inertias: new Set(), broken: false };
-  const said = (marks) => explain({ layers: new Set(), lines: new Set(), broken: false, repair: none, ...marks }).map(([kind]) => kind);
+  const none = { isAfter: false, line: "other", turns: false, frames: new Set(), inertias: new Set(), broken: false };
+  const said = (marks) => explain({ layers: new Set(), lines: new Set(), broken: false, versions: false, repair: none, ...marks }).map(([kind]) => kind);
   assert.deepEqual(said({}), []);
   assert.deepEqual(said({ layers: new Set(["visual", "com"]), lines: new Set(["error", "warning"]) }), ["line error", "line warning", "com"]);
   assert.deepEqual(said({ broken: true }), ["broken"]);
+  assert.deepEqual(said({ lines: new Set(["warning", "other"]), versions: true }), ["line warning", "line other"]);
   const inertia = { ...none, inertias: new Set(["arm"]) };
   assert.deepEqual(said({ repair: inertia }), ["shown before", "dashed after"]);
-  assert.deepEqual(said({ repair: { ...inertia, after: true } }), ["shown after", "dashed before"]);
+  assert.deepEqual(said({ repair: { ...inertia, isAfter: true } }), ["shown after", "dashed before"]);
   assert.deepEqual(said({ repair: { ...inertia, broken: true } }), ["dashed after", "broken"]);
-  assert.deepEqual(said({ repair: { ...inertia, broken: true, after: true } }), ["shown after"]);
+  assert.deepEqual(said({ repair: { ...inertia, broken: true, isAfter: true } }), ["shown after"]);
   const joint = { ...none, frames: new Set(["wheel"]), turns: true };
   assert.deepEqual(said({ lines: new Set(["other"]), repair: joint }), ["line other", "turn", "frames"]);
-  const after = { ...joint, after: true, line: "warning" };
+  const after = { ...joint, isAfter: true, line: "warning" };
   assert.deepEqual(said({ lines: new Set(["warning"]), repair: after }), ["line warning", "turn", "frames"]);
 });

@@ -477,6 +477,7 @@ def test_the_command_compares_revisions_and_fails_as_asked(repository: Path) -> 
         (("HEAD\x1b[31m",), "there is no such revision"),
     ],
 )
+@pytest.mark.usefixtures("one_process")
 def test_wrong_words_are_refused(repository: Path, words: tuple[str, ...], said: str) -> None:
     done = command("diff", *words, *(() if "--" in words else QUICK), cwd=repository)
     assert (done.returncode, done.stdout) == (FAILED, "")

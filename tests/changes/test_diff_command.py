@@ -68,7 +68,7 @@ def test_the_text_begins_with_the_verdict_and_names_the_lines(folder: Path) -> N
     assert len(lines) <= 10
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("one_process")
 @pytest.mark.parametrize(
     ("after", "options", "code"),
     [
@@ -109,7 +109,7 @@ def test_a_wrong_option_is_refused(folder: Path, options: tuple[str, ...], said:
     assert said in done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("one_process")
 def test_json_follows_its_schema(folder: Path) -> None:
     done = command("diff", "a.urdf", "heavier.urdf", "--format", "json", *QUICK, cwd=folder)
     found = validate(done.stdout)
@@ -129,7 +129,7 @@ def test_python_does_what_the_command_does(folder: Path) -> None:
 # -- what cannot be read -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("one_process")
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -152,7 +152,7 @@ def test_a_version_that_gives_no_robot_fails(folder: Path, text: str, said: str,
     validate(command("diff", *names, "--format", "json", *QUICK, cwd=folder).stdout)
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("one_process")
 def test_a_path_that_does_not_exist_fails(folder: Path) -> None:
     done = command("diff", "a.urdf", "absent.urdf", cwd=folder)
     assert (done.returncode, done.stdout) == (FAILED, "")

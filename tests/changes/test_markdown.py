@@ -114,7 +114,7 @@ def test_a_comment_has_a_limit(tmp_path: Path) -> None:
     list_unfolded(text)
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("one_process")
 def test_the_command_prints_it(tmp_path: Path) -> None:
     (tmp_path / "a.urdf").write_text(ARM)
     (tmp_path / "b.urdf").write_text(LONGER)

@@ -114,6 +114,7 @@ def test_degrees_are_recognised(tmp_path: Path) -> None:
     assert "as degrees it is 0.785 rad" in finding.message
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_misspelled_interface_is_repaired(tmp_path: Path) -> None:
     path = tmp_path / "r.urdf"
     path.write_text(

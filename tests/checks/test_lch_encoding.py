@@ -44,6 +44,7 @@ def test_the_spawner_gets_the_text_of_the_file(tmp_path: Path, launch: str, is_r
     assert [f.severity for f in findings] == [Severity.ERROR] * is_reported
 
 
+@pytest.mark.usefixtures("one_process")
 @pytest.mark.parametrize(
     ("head", "is_refused"),
     [

@@ -56,6 +56,7 @@ def give(value: str) -> str:
         f"share = FindPackageShare('car')\ngiven = [{give(COMMAND).strip()}]\n",
     ],
 )
+@pytest.mark.usefixtures("one_process")
 def test_a_command_without_a_type_is_reported_and_repaired(tmp_path: Path, body: str) -> None:
     (finding,) = find_in_python(tmp_path, body)
     assert finding.message_id == "passed"
@@ -116,6 +117,7 @@ def test_no_edit_where_the_import_has_no_line_of_its_own(tmp_path: Path) -> None
     assert not finding.fix.edits
 
 
+@pytest.mark.usefixtures("one_process")
 @pytest.mark.parametrize(
     ("param", "is_reported"),
     [

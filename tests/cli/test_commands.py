@@ -53,6 +53,7 @@ def test_fail_on_info_counts_every_finding(folder: Path) -> None:
     assert urdfcheck("noted.urdf", *select, "--fail-on", "info", cwd=folder).returncode == cli.FINDINGS
 
 
+@pytest.mark.usefixtures("one_process")
 def test_nothing_to_check_is_3_unless_allowed(tmp_path: Path) -> None:
     assert urdfcheck(".", cwd=tmp_path).returncode == cli.NOTHING
     assert urdfcheck(".", "--allow-empty", cwd=tmp_path).returncode == cli.OK
@@ -86,6 +87,7 @@ def test_a_path_that_does_not_exist_is_2_and_the_others_are_still_checked(folder
         (["rule", "XYZ000"], "no rule"),
     ],
 )
+@pytest.mark.usefixtures("one_process")
 def test_a_wrong_command_line_is_2_and_says_what_to_write(words: list[str], says: str, tmp_path: Path) -> None:
     done = urdfcheck(*words, cwd=tmp_path)
     assert done.returncode == cli.FAILED
@@ -93,6 +95,7 @@ def test_a_wrong_command_line_is_2_and_says_what_to_write(words: list[str], says
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_report_that_cannot_be_written_is_2(folder: Path) -> None:
     done = urdfcheck("sound.urdf", "-o", "html=sound.urdf/report.html", "-o", "text=report.txt", cwd=folder)
     assert done.returncode == cli.FAILED
@@ -325,6 +328,7 @@ class TestConfiguration:
         assert says in done.stderr
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_report_to_what_is_no_file_goes_into_it(tmp_path: Path) -> None:
     """As root a rename would put a file in the place of the device."""
     import os
@@ -433,6 +437,7 @@ def test_every_command_takes_the_options_of_the_table() -> None:
 
 
 @pytest.mark.parametrize("command", ["srdf", "engines", "drop"])
+@pytest.mark.usefixtures("one_process")
 def test_what_is_wrong_with_an_option_is_told_by_every_command(folder: Path, command: str) -> None:
     assert "--jobs 0: at least 1" in urdfcheck(command, "sound.urdf", "--jobs", "0", cwd=folder).stderr
     if command != "srdf":

@@ -73,6 +73,7 @@ def test_a_sound_robot_drives_as_far_as_its_wheels_roll(tmp_path: Path) -> None:
     assert max(wheel.slip for wheel in found.wheels) < 0.01
 
 
+@pytest.mark.usefixtures("one_process")
 def test_every_format_shows_the_drive(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run = drive(tmp_path, CART)
     report = json.loads(render_json(run))

@@ -680,6 +680,7 @@ def urdfcheck(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return command(*words, "--tier", "source", "--no-cache", cwd=cwd)
 
 
+@pytest.mark.usefixtures("one_process")
 def test_fix_reports_what_remains_and_stdout_stays_json(tmp_path: Path) -> None:
     path = written(tmp_path, make_robot_on_base(noisy(), AXIS))
     words = ("robot.urdf", "--select", "JNT002,JNT014", "--format", "json", "--fail-on", "warning")
@@ -692,6 +693,7 @@ def test_fix_reports_what_remains_and_stdout_stays_json(tmp_path: Path) -> None:
     assert path.read_text() == make_robot_on_base(noisy(x="0"), AXIS.replace("2", "1"))
 
 
+@pytest.mark.usefixtures("one_process")
 def test_diff_changes_nothing_and_can_be_applied(tmp_path: Path) -> None:
     text = make_robot_on_base("\n", noisy(), "\n", AXIS, "\n")
     path = written(tmp_path, text)
@@ -729,6 +731,7 @@ def test_options_that_make_no_sense_together(tmp_path: Path, words: tuple[str, .
     assert says in done.stderr
 
 
+@pytest.mark.usefixtures("one_process")
 def test_what_was_not_fixed_is_said_once_for_each_reason(tmp_path: Path) -> None:
     path = written(tmp_path, make_robot_on_base(noisy(), AXIS))
     path.chmod(0o444)
@@ -738,6 +741,7 @@ def test_what_was_not_fixed_is_said_once_for_each_reason(tmp_path: Path) -> None
     ]
 
 
+@pytest.mark.usefixtures("one_process")
 def test_the_report_tells_what_each_option_repairs(tmp_path: Path) -> None:
     written(tmp_path, make_robot_on_base(noisy(), AXIS))
     done = urdfcheck("robot.urdf", "--select", "JNT002,JNT014", "--verbose", cwd=tmp_path)

@@ -43,7 +43,7 @@ from output.runs import (
 )
 
 from urdfcheck.cli import job_summary
-from urdfcheck.cli.output_files import parse_outputs
+from urdfcheck.cli.output_files import parse_run_outputs
 from urdfcheck.core import (
     Applicability,
     Cause,
@@ -821,9 +821,9 @@ def test_two_reports_do_not_go_into_one_file_nor_over_a_model(tmp_path: Path) ->
         [f"html={tmp_path}/other.urdf"],
     ):
         with pytest.raises(UrdfcheckError):
-            parse_outputs(words, [str(model)])
+            parse_run_outputs(words, [str(model)])
     fine = [f"text={tmp_path}/a.txt", f"sarif={tmp_path}/a.sarif", "json=/dev/null", "html=/dev/null"]
-    assert [name for name, _ in parse_outputs(fine, [str(model)])] == ["text", "sarif", "json", "html"]
+    assert [name for name, _ in parse_run_outputs(fine, [str(model)])] == ["text", "sarif", "json", "html"]
 
 
 def test_the_summary_of_a_job_is_appended_while_there_is_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from output.documents import read
 from output.runs import IDENTITY, a_run, info, make_link, scene
 
-from urdfcheck.cli.output_files import CheckedFolders, parse_outputs, write_report
+from urdfcheck.cli.output_files import CheckedFolders, parse_run_outputs, write_report
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.core.scene import Scene, SceneDrawing, SceneMesh, SceneShape
 from urdfcheck.facts.mesh.codec import pack_mesh
@@ -217,9 +217,26 @@ def test_a_run_of_one_model_has_a_picture_and_any_other_says_why_not() -> None:
 
 
 def test_the_command_writes_it_as_it_is(tmp_path: Path) -> None:
-    ((name, file),) = parse_outputs([f"png={tmp_path / 'robot.png'}"], [])
+    ((name, file),) = parse_run_outputs([f"png={tmp_path / 'robot.png'}"], [])
     write_report(a_run(scenes=(make_scene((sphere(RED),)),)), name, file, checked=CheckedFolders())
     assert decoded(file.read_bytes()).shape == (900, 1200, 4)
+
+
+def test_two_versions_differ_in_lines_and_a_pale_shade() -> None:
+    """What both have is drawn as ever; the first alone has orange, the second alone green."""
+    here, there = (make_scene((sphere(RED), sphere(RED, moved(x)))) for x in (3.0, 3.5))
+    picture = decoded(robot_picture.render_versions(here, there, IDENTITY, 320, 240)).reshape(-1, 4).astype(int)
+    lines = picture[picture[:, 3] == 255][:, :3]
+    orange, green = (int((np.abs(lines - colour).max(axis=1) < 30).sum()) for colour in ((217, 119, 6), (18, 140, 80)))
+    assert min(orange, green) > 20
+    assert (picture[:, 3] == 70).sum() > 20
+    same = decoded(robot_picture.render_versions(here, here, IDENTITY, 320, 240))
+    assert (same == decoded(robot_picture.render_scene(here, 320, 240))).all()
+    assert robot_picture.render_versions(here, make_scene(()), IDENTITY) == b""
+    # Another root is no difference.
+    lifted = make_scene((sphere(RED, moved(0.0, 0.0, 2.0)), sphere(RED, moved(3.0, 0.0, 2.0))))
+    down = decoded(robot_picture.render_versions(lifted, here, moved(0.0, 0.0, -2.0), 320, 240))
+    assert (down == same).all()
 
 
 @pytest.mark.parametrize(("robots", "expected"), [(1, 1), (2, 0)])

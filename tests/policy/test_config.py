@@ -574,6 +574,7 @@ reason = "scanned"
         assert cli.main(["config", "none.urdf"]) == cli.FAILED
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_wrong_configuration_below_is_a_finding_and_a_failure_and_the_others_are_checked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -132,6 +132,7 @@ def test_the_remedy_is_a_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert not check(Path("robot.urdf.xacro"), arguments={"side": "left"}).unchecked_models
 
 
+@pytest.mark.usefixtures("one_process")
 def test_the_command_repeats_the_options_without_which_another_cause_comes_first(tmp_path: Path) -> None:
     body = '<xacro:include filename="$(find hand)/hand.xacro"/><xacro:include filename="$(find tool)/tool.xacro"/>'
     write(tmp_path / "arm", {"arm.urdf.xacro": XACRO.format(body)})
@@ -155,6 +156,7 @@ def test_the_command_repeats_the_options_without_which_another_cause_comes_first
         ("<link name=\"${xacro.load_yaml('none.yaml')}\"/>", ""),
     ],
 )
+@pytest.mark.usefixtures("one_process")
 def test_each_cause_names_the_option_that_helps(body: str, remedy: str, tmp_path: Path) -> None:
     (info,) = pipeline.run(make_request(write(tmp_path, {"robot.urdf.xacro": XACRO.format(body)}))).unchecked_models
     assert info.not_checked is not None
@@ -264,6 +266,7 @@ def test_a_folder_or_file_that_cannot_be_read_is_a_failure(
     assert f"\nnot checked: {name}: cannot be read: Permission denied\n" in text.render(outcome)
 
 
+@pytest.mark.usefixtures("one_process")
 def test_what_is_excluded_or_ignored_need_not_be_readable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(tmp_path, {"sound.urdf": SOUND, "third_party/secret/r.urdf": SOUND, "build/r.urdf": SOUND})
     write(tmp_path, {"urdfcheck.toml": 'exclude = ["third_party/**"]\n', "secret.txt": ""})
@@ -332,6 +335,7 @@ MACRO = (
 )
 
 
+@pytest.mark.usefixtures("one_process")
 def test_macro_files_that_no_checked_model_reads_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     used = XACRO.format('<xacro:include filename="a.xacro"/><xacro:a/>')
@@ -400,6 +404,7 @@ def test_a_command_about_one_model_fails_without_it(name: str, tmp_path: Path) -
     assert command(name, "robot.urdf.xacro", cwd=tmp_path).returncode == FAILED
 
 
+@pytest.mark.usefixtures("one_process")
 def test_from_python(tmp_path: Path) -> None:
     write(tmp_path, CASES["XAC010"])
     run = urdfcheck.check(tmp_path, select="INR003", jobs=1, cache=False)
@@ -431,6 +436,7 @@ def test_a_command_for_one_model_accepts_that_it_is_not_checked(
     assert main([name, path, "--isolated"]) == FAILED
 
 
+@pytest.mark.usefixtures("one_process")
 def test_an_empty_folder_is_accepted_by_every_command_that_takes_folders(tmp_path: Path) -> None:
     (tmp_path / "docs").mkdir()
     pytest.importorskip("mujoco")

@@ -135,6 +135,32 @@ def test_a_file_that_git_ignores_but_tracks_is_checked(workspace: Path) -> None:
     assert models(".") == ["a.urdf"]
 
 
+@pytest.mark.parametrize(
+    ("repository", "elsewhere", "is_asked"),
+    [("", "", False), ("a/.git", "", True), (".git", "", True), ("", "x", True)],
+)
+def test_git_is_asked_only_where_it_can_know_of_a_repository(
+    workspace: Path, repository: str, elsewhere: str, is_asked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A process costs as much as the search of a small folder."""
+    write(workspace, {"a/a.urdf": URDF})
+    if repository:
+        (workspace / repository).write_text("gitdir: elsewhere\n")  # as a work tree beside the repository has it
+    if elsewhere:
+        monkeypatch.setenv("GIT_DIR", elsewhere)
+    started: list[object] = []
+
+    def start(words: object, **_: object) -> None:
+        started.append(words)
+        raise OSError
+
+    monkeypatch.setattr(subprocess, "run", start)
+    os.symlink("a", workspace / "link")
+    assert models("a") == ["a/a.urdf"]
+    assert models("link") == ["link/a.urdf"]
+    assert len(started) == 2 * is_asked
+
+
 def test_git_starts_nothing_that_the_repository_asks_for(workspace: Path) -> None:
     write(workspace, {"a.urdf": URDF})
     git(workspace, "init", "-q")
@@ -744,10 +770,12 @@ def test_a_launch_file_that_takes_too_long_or_crashes_hides_no_other(
 
 @pytest.mark.parametrize("form", ["$(arg a{})", "$(arg $(arg b{}))"], ids=["plain", "computed"])
 def test_a_long_chain_of_arguments_is_no_crash(workspace: Path, form: str) -> None:
+    """Longer than Python lets functions call themselves; the time grows with the square of the length."""
+    assert sys.getrecursionlimit() <= 1000
     chain = "".join(
-        f'<arg name="a{i}" default="{form.format(i - 1)}"/><arg name="b{i}" default="a{i}"/>' for i in range(1, 3000)
+        f'<arg name="a{i}" default="{form.format(i - 1)}"/><arg name="b{i}" default="a{i}"/>' for i in range(1, 1500)
     )
-    description = '<param name="robot_description" command="xacro $(arg a2999)"/>'
+    description = '<param name="robot_description" command="xacro $(arg a1499)"/>'
     write(workspace, {"x.launch": f"<launch>{chain}{description}</launch>", "z.urdf": URDF})
     found = discover_targets([Path(".")], {}, packages={}, package_paths=[])
     assert [t.path.name for t in found.models] == ["z.urdf"]

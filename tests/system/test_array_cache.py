@@ -221,6 +221,7 @@ def test_the_command_says_where_and_how_much_and_clears(
 
 
 @pytest.mark.parametrize("flags", [[], ["--no-cache"]])
+@pytest.mark.usefixtures("one_process")
 def test_a_run_keeps_measurements_unless_told_not_to(
     flags: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

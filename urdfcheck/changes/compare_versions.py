@@ -52,23 +52,16 @@ def compare_versions(before: Request, after: Request, execution: Execution = IN_
         pair.before.info.id: pair.after.info.id for pair in pairs if pair.before is not None and pair.after is not None
     }
     ids |= _pair_units(first, second, ids)
-    names = {
-        model.before: {
-            (kind, change.subject[len(kind) + 1 : -1]): change.new_name
-            for change in model.mechanism.changes
-            for kind in ("link", "joint")
-            if change.id == f"{kind}-renamed"
-        }
-        for model in models
-        if model.mechanism is not None
-    }
+    names = {model.before: model.mechanism.new_names for model in models if model.mechanism is not None}
+    runs = (first.audited.outcome, second.audited.outcome)
     return Diff(
         before=format_path(before.paths[0]),
         after=format_path(after.paths[0]),
         models=models,
-        findings=compare_findings(first.audited.outcome, second.audited.outcome, ids, names),
+        findings=compare_findings(*runs, ids, names),
         failures=_list_failures(first, second, models),
         version=__version__,
+        runs=runs if after.options.scene else None,
     )
 
 

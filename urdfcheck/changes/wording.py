@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 
 from urdfcheck.core.model_diff import CATEGORIES, COSMETIC, IDENTICAL, LinkShift, MechanismChange, MechanismDiff
-from urdfcheck.core.text import format_count, format_length, join_names
+from urdfcheck.core.text import format_angle, format_configuration, format_count, format_length, join_names
 
 # Shares and directions below these are rounding.
 _LEAST_COMPONENT = 0.02
@@ -24,11 +23,6 @@ def _name_part(change: MechanismChange) -> str:
     return change.subject if match is None else f"{match[1]} {match[2]}"
 
 
-def format_angle(radians: float) -> str:
-    """Return an angle in degrees."""
-    return f"{math.degrees(radians):.3g}°"
-
-
 def format_size(metres: float) -> str:
     """Return a length that may be small."""
     return format_length(metres, micrometres=True)
@@ -37,12 +31,6 @@ def format_size(metres: float) -> str:
 def format_share(before: float, after: float) -> str:
     """Return `` (+4.9 %)``; nothing where there is no share."""
     return f" ({(after - before) / abs(before) * 100:+.2g} %)" if before else ""
-
-
-def format_configuration(positions: Mapping[str, float], most: int = 4) -> str:
-    """Return the joint positions that are not zero, in the order of the chain."""
-    moved = [f"{name} {value:.3g}" for name, value in positions.items() if abs(value) > 1e-9]
-    return join_names(moved, most) or "zero"
 
 
 # -- sentences of the changes ------------------------------------------------------------------------------------------

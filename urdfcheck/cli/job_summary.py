@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
     from urdfcheck.core import Run
+    from urdfcheck.core.model_diff import Diff
 
 # Characters below which no useful summary fits. GitHub shows nothing of a summary that is too large.
 LEAST = 2_000
@@ -27,12 +28,29 @@ def append_summary(run: Run, reports: Sequence[str], file: Path) -> None:
 
     :raises UrdfcheckError: when the file cannot be written.
     """
-    from urdfcheck.output.markdown import SUMMARY_LIMIT, render_job_summary
+    from urdfcheck.output.markdown import render_job_summary
+
+    _append(lambda room: render_job_summary(run, reports, room), file)
+
+
+def append_comparison(diff: Diff, file: Path) -> None:
+    """Append what a change does to the robots, as much as fits.
+
+    :raises UrdfcheckError: when the file cannot be written.
+    """
+    from urdfcheck.output.changes.markdown import render_job_summary
+
+    _append(lambda room: render_job_summary(diff, room), file)
+
+
+def _append(render: Callable[[int], str], file: Path) -> None:
+    """Append a text that is made for so many bytes."""
+    from urdfcheck.output.markdown import SUMMARY_LIMIT
 
     try:
         room = SUMMARY_LIMIT - (file.stat().st_size if file.is_file() else 0)
         if room >= LEAST:
             with open(file, "a", encoding="utf-8", newline="\n") as out:
-                out.write(render_job_summary(run, reports, room) + "\n")
+                out.write(render(room) + "\n")
     except OSError as error:
         raise UrdfcheckError(f"cannot write the summary of the job, {file}: {error.strerror or error}") from None

@@ -21,14 +21,11 @@ MODELS = frozenset({".urdf", ".xacro", ".srdf", ".sdf", ".launch"})
 LARGEST = 8_000_000
 
 
-def parse_output(text: str) -> tuple[str, Path]:
-    """Split an ``--output`` into format and file."""
-    from urdfcheck.output import FORMATS, PICTURE_FORMAT
-
+def parse_output(text: str, formats: Sequence[str]) -> tuple[str, Path]:
+    """Split an ``--output`` into one of some formats and a file."""
     output_format, assigned, file = text.partition("=")
-    if not assigned or not file or output_format not in (*FORMATS, PICTURE_FORMAT):
-        formats = ", ".join((*FORMATS, PICTURE_FORMAT))
-        raise UrdfcheckError(f"--output {text}: write FORMAT=FILE with one of the formats {formats}")
+    if not assigned or not file or output_format not in formats:
+        raise UrdfcheckError(f"--output {text}: write FORMAT=FILE with one of the formats {', '.join(formats)}")
     return output_format, Path(file)
 
 
@@ -41,18 +38,27 @@ def is_folder_output(text: str) -> bool:
     return file.endswith(("/", os.sep)) or path.is_dir() or not (path.suffix or path.exists())
 
 
-def parse_outputs(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, Path]]:
-    """Split each ``--output`` into format and file.
+def parse_run_outputs(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, Path]]:
+    """Split each ``--output`` of a command that checks ``paths`` into format and file.
 
-    :raises UrdfcheckError: if two reports would share a file, one would replace a model, or one would be written through a link
-        of what is checked; or if several models are to be in one picture.
+    :raises UrdfcheckError: see `parse_outputs`; or if several models are to be in one picture.
     """
-    from urdfcheck.output import PICTURE_FORMAT
+    from urdfcheck.output import FORMATS, PICTURE_FORMAT
 
-    outputs = [parse_output(text) for text in texts]
+    outputs = parse_outputs(texts, paths, (*FORMATS, PICTURE_FORMAT))
     models = {os.path.realpath(path) for path in paths if path.lower().endswith(".urdf")}
     if len(models) > 1 and PICTURE_FORMAT in {name for name, _ in outputs}:  # else known when all are checked
         raise UrdfcheckError(f"a png shows one model, and {len(models)} are named")
+    return outputs
+
+
+def parse_outputs(texts: Sequence[str], paths: Sequence[str], formats: Sequence[str]) -> list[tuple[str, Path]]:
+    """Split each ``--output`` into one of some formats and a file.
+
+    :raises UrdfcheckError: if two reports would share a file, one would replace a model, or one would be written through a link
+        of what is checked.
+    """
+    outputs = [parse_output(text, formats) for text in texts]
     text_by_path: dict[str, str] = {}
     inputs = {os.path.realpath(path) for path in paths}
     checked = CheckedFolders.around(paths)
@@ -156,15 +162,14 @@ def write_report(run: Run, output_format: str, file: Path, *, checked: CheckedFo
 
     ``checked``: see `CheckedFolders.ensure_own`.
     """
-    import sys
-
     from urdfcheck import output
-    from urdfcheck.cli.terminal import say
 
     if output_format == output.PICTURE_FORMAT:
         write_file(output.render_picture(run), file, checked)
         return
     documents: Iterable[tuple[str, Path]]
+    many = not as_pages and len(run.models) > 1
+    advice = "-o html=FOLDER/ gives each model a page" if many else "fewer rules (--select) make it smaller"
     if as_pages:
         from urdfcheck.output import html
 
@@ -173,8 +178,16 @@ def write_report(run: Run, output_format: str, file: Path, *, checked: CheckedFo
         documents = [(output.render(run, output_format), file)]
     for text, path in documents:
         write_file(text, path, checked)
-        # The large parts of a document are ASCII, so characters count its bytes.
-        if output_format == "html" and len(text) > LARGEST:
-            many = not as_pages and len(run.models) > 1
-            advice = "-o html=FOLDER/ gives each model a page" if many else "fewer rules (--select) make it smaller"
-            say(f"{path}: {len(text) / 1e6:.1f} MB, browsers will open it slowly; {advice}", sys.stderr)
+        if output_format == "html":
+            warn_of_size(text, path, advice)
+
+
+def warn_of_size(text: str, path: Path, advice: str) -> None:
+    """Say on standard error if a page is large, and what makes it smaller."""
+    import sys
+
+    from urdfcheck.cli.terminal import say
+
+    # The large parts of a document are ASCII, so characters count its bytes.
+    if len(text) > LARGEST:
+        say(f"{path}: {len(text) / 1e6:.1f} MB, browsers will open it slowly; {advice}", sys.stderr)

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from urdfcheck.core.findings import Finding
 from urdfcheck.core.mechanism import NO_TRACE, Trace
+
+if TYPE_CHECKING:
+    from urdfcheck.core.run import Run
 
 # What a change is about, the most important first. The first that a model has is its verdict.
 CATEGORIES = ("structure", "kinematic", "limits", "dynamic", "collision", "visual", "extension")
@@ -101,6 +105,19 @@ class MechanismDiff:
     samples: int
     """Number of joint configurations in which motion was compared; 0 where none was needed."""
     causes: tuple[ChangeCause, ...] = ()
+    root_pose: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    """Pose of the first version's root in the second's root frame, 4x4 row-major, as the two are laid over each other: they need
+    not have the same root."""
+
+    @property
+    def new_names(self) -> Mapping[tuple[str, str], str]:
+        """Kind (``link`` or ``joint``) and name of each part that has another name in the second version → that name."""
+        return {
+            (kind, change.subject[len(kind) + 1 : -1]): change.new_name
+            for change in self.changes
+            for kind in ("link", "joint")
+            if change.id == f"{kind}-renamed"
+        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,6 +169,8 @@ class Diff:
     """What of the versions of a repository was not compared."""
     version: str = ""
     """Version of urdfcheck."""
+    runs: tuple[Run, Run] | None = None
+    """The checks of both versions with what draws their models; None where no output draws."""
 
     @property
     def verdict(self) -> str:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import math
 import re
 import shlex
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 # A name this much like another is a slip of it. `leftThumbMotorRoll` may mean `leftThumbRoll`, which is worth a question, but
 # their likeness is 0.84, as between many parts of one robot.
@@ -121,3 +122,14 @@ def format_choices(values: Collection[str], most: int = 6) -> str:
 def format_argument_option(name: str, value: str | None = None) -> str:
     """Return ``--arg name:=value`` quoted for a shell, as names and values are a stranger's; ``…`` is to be filled in."""
     return f"--arg {shlex.quote(name)}:={TO_FILL_IN}" if value is None else f"--arg {shlex.quote(f'{name}:={value}')}"
+
+
+def format_angle(radians: float) -> str:
+    """Return an angle in degrees."""
+    return f"{math.degrees(radians):.3g}°"
+
+
+def format_configuration(positions: Mapping[str, float], most: int = 4) -> str:
+    """Return the joint positions that are not zero, in the order of the chain."""
+    moved = [f"{name} {value:.3g}" for name, value in positions.items() if abs(value) > 1e-9]
+    return join_names(moved, most) or "zero"

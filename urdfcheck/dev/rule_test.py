@@ -23,23 +23,12 @@ def run_rule_tests(code: str) -> int:
             f"no page in rules/ has the code {code!r}: python -m urdfcheck.dev new-rule {code} NAME writes one"
         )
     repository = find_pages_folder().parent
-    commands = [
-        [
-            "pytest",
-            "-q",
-            "-p",
-            "no:cacheprovider",
-            "tests/test_rules.py",
-            "tests/test_simulators.py",
-            "tests/test_prose.py",
-            "-k",
-            f"{code} or {rule.stem}",
-        ]
-    ]
+    tests = ["tests/test_rules.py", "tests/test_simulators.py", "-k", f"{code} or {rule.stem}"]
+    prose = ["tools/check_prose.py", f"rules/{code}-{rule.name}.md"]
+    commands = [["-m", "pytest", "-q", "-p", "no:cacheprovider", *tests], prose]
     if has_check(rule):
         module = f"urdfcheck/checks/{rule.stem}.py"
-        commands += [["ruff", "check", module], ["ruff", "format", "--check", module], ["mypy", module]]
-    codes = [
-        subprocess.run([sys.executable, "-m", *command], cwd=repository, check=False).returncode for command in commands
-    ]
+        prose.append(module)
+        commands += [["-m", *tool, module] for tool in (["ruff", "check"], ["ruff", "format", "--check"], ["mypy"])]
+    codes = [subprocess.run([sys.executable, *command], cwd=repository, check=False).returncode for command in commands]
     return next(filter(None, codes), 0)

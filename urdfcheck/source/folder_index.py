@@ -428,8 +428,16 @@ def _list_folder(folder: str) -> tuple[list[str], list[str]]:
     return [name for name in names if name in folders], [name for name in names if name not in folders]
 
 
+def _may_be_in_work_tree(root: Path) -> bool:
+    """Whether a repository is around a folder, or the environment names one elsewhere."""
+    real = Path(os.path.realpath(root))
+    return "GIT_DIR" in os.environ or any(os.path.lexists(folder / ".git") for folder in (real, *real.parents))
+
+
 def _list_git_ignored(root: Path) -> set[str]:
     """Return the files and folders below ``root`` that git ignores; none outside a work tree or without git."""
+    if not _may_be_in_work_tree(root):  # git would look for it in the same places, in a process of its own
+        return set()
     import subprocess
 
     # The folder may be a stranger's: git itself is this machine's, and whatever the folder's own git configuration would start is

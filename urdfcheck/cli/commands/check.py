@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.cli.job_summary import append_summary, find_summary_file
 from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, ensure_paths
-from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, parse_outputs, write_report
+from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, parse_run_outputs, write_report
 from urdfcheck.cli.standard_input import STDIN, read_given_file
 from urdfcheck.cli.terminal import (
     FINDINGS,
@@ -190,9 +190,9 @@ class ReportPlan:
     def from_options(cls, options: argparse.Namespace) -> ReportPlan:
         """Read ``--format`` and ``--output``.
 
-        :raises UrdfcheckError: see `parse_outputs`.
+        :raises UrdfcheckError: see `parse_run_outputs`.
         """
-        files = parse_outputs(options.output, options.paths)
+        files = parse_run_outputs(options.output, options.paths)
         pages = {file for text, (_, file) in zip(options.output, files, strict=True) if is_folder_output(text)}
         for_github = "github" in {options.format, *(name for name, _ in files)}
         return cls(

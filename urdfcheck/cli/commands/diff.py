@@ -9,9 +9,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from urdfcheck.cli.job_summary import append_comparison, find_summary_file
 from urdfcheck.cli.options import CommandParser, add_options, build_request
-from urdfcheck.cli.terminal import FAILED, FINDINGS, OK, make_progress_printer, print_document
+from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, parse_outputs, warn_of_size, write_file
+from urdfcheck.cli.terminal import FAILED, FINDINGS, OK, make_progress_printer, print_document, say, silence_stdout
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.output.changes import DRAWING_FORMATS, FORMATS, PICTURE_FORMAT, render, render_picture
 from urdfcheck.run.preload import start_warm_worker
 
 if TYPE_CHECKING:
@@ -51,8 +54,14 @@ def build_parser() -> argparse.ArgumentParser:
         nargs="*",
         help="with revisions: only these models, and those that use these files",
     )
+    p.add_argument("--format", choices=FORMATS, default="text", help="what goes to standard output (default: text)")
     p.add_argument(
-        "--format", choices=("text", "json", "markdown"), default="text", help="output format (default: text)"
+        "-o",
+        "--output",
+        action="append",
+        default=[],
+        metavar="FORMAT=FILE",
+        help="also write a report to a file (repeatable), e.g. -o html=diff.html; png=FILE is a picture of both versions",
     )
     p.add_argument(
         "--fail-on",
@@ -83,27 +92,67 @@ def main(words: Sequence[str]) -> int:
     gate = make_gate(split_words(options.fail_on), options.max_tool_shift, options.max_mass)
     if "" in (*options.versions, *(paths or ())):
         raise UrdfcheckError("a path is empty (urdfcheck diff A B)")
+    # In a repository all of it may be a stranger's.
+    versions = options.versions if len(options.versions) == 2 else ["."]
+    files = parse_outputs(options.output, versions, (*FORMATS, PICTURE_FORMAT))
+    folder = next(filter(is_folder_output, options.output), None)
+    if folder is not None:
+        raise UrdfcheckError(f"--output {folder}: a comparison is one page; name a file, such as diff.html")
+    checked = CheckedFolders.around(versions)
+    options.draws = bool({options.format, *(name for name, _ in files)} & DRAWING_FORMATS)
     warm_worker = start_warm_worker()
 
     from urdfcheck.run.pipeline import Execution
 
     execution = Execution(warm_worker=warm_worker, on_progress=make_progress_printer())
     diff = _compare(options, paths, execution)
-    if options.format == "json":
-        from urdfcheck.output.changes import json
-
-        print_document(json.render(diff))
-    elif options.format == "markdown":
-        from urdfcheck.output.changes import markdown
-
-        print_document(markdown.render(diff))
-    else:
-        from urdfcheck.output.changes import text
-
-        sys.stdout.write(text.render(diff, show_all=options.verbose))
+    _report(diff, options, files, checked)
     if diff.failures:
         return FAILED
     return FINDINGS if gate.list_reasons(diff) else OK
+
+
+def _report(
+    diff: Diff, options: argparse.Namespace, files: Sequence[tuple[str, Path]], checked: CheckedFolders
+) -> None:
+    """Print the comparison, and write all reports.
+
+    :raises UrdfcheckError: when reports cannot be written; the others are still written.
+    """
+    try:
+        if options.format == "text":
+            from urdfcheck.output.changes import text
+
+            sys.stdout.write(text.render(diff, show_all=options.verbose))
+        else:
+            print_document(render(diff, options.format))
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader has exited: the verdict holds, and so do the other reports
+        silence_stdout()
+    errors = []
+    for output_format, file in files:
+        try:
+            _write_report(diff, output_format, file, checked)
+        except UrdfcheckError as error:
+            errors.append(str(error))
+    summary = find_summary_file() if "github" in {options.format, *(name for name, _ in files)} else None
+    if summary is not None:
+        append_comparison(diff, summary)
+    if errors:
+        raise UrdfcheckError("; ".join(errors))
+
+
+def _write_report(diff: Diff, output_format: str, file: Path, checked: CheckedFolders) -> None:
+    if output_format == PICTURE_FORMAT:
+        if picture := render_picture(diff):
+            write_file(picture, file, checked)
+        else:  # a change may touch no robot: that is no failure
+            say(f"{file}: not written, there is no robot to draw", sys.stderr)
+        return
+    document = render(diff, output_format)
+    write_file(document, file, checked)
+    if output_format == "html":
+        warn_of_size(document, file, "paths after -- limit it to some models")
 
 
 def _split_words(words: Sequence[str]) -> tuple[list[str], list[str] | None]:
@@ -170,5 +219,5 @@ def _build_request(options: argparse.Namespace, path: str, translate: Callable[[
         "package_path": list(map(translate, options.package_path)),
         "allow_read": list(map(translate, options.allow_read)),
     }
-    request, _ = build_request(argparse.Namespace(**{**vars(options), **changes}))
+    request, _ = build_request(argparse.Namespace(**{**vars(options), **changes}), scene=options.draws)
     return request

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from urdfcheck.cli.options import CommandParser, add_options, build_request
-from urdfcheck.cli.output_files import CheckedFolders, parse_outputs, write_file
+from urdfcheck.cli.output_files import CheckedFolders, parse_run_outputs, write_file
 from urdfcheck.cli.terminal import OK, compute_exit_code, make_progress_printer, print_run, say
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.run.preload import start_warm_worker
@@ -58,7 +58,7 @@ def main(words: Sequence[str]) -> int:
     check = CommandParser()
     add_options(check, "check")
     options = build_parser().parse_args(words, check.parse_args(["--tier=full"]))
-    outputs = parse_outputs(options.output, options.paths)
+    outputs = parse_run_outputs(options.output, options.paths)
     if importlib.util.find_spec("mujoco") is None:
         raise UrdfcheckError("a drop test needs MuJoCo: pip install 'urdfcheck[engines]'")
 

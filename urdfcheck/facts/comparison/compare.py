@@ -9,11 +9,11 @@ import numpy as np
 
 from urdfcheck.core.mechanism import MechanismExtra, RobotMechanism, Trace
 from urdfcheck.core.model_diff import CATEGORIES, MechanismChange, MechanismDiff
-from urdfcheck.facts.arrays import Vec3
+from urdfcheck.facts.arrays import Mat4, Vec3
 from urdfcheck.facts.comparison.alignment import PlacedPair, align_links
 from urdfcheck.facts.comparison.bodies import pair_bodies
 from urdfcheck.facts.comparison.contents import compare_masses, compare_shapes
-from urdfcheck.facts.comparison.home_pose import HomePose, compute_home_pose
+from urdfcheck.facts.comparison.home_pose import HomePose, compute_home_pose, invert_pose
 from urdfcheck.facts.comparison.joints import compare_joints
 from urdfcheck.facts.comparison.matching import Correspondence, match_mechanisms
 from urdfcheck.facts.comparison.motion import compare_torques, compute_displacements, measure_shifts, sample_joints
@@ -64,6 +64,7 @@ def _compare_placed(pair: PlacedPair) -> MechanismDiff:
         mass=(masses[0], masses[1]),
         com_shift=float(np.linalg.norm(_compute_com(pair.after) - _compute_com(pair.before))) if all(masses) else 0.0,
         samples=count,
+        root_pose=tuple(map(float, _compute_root_pose(pair).ravel())),
     )
 
 
@@ -72,6 +73,13 @@ def _place_pair(before: RobotMechanism, after: RobotMechanism, match: Correspond
     anchor = next((link.name for link in before.links if link.name in match.links), None)
     new_anchor = None if anchor is None else match.links[anchor]
     return align_links(compute_home_pose(before, anchor), compute_home_pose(after, new_anchor), match)
+
+
+def _compute_root_pose(pair: PlacedPair) -> Mat4:
+    """Return the pose of the first version's root in the frame of the second's."""
+    old, new = (home.frames[home.mechanism.root] for home in (pair.before, pair.after))
+    pose: Mat4 = invert_pose(new) @ old
+    return pose
 
 
 def _compute_com(home: HomePose) -> Vec3:

@@ -5,12 +5,14 @@ Untrusted text is code or plain words, like in the report of a check.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Severity
-from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, ChangeCause, Diff, ModelDiff
+from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, ModelDiff
 from urdfcheck.core.text import format_count
-from urdfcheck.output.changes.text import LABELS, describe_torque, has_headline
+from urdfcheck.output.changes.causes import SharedCause, merge_causes
+from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
+from urdfcheck.output.changes.text import describe_torque, has_headline
 from urdfcheck.output.markdown.bounded_page import BoundedPage, make_fold, truncate_text
 from urdfcheck.output.markdown.explanations import wrap_in_fence
 from urdfcheck.output.markdown.finding_rows import SIGNS
@@ -29,9 +31,17 @@ _TABLE = ("| model | | what changes |", "| --- | --- | --- |")
 
 def render(diff: Diff) -> str:
     """Render the comment."""
-    page = BoundedPage(COMMENT_LIMIT, [MARKER])
+    return _render_page(diff, BoundedPage(COMMENT_LIMIT, [MARKER]))
+
+
+def render_job_summary(diff: Diff, byte_limit: int) -> str:
+    """Render the summary of a job in at most ``byte_limit`` bytes."""
+    return _render_page(diff, BoundedPage(byte_limit, []))
+
+
+def _render_page(diff: Diff, page: BoundedPage) -> str:
     page.add_lines(f"### {_VERDICT_SIGNS.get(diff.verdict, '🔀')} {_describe_verdict(diff)}", "")
-    page.add_lines(f"{format_code_span(diff.before)} → {format_code_span(diff.after)} · {_count_findings(diff)}", "")
+    page.add_lines(f"{format_code_span(diff.before)} → {format_code_span(diff.after)} · {count_findings(diff)}", "")
     failures = [failure for failure in diff.failures if not has_headline(diff, failure)]
     blocks = [[f"- not compared: {escape_for_markdown(truncate_text(text))}"] for text in (*failures, *diff.notes)]
     page.add_group("part that was not compared", head=[], blocks=blocks, foot=[""])
@@ -43,23 +53,11 @@ def render(diff: Diff) -> str:
 
 
 def _describe_verdict(diff: Diff) -> str:
-    """Return the headline of the only model, or how many models have the worst verdict."""
-    if not diff.models:
-        return "not compared" if diff.failures else "identical: no robot uses a file that differs"
-    if len(diff.models) == 1:
-        model = diff.models[0]
-        return f"{format_code_span(model.after or model.before)}: {escape_for_markdown(truncate_text(model.headline))}"
-    unknown = sum(model.verdict == UNKNOWN for model in diff.models)
-    changed = sum(model.verdict not in {UNKNOWN, COSMETIC, IDENTICAL} for model in diff.models)
-    lost = f"; {unknown} cannot be compared" if unknown else ""
-    if not changed:
-        return f"no robot changes, of {len(diff.models)}{lost}"
-    return f"{format_count(changed, 'robot changes', 'robots change')}, of {len(diff.models)}{lost}"
-
-
-def _count_findings(diff: Diff) -> str:
-    found = diff.findings
-    return f"findings: {len(found.new)} new, {len(found.gone)} gone, {found.unchanged} unchanged"
+    """Return the verdict, of the only model with its name."""
+    verdict = escape_for_markdown(truncate_text(describe_verdict(diff)))
+    if len(diff.models) != 1:
+        return verdict
+    return f"{format_code_span(diff.models[0].after or diff.models[0].before)}: {verdict}"
 
 
 def _add_changes(page: BoundedPage, diff: Diff) -> None:
@@ -80,7 +78,7 @@ def _iter_rows(model: ModelDiff, *, is_only: bool) -> Iterator[str]:
     if found is None:
         return
     for change, text in zip(found.changes, model.texts, strict=True):
-        yield _format_row(name, LABELS.get(change.category, change.category), text)
+        yield _format_row(name, get_label(change.category), text)
     for torque in found.torques:
         yield _format_row(name, "gravity", describe_torque(torque))
 
@@ -91,31 +89,19 @@ def _format_row(name: str, kind: str, text: str) -> str:
 
 def _add_causes(page: BoundedPage, diff: Diff) -> None:
     """Add the lines that caused the changes, as diffs, the one with the most changes first, folded."""
-    causes = [cause for m in diff.models if m.mechanism is not None for cause in m.mechanism.causes]
-    blocks = [_format_cause(cause) for cause in _merge_causes(causes)]
+    blocks = [_format_cause(shared) for shared in merge_causes(diff.models)]
     head, foot = make_fold("🔎 the lines that caused it")
     page.add_group("cause", head=head, blocks=blocks, foot=foot)
 
 
-def _merge_causes(causes: Sequence[ChangeCause]) -> list[tuple[ChangeCause, int]]:
-    """Return each cause once, with the number of its changes in all models, the largest first."""
-    counts: dict[tuple[object, ...], int] = {}
-    by_lines: dict[tuple[object, ...], ChangeCause] = {}
-    for cause in causes:
-        key = (cause.before, cause.after, cause.is_edited)
-        counts[key] = counts.get(key, 0) + len(cause.changes)
-        by_lines.setdefault(key, cause)
-    return sorted(((by_lines[key], count) for key, count in counts.items()), key=lambda entry: -entry[1])
-
-
-def _format_cause(counted: tuple[ChangeCause, int]) -> list[str]:
-    cause, count = counted
+def _format_cause(shared: SharedCause) -> list[str]:
+    cause = shared.cause
     lines = [
         truncate_text(escape_one_line(f"{sign} {file}:{line}  {text}"))
         for sign, side in (("-", cause.before), ("+", cause.after))
         for file, line, text in side
     ]
-    changes = format_count(count, "change")
+    changes = format_count(len(shared.changes), "change")
     return [
         f"{changes} by" if cause.is_edited else f"{changes}, no edited line; typed at",
         "",

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from urdfcheck.core import Finding
 from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, ChangeCause, Diff, JointTorque, MechanismDiff, ModelDiff
 from urdfcheck.core.text import format_count
+from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.output.shared.wording import format_place
 
@@ -14,8 +15,6 @@ from urdfcheck.output.shared.wording import format_place
 MOST_CHANGES, MOST_CAUSES, MOST_OTHERS = 12, 4, 3
 # Columns of the names of the categories.
 _COLUMN = 10
-# What the categories are called, where that is not their name.
-LABELS = {"kinematic": "motion", "dynamic": "dynamics", "extension": "other"}
 
 
 def render(diff: Diff, *, show_all: bool = False) -> str:
@@ -26,7 +25,7 @@ def render(diff: Diff, *, show_all: bool = False) -> str:
             continue
         lines += _iter_model_lines(model, is_only=len(diff.models) == 1, show_all=show_all)
     if not diff.models and not diff.failures:
-        lines.append("identical: no robot uses a file that differs")
+        lines.append(describe_verdict(diff))
     same = sum(model.verdict == IDENTICAL for model in diff.models)
     if len(diff.models) > 1 and same and not show_all:
         lines.append(f"{format_count(same, 'model is', 'models are')} identical")
@@ -61,7 +60,7 @@ def _iter_model_lines(model: ModelDiff, *, is_only: bool, show_all: bool) -> Ite
 def _iter_change_lines(model: ModelDiff, found: MechanismDiff, *, show_all: bool) -> Iterator[str]:
     most = len(model.texts) if show_all else MOST_CHANGES
     for change, text in list(zip(found.changes, model.texts, strict=True))[:most]:
-        yield f"  {LABELS.get(change.category, change.category):{_COLUMN}} {text}"
+        yield f"  {get_label(change.category):{_COLUMN}} {text}"
     if len(model.texts) > most:
         yield f"  … {format_count(len(model.texts) - most, 'more change')} (-v lists all)"
     torques = found.torques if show_all else found.torques[:2]
@@ -95,7 +94,7 @@ def _iter_finding_lines(diff: Diff, *, show_all: bool) -> Iterator[str]:
         if found.unchanged:
             yield f"findings: {found.unchanged} unchanged"
         return
-    yield f"findings: {len(found.new)} new, {len(found.gone)} gone, {found.unchanged} unchanged"
+    yield count_findings(diff)
     for word, findings in (("new", found.new), ("gone", found.gone)):
         ordered = sorted(findings, key=lambda finding: -finding.severity)
         shown = ordered if show_all else ordered[:MOST_OTHERS]

@@ -12,6 +12,7 @@ from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.html.page_frame import read_page_script, read_style_sheet, render_document_head
 from urdfcheck.output.html.report_parts import ReportPart, collect_report_parts
 from urdfcheck.output.html.sections.appendix import list_fired_rules, render_appendix
+from urdfcheck.output.html.sections.key_help import VIEWER_KEYS, render_key_help
 from urdfcheck.output.html.sections.model_section import render_model, render_part_strip
 from urdfcheck.output.html.sections.page_header import make_report_title, render_header
 from urdfcheck.output.html.sections.toolbar import render_toolbar
@@ -20,19 +21,12 @@ from urdfcheck.output.html.viewer.scene_data import build_scene_data
 from urdfcheck.output.html.viewer.viewer_page import read_viewer_style, render_viewer, render_viewer_scripts
 from urdfcheck.output.shared.escaping import escape_for_html, escape_for_json
 
-# Layers of the 3D view, in the order of their keys.
-LAYERS = ("visual", "collision", "COM", "inertia", "ellipsoid", "axes", "frames", "holes", "overlaps", "ground")
 KEYS = (
     ("/", "search the findings"),
     ("j, k", "next and previous finding"),
     ("Enter", "open or close it"),
-    ("h", "the whole robot in 3D"),
-    ("1 to 9, 0", "3D layers: " + ", ".join(f"{number % 10} {layer}" for number, layer in enumerate(LAYERS, 1))),
+    *VIEWER_KEYS,
     ("b", "hold: the other state of a repair in 3D, before or after"),
-    (
-        "\u2190 \u2191 \u2192 \u2193, + \u2212",
-        "orbit and zoom the 3D view when it has the focus; with Shift, arrows move it",
-    ),
     ("Esc", "clear selection, search and filters"),
     ("?", "this list"),
 )
@@ -63,7 +57,7 @@ def render_document(run: Run, parts: Sequence[ReportPart], *, title: str, index_
 </main>
 </div>
 </div>
-{_render_key_help()}
+{render_key_help(KEYS)}
 """)
     scripts, allowed = _render_scene_scripts(drawn) if drawn else ("", [])
     style = read_style_sheet() + (read_viewer_style() if drawn else "")
@@ -81,15 +75,6 @@ def _render_scene_scripts(drawn: Sequence[ReportPart]) -> tuple[str, list[str]]:
     models = [(p.id, name, p.scene, p.all_cards) for p, name in zip(drawn, names, strict=True) if p.scene is not None]
     data, geometry = build_scene_data(models)
     return render_viewer_scripts(escape_for_json(json.dumps(data, separators=(",", ":"), allow_nan=False)), geometry)
-
-
-def _render_key_help() -> str:
-    """Render the list of keyboard shortcuts, and the status line in which the page's script reports."""
-    rows = "".join(f"<div><dt><kbd>{key}</kbd></dt><dd>{what}</dd></div>" for key, what in KEYS)
-    return (
-        f'<dialog id="keys" aria-labelledby="keys-title"><h2 id="keys-title">Keys</h2><dl>{rows}</dl>'
-        '<button type="button" id="close-keys">Close</button></dialog><p id="said" class="sr" role="status"></p>'
-    )
 
 
 def _render_failures(run: Run) -> str:

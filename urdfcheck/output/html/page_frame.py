@@ -46,9 +46,15 @@ def read_style_sheet() -> str:
 
 
 @cache
+def read_frame_script() -> str:
+    """Read the script of every page with a robot: it sorts tables, folds the 3D view and knows the theme."""
+    return read_asset("tables.js") + read_asset("frame.js")
+
+
+@cache
 def read_page_script() -> str:
     """Read the script that searches, filters and groups the findings, and sorts the tables."""
-    return read_asset("tables.js") + read_asset("page.js")
+    return read_frame_script() + read_asset("page.js")
 
 
 @cache

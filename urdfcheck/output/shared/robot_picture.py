@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 import math
 import struct
 import zlib
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from urdfcheck.core.scene import Scene, SceneShape
 
@@ -33,10 +33,84 @@ _EYE, _LAMP = (1.0, -0.9, 0.75), (0.35, -0.75, 1.0)
 # Brightness of a face that the lamp does not reach, and of the outline where one link ends in front of another.
 _SHADE, _LINE_BRIGHTNESS = 0.42, 0.45
 _CORNERS = 32
+# What only one of two versions has: before and after, and the opacity of a shade.
+_BEFORE, _AFTER, _PALE = (217, 119, 6), (18, 140, 80), 70
 
 
 def render_scene(scene: Scene, width: int = 1200, height: int = 900) -> bytes:
     """Draw a robot with all joints at zero as a PNG of ``width`` x ``height`` pixels; empty if nothing of it can be drawn."""
+    solid = _collect_triangles(scene)
+    drawn = None if solid is None else _draw_triangles([solid], width, height)
+    return b"" if drawn is None else _encode_png(_downsample_pixels(drawn[0].colours))
+
+
+def render_versions(
+    before: Scene, after: Scene, root_pose: Sequence[float], width: int = 1200, height: int = 900
+) -> bytes:
+    """Draw two versions of a robot over each other, all joints at zero; empty if either cannot be drawn.
+
+    ``root_pose``: of the first version's root in the frame of the second's, 4x4 row-major.
+
+    The second version is solid. Of the first, what the second does not cover is a pale shade; the outlines that only one of
+    them has are orange before and green after.
+    """
+    import numpy as np
+
+    old_solid, new_solid = map(_collect_triangles, (before, after))
+    if old_solid is None or new_solid is None:
+        return b""
+    pose = np.array(root_pose).reshape(4, 4)
+    placed = replace(old_solid, corners=old_solid.corners @ pose[:3, :3].T + pose[:3, 3])
+    drawn = _draw_triangles([placed, new_solid], width, height)
+    if drawn is None:
+        return b""
+    old, new = drawn
+    picture = new.colours.copy()
+    ghost = (new.colours[..., 3] == 0) & (old.colours[..., 3] > 0)
+    picture[ghost] = (*_BEFORE, _PALE)
+    for own, other, colour in ((old, new, _BEFORE), (new, old, _AFTER)):
+        # A line that is one sample wide would be pale, and a sample beside a line of the other version is that line.
+        picture[_widen(own.lines) & ~_widen(other.lines, 2)] = (*colour, 255)
+    return _encode_png(_downsample_pixels(np.ascontiguousarray(picture)))
+
+
+def _widen(lines: NDArray[np.bool_], samples: int = 1) -> NDArray[np.bool_]:
+    """Return lines and what is beside them."""
+    wide: NDArray[np.bool_] = lines
+    for _ in range(samples):
+        near: NDArray[np.bool_] = wide.copy()
+        near[1:] |= wide[:-1]
+        near[:-1] |= wide[1:]
+        near[:, 1:] |= wide[:, :-1]
+        near[:, :-1] |= wide[:, 1:]
+        wide = near
+    return wide
+
+
+@dataclass(frozen=True, slots=True)
+class _RobotTriangles:
+    """The triangles of a robot."""
+
+    corners: Array
+    """(n, 3, 3) in the base frame, m."""
+    colours: Array
+    """(n, 3)"""
+    links: Indices
+    """Number of the link of each."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Samples:
+    """A robot as samples, `_SUPERSAMPLING` squared for each pixel."""
+
+    colours: NDArray[np.uint8]
+    """(rows, columns, 4)"""
+    lines: NDArray[np.bool_]
+    """Where a link ends in front of another one or the background."""
+
+
+def _collect_triangles(scene: Scene) -> _RobotTriangles | None:
+    """Return what is drawn of a robot; None if it has no shape, or too many."""
     import numpy as np
 
     parts, left = [], _MOST_TRIANGLES
@@ -44,45 +118,66 @@ def render_scene(scene: Scene, width: int = 1200, height: int = 900) -> bytes:
         parts.append(part)
         left -= len(part[0])
         if left < 0:
-            return b""
+            return None
     if not parts:
-        return b""
+        return None
     corners = np.concatenate([triangles for triangles, _, _ in parts])
     sizes = [len(triangles) for triangles, _, _ in parts]
-    colours = np.repeat([colour for _, colour, _ in parts], sizes, axis=0)
-    links = np.repeat([link for _, _, link in parts], sizes)
-    columns, rows = width * _SUPERSAMPLING, height * _SUPERSAMPLING
     if not len(corners) or not (np.abs(corners) < _LARGEST).all():
-        return b""
-    nearest = _rasterize_triangles(_project_to_view(corners, columns, rows), columns, rows)
-    if nearest is None:
-        return b""
+        return None
+    return _RobotTriangles(
+        corners,
+        np.repeat([colour for _, colour, _ in parts], sizes, axis=0),
+        np.repeat([link for _, _, link in parts], sizes),
+    )
+
+
+def _draw_triangles(solids: Sequence[_RobotTriangles], width: int, height: int) -> list[_Samples] | None:
+    """Draw robots one by one, in one view that holds all of them; None if that would take too long."""
+    import numpy as np
+
+    columns, rows = width * _SUPERSAMPLING, height * _SUPERSAMPLING
+    view = _project_to_view(np.concatenate([solid.corners for solid in solids]), columns, rows)
+    ends = np.cumsum([len(solid.corners) for solid in solids])
+    drawn = []
+    for solid, seen in zip(solids, np.split(view, ends[:-1]), strict=True):
+        nearest = _rasterize_triangles(seen, columns, rows)
+        if nearest is None:
+            return None
+        drawn.append(_colour_samples(solid, nearest))
+    return drawn
+
+
+def _colour_samples(solid: _RobotTriangles, nearest: Indices) -> _Samples:
+    import numpy as np
+
+    count = len(solid.corners)
     # Colours by the number of the triangle, then the same darker for outlines, and transparent for number -1 at the end.
-    lit = np.column_stack((_shade_triangles(corners, colours) * 255, np.full(len(corners), 255)))
+    lit = np.column_stack((_shade_triangles(solid.corners, solid.colours) * 255, np.full(count, 255)))
     table = np.concatenate(
         (lit, lit * (_LINE_BRIGHTNESS, _LINE_BRIGHTNESS, _LINE_BRIGHTNESS, 1), np.zeros((1, 4)))
     ).astype(np.uint8)
-    link = np.append(links, -1).astype(np.int32)[nearest]
+    link = np.append(solid.links, -1).astype(np.int32)[nearest]
     ends = np.zeros(link.shape, dtype=bool)  # where a link ends in front of another one or the background
     ends[1:] = link[1:] != link[:-1]
     ends[:, 1:] |= link[:, 1:] != link[:, :-1]
-    nearest[ends & (nearest >= 0)] += len(corners)
-    return _encode_png(_downsample_pixels(table[nearest]))
+    nearest[ends & (nearest >= 0)] += count
+    return _Samples(table[nearest], ends)
 
 
 def _downsample_pixels(fine: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Average the samples of each pixel; its opacity is the share of samples that hit the robot."""
+    """Average the samples of each pixel: the colour of those that hit the robot, and the opacity of all."""
     import numpy as np
 
-    total = sum(
-        fine[i::_SUPERSAMPLING, k::_SUPERSAMPLING].astype(np.uint16)
-        for i in range(_SUPERSAMPLING)
-        for k in range(_SUPERSAMPLING)
+    samples = np.stack(
+        [fine[i::_SUPERSAMPLING, k::_SUPERSAMPLING] for i in range(_SUPERSAMPLING) for k in range(_SUPERSAMPLING)]
     )
-    total = np.asarray(total)
-    total[..., :3] //= np.maximum(total[..., 3:] // 255, 1)
+    hits = (samples[..., 3] > 0).sum(axis=0, dtype=np.uint16)
+    total = samples.sum(axis=0, dtype=np.uint16)
+    total[..., :3] //= np.maximum(hits, 1)[..., None]
     total[..., 3] //= _SUPERSAMPLING**2
-    return total.astype(np.uint8)
+    pixels: NDArray[np.uint8] = total.astype(np.uint8)
+    return pixels
 
 
 def _iter_triangles(scene: Scene) -> Iterator[tuple[Array, tuple[float, ...], int]]:

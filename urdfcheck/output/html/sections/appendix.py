@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from urdfcheck.core import Rule, Run
 from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.html.rule_markdown import render_markdown
@@ -18,10 +20,8 @@ def list_fired_rules(run: Run) -> list[Rule]:
 def render_appendix(run: Run) -> str:
     """Render the fired rules, the skipped checks, all checks, and how the report was made."""
     parts = []
-    fired = list_fired_rules(run)
-    if fired:
-        pages = "\n".join(map(_render_rule_page, fired))
-        parts.append(f'<section id="rules" class="rules"><h2>The rules behind the findings</h2>{pages}</section>')
+    if fired := list_fired_rules(run):
+        parts.append(render_rule_pages(fired))
     parts.append(_render_skipped_checks(run))
     parts.append(
         f'<section id="checks"><h2>Checks</h2><details class="screen"><summary>All {format_count(len(run.rules), "rule")} '
@@ -29,6 +29,12 @@ def render_appendix(run: Run) -> str:
     )
     parts.append(_render_about(run))
     return "\n".join(parts)
+
+
+def render_rule_pages(rules: Sequence[Rule]) -> str:
+    """Render what rules check, why, and how to fix it, each folded."""
+    pages = "\n".join(map(_render_rule_page, rules))
+    return f'<section id="rules" class="rules"><h2>The rules behind the findings</h2>{pages}</section>'
 
 
 def _render_rule_page(rule: Rule) -> str:

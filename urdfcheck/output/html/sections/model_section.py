@@ -91,9 +91,14 @@ def _render_still_image(part: ReportPart) -> str:
     """Render a picture of the robot for browsers without scripts or WebGL; the style hides it from others."""
     width, height = STILL_SIZE
     picture = b"" if part.scene is None else render_scene(part.scene, width, height)
+    return render_still(picture, f"{part.title} with all joints at zero, seen from the front, right and above")
+
+
+def render_still(picture: bytes, description: str) -> str:
+    """Render a PNG of `STILL_SIZE` for browsers without 3D; nothing without one."""
     if not picture:
         return ""
-    description = f"{part.title} with all joints at zero, seen from the front, right and above"
+    width, height = STILL_SIZE
     source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
     return f'<img class="still" width="{width}" height="{height}" alt="{escape_html(description)}" src="{source}">'
 

@@ -33,22 +33,32 @@ def render_header(run: Run, title: str, index_file: str = "", *, strip: str = ""
 
     ``strip``: what each program does with the only model."""
     kind, sentence = state_claim(run)
-    version = escape_html(run.versions.get("urdfcheck", ""))
     index_link = f'<a class="back" href="{escape_html(index_file)}">All models</a>' if index_file else ""
     path = render_path(run.models[0].path, run.models[0].args) if len(run.models) == 1 else ""
-    # The page's script reveals the buttons, which do nothing without it.
+    command = build_command(run.models[0]) if len(run.models) == 1 else ""
+    return (
+        f'<header class="top">{render_brand_line(run.versions.get("urdfcheck", ""), index_link)}'
+        f"<h1>{escape_html(title)}</h1>{path}{render_verdict(kind, sentence)}"
+        f"{render_command(command)}{strip}{_render_facts(run)}</header>"
+    )
+
+
+def render_brand_line(version: str, index_link: str = "") -> str:
+    """Render the name of the program and the buttons, which the page's script reveals: without it they do nothing."""
     buttons = (
         '<button type="button" class="act fold-3d" id="fold" aria-controls="viewer" hidden>Hide 3D</button>'
         '<button type="button" class="act" id="theme" hidden>Theme: auto</button>'
         '<button type="button" class="act" id="help" aria-haspopup="dialog" hidden>Keys</button>'
     )
-    command = build_command(run.models[0]) if len(run.models) == 1 else ""
     return (
-        f'<header class="top"><div class="line"><p class="brand">urdfcheck <span>{version}</span></p>'
-        f'{index_link}<div class="buttons">{buttons}</div></div><h1>{escape_html(title)}</h1>{path}'
-        f'<p class="verdict {kind}">{render_glyph(kind)} <span>{render_prose(sentence)}</span></p>'
-        f"{render_command(command)}{strip}{_render_facts(run)}</header>"
+        f'<div class="line"><p class="brand">urdfcheck <span>{escape_html(version)}</span></p>'
+        f'{index_link}<div class="buttons">{buttons}</div></div>'
     )
+
+
+def render_verdict(kind: str, sentence: str) -> str:
+    """Render the claim of the page; ``kind``: error | warning | info | ok | unchecked."""
+    return f'<p class="verdict {kind}">{render_glyph(kind)} <span>{render_prose(sentence)}</span></p>'
 
 
 def render_command(command: str) -> str:

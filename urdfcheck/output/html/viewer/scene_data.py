@@ -22,7 +22,7 @@ from urdfcheck.rules import load_rules
 _BOX, _ELLIPSOID = 6.0, 2.5
 # In metres: a graphics card computes with seven digits, so that no robot is visible beside anything larger.
 _LARGEST = 1e9
-_IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def build_scene_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCard]]]) -> tuple[dict[str, Any], bytes]:
@@ -30,9 +30,9 @@ def build_scene_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCar
 
     ``models``: id of their section in the page, name, scene and cards. Lengths in metres, poses 4x4 row-major; numbers with
     seven digits."""
-    pool = _MeshPool()
+    pool = MeshPool()
     built = [
-        _build_model(section_id, title=title, scene=scene, cards=cards, meshes=pool)
+        build_model(section_id, title=title, scene=scene, cards=cards, meshes=pool)
         for section_id, title, scene, cards in models
     ]
     return {"models": built, "meshes": pool.entries}, b"".join(pool.data)
@@ -44,8 +44,8 @@ def get_layers(code: str) -> tuple[str, ...]:
     return ("visual",) if rule is None else rule.layers
 
 
-class _MeshPool:
-    """The drawings that the models share, each content once."""
+class MeshPool:
+    """The drawings that the models share, each content once: a description of each, and the bytes."""
 
     def __init__(self) -> None:
         self.entries: list[dict[str, Any]] = []
@@ -62,8 +62,8 @@ class _MeshPool:
                     "offset": self._offset,
                     "vertices": drawing.vertices,
                     "faces": drawing.faces,
-                    "low": _round_values(drawing.low),
-                    "high": _round_values(drawing.high),
+                    "low": round_values(drawing.low),
+                    "high": round_values(drawing.high),
                     "wide": drawing.wide,
                     "holes": drawing.holes,
                 }
@@ -73,9 +73,10 @@ class _MeshPool:
         return self._places[drawing.data]
 
 
-def _build_model(
-    section_id: str, *, title: str, scene: Scene, cards: Sequence[FindingCard], meshes: _MeshPool
+def build_model(
+    section_id: str, *, title: str, scene: Scene, cards: Sequence[FindingCard], meshes: MeshPool
 ) -> dict[str, Any]:
+    """Build the JSON values of a model, and add its meshes to those of the page; see `build_scene_data`."""
     worst = compute_severity_marks(cards)
     active = [card for card in cards if card.finding.suppressed is None]
     links = frozenset(link.name for link in scene.links)
@@ -92,12 +93,12 @@ def _build_model(
         "root": scene.root,
         "links": [_build_link(link, worst, scene=scene, meshes=meshes) for link in scene.links],
         "joints": [_build_joint(joint, worst) for joint in scene.joints],
-        "frames": [{"parent": f.parent, "child": f.child, "at": _round_values(f.pose)} for f in scene.frames if f.pose],
+        "frames": [{"parent": f.parent, "child": f.child, "at": round_values(f.pose)} for f in scene.frames if f.pose],
         "overlaps": [
             {
                 "a": overlap.links[0],
                 "b": overlap.links[1],
-                "points": [_round_values(overlap.point)],
+                "points": [round_values(overlap.point)],
                 "depth": _round_finite(overlap.depth),
                 "finding": by_pair.get(frozenset(overlap.links)),
             }
@@ -107,26 +108,26 @@ def _build_model(
         if ground is None
         else {
             "height": _round_finite(ground.height),
-            "contacts": [{"link": link, "point": _round_values(point)} for link, point in ground.contacts],
-            "support": [_round_values(corner) for corner in ground.support],
-            "com": _round_values(ground.com),
+            "contacts": [{"link": link, "point": round_values(point)} for link, point in ground.contacts],
+            "support": [round_values(corner) for corner in ground.support],
+            "com": round_values(ground.com),
         },
         "findings": _build_findings(active, scene),
     }
 
 
 def _build_link(
-    link: SceneLink, worst: Mapping[ElementKey, SeverityMark], *, scene: Scene, meshes: _MeshPool
+    link: SceneLink, worst: Mapping[ElementKey, SeverityMark], *, scene: Scene, meshes: MeshPool
 ) -> dict[str, Any]:
     inertial = link.inertial
     return {
         "name": link.name,
         "severity": _get_severity(worst, ("link", link.name)),
-        "at": None if link.world is None else _round_values(link.world),
+        "at": None if link.world is None else round_values(link.world),
         "visual": _build_shapes(link.shapes, "visual", scene=scene, meshes=meshes),
         "collision": _build_shapes(link.shapes, "collision", scene=scene, meshes=meshes),
         "mass": None if inertial is None or inertial.mass is None else _round_finite(inertial.mass),
-        "com": _round_values(inertial.com) if inertial is not None and inertial.com else None,
+        "com": round_values(inertial.com) if inertial is not None and inertial.com else None,
         "inertia": None if inertial is None else _build_inertia(inertial),
     }
 
@@ -136,13 +137,13 @@ def _get_severity(worst: Mapping[ElementKey, SeverityMark], element_key: Element
     return "" if mark is None else str(mark.severity)
 
 
-def _build_shapes(shapes: Iterable[SceneShape], role: str, *, scene: Scene, meshes: _MeshPool) -> list[dict[str, Any]]:
+def _build_shapes(shapes: Iterable[SceneShape], role: str, *, scene: Scene, meshes: MeshPool) -> list[dict[str, Any]]:
     """Build the shapes that can be drawn: not malformed, not too large, and not a mesh that could not be read."""
     drawn = []
     for shape in shapes:
         if shape.role != role or not shape.pose or not shape.size or not _is_drawable_size(shape.size):
             continue
-        look = {"at": _round_values(shape.pose), "color": None if shape.color is None else _round_values(shape.color)}
+        look = {"at": round_values(shape.pose), "color": None if shape.color is None else round_values(shape.color)}
         if shape.kind == "mesh":
             for drawing in () if shape.file is None else scene.meshes[shape.file].drawings:
                 if not all(
@@ -150,11 +151,11 @@ def _build_shapes(shapes: Iterable[SceneShape], role: str, *, scene: Scene, mesh
                     for corner in (drawing.low, drawing.high)
                 ):
                     continue
-                color = look["color"] or (None if drawing.color is None else _round_values(drawing.color))
-                scale = _round_values(shape.size)
+                color = look["color"] or (None if drawing.color is None else round_values(drawing.color))
+                scale = round_values(shape.size)
                 drawn.append({"mesh": meshes.add_drawing(drawing), "scale": scale, **look, "color": color})
         elif min(shape.size) > 0:
-            drawn.append({shape.kind: _round_values(shape.size), **look})
+            drawn.append({shape.kind: round_values(shape.size), **look})
     return drawn
 
 
@@ -165,7 +166,7 @@ def _is_drawable_size(lengths: Iterable[float]) -> bool:
 def _build_inertia(inertial: SceneInertia) -> dict[str, Any] | None:
     """Build the body that has the moments, or why there is none; None for a point mass and for malformed values."""
     if inertial.impossible:
-        return {"impossible": inertial.impossible, "com": _round_values(inertial.com) if inertial.com else None}
+        return {"impossible": inertial.impossible, "com": round_values(inertial.com) if inertial.com else None}
     if not inertial.mass or not inertial.com or not inertial.moments or inertial.moments[-1] <= 0.0:
         return None
     first, second, third = inertial.moments
@@ -175,10 +176,10 @@ def _build_inertia(inertial: SceneInertia) -> dict[str, Any] | None:
     ]
     a, x, y = inertial.axes, inertial.com, (0.0, 0.0, 0.0, 1.0)
     return {
-        "at": _round_values((*a[0:3], x[0], *a[3:6], x[1], *a[6:9], x[2], *y)),
-        "principal": _round_values(inertial.moments),
-        "box": _round_values([math.sqrt(_BOX * s) for s in squares]),
-        "ellipsoid": _round_values([math.sqrt(_ELLIPSOID * s) for s in squares]),
+        "at": round_values((*a[0:3], x[0], *a[3:6], x[1], *a[6:9], x[2], *y)),
+        "principal": round_values(inertial.moments),
+        "box": round_values([math.sqrt(_BOX * s) for s in squares]),
+        "ellipsoid": round_values([math.sqrt(_ELLIPSOID * s) for s in squares]),
     }
 
 
@@ -191,8 +192,8 @@ def _build_joint(joint: SceneJoint, worst: Mapping[ElementKey, SeverityMark]) ->
         "severity": _get_severity(worst, ("joint", joint.name)),
         "parent": joint.parent,
         "child": joint.child,
-        "at": _round_values(joint.pose or _IDENTITY),
-        "axis": None if joint.turn is None else _round_values(joint.turn),
+        "at": round_values(joint.pose or IDENTITY),
+        "axis": None if joint.turn is None else round_values(joint.turn),
         "lower": _restrict_to_reachable(joint.lower),
         "upper": _restrict_to_reachable(joint.upper),
         "start": _restrict_to_reachable(joint.start) or 0,
@@ -242,11 +243,12 @@ def _list_named_links(finding: Finding, links: frozenset[str]) -> list[str]:
 
 def _build_preview(preview: ScenePreview) -> dict[str, Any]:
     if preview.inertial is None:
-        return {"joint": preview.joint, "at": _round_values(preview.pose)}
+        return {"joint": preview.joint, "at": round_values(preview.pose)}
     return {"link": preview.link, "inertia": _build_inertia(preview.inertial)}
 
 
-def _round_values(values: Iterable[float]) -> list[float | None]:
+def round_values(values: Iterable[float]) -> list[float | None]:
+    """Round to seven digits; what is not finite is None."""
     return [_round_finite(v) for v in values]
 
 
