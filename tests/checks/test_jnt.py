@@ -152,6 +152,18 @@ def test_zero_effort_of_a_motor_that_no_simulator_makes_is_an_info(tmp_path: Pat
     assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
 
 
+@pytest.mark.parametrize(("named", "message"), [("jk", "effort-unused"), ("j", "both-zero")])
+def test_rotors_that_a_plugin_turns_need_no_limits(tmp_path: Path, named: str, message: str) -> None:
+    idle = '<limit lower="0" upper="1" effort="0" velocity="0"/>'
+    plugins = "".join(
+        f'<gazebo><plugin name="p" filename="libmotor.so"><jointName>{name}</jointName></plugin></gazebo>'
+        for name in named
+    )
+    text = make_three_links(make_joint(idle), make_joint(idle, name="k", child="c"), plugins)
+    (finding,) = find(tmp_path, text, "JNT007")
+    assert finding.message_id == message
+
+
 def test_a_rocker_without_effort_and_velocity_has_no_motor(tmp_path: Path) -> None:
     rocker = make_joint('<limit lower="-1" upper="1" effort="0" velocity="0"/>')
     driven = make_joint(LIMIT, name="k", child="c")

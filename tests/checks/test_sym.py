@@ -213,9 +213,15 @@ def test_a_degree_in_a_joint_that_nothing_commands_is_a_note_without_an_edit(
     assert bool(edits(finding)) is (severity is Severity.WARNING)
 
 
-@pytest.mark.parametrize(("angle", "message"), [("0.02", "pair_slight"), ("0.04", "pair")])
-def test_a_pair_that_is_a_degree_apart_is_on_request(tmp_path: Path, angle: str, message: str) -> None:
-    (finding,) = find(tmp_path, axle(f"0 {angle} 0", "0 0 0"), "SYM001")
+@pytest.mark.parametrize(
+    ("angle", "kind", "message"),
+    [("0.02", "revolute", "pair_slight"), ("0.04", "revolute", "pair"), ("0.04", "continuous", "pair_slight")],
+)
+def test_a_pair_that_is_a_degree_apart_or_of_wheels_is_on_request(
+    tmp_path: Path, angle: str, kind: str, message: str
+) -> None:
+    text = axle(f"0 {angle} 0", "0 0 0", kind=kind).replace("_arm", "_wheel")
+    (finding,) = find(tmp_path, text, "SYM001")
     assert (finding.message_id, finding.severity) == (message, Severity.INFO)
 
 
@@ -397,6 +403,27 @@ def test_of_four_wheels_the_odd_one_is_turned_over(tmp_path: Path) -> None:
     assert finding.message_id == "minority"
     assert finding.location.subject == "joint[wheel_2_joint]/axis@xyz"
     assert edits(finding) == [("0 1 0", "0 -1 0")]
+
+
+def drive(*joints: str) -> str:
+    named = "".join(f"<left_joint>{joint}</left_joint>" for joint in joints)
+    return f'<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so">{named}</plugin></gazebo></robot>'
+
+
+@pytest.mark.parametrize(
+    ("driven", "severity"),
+    [
+        ((), Severity.WARNING),
+        (("wheel_0_joint", "wheel_1_joint"), Severity.INFO),
+        (("wheel_2_joint",), Severity.WARNING),
+    ],
+)
+def test_a_wheel_that_nothing_drives_with_the_others_turns_freely(
+    tmp_path: Path, driven: tuple[str, ...], severity: Severity
+) -> None:
+    text = wheeled("0 1 0", "0 1 0", "0 -1 0").replace("</robot>", drive(*driven))
+    (finding,) = find(tmp_path, text, "SYM005")
+    assert (finding.message_id, finding.severity) == ("minority", severity)
 
 
 def test_casters_steered_and_standing_wheels_are_left_out(tmp_path: Path) -> None:

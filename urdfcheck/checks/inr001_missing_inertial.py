@@ -9,6 +9,7 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
+from urdfcheck.model.simulation_use import is_simulated
 from urdfcheck.source.text.grammar import JOINT_TYPES
 
 # MuJoCo's treatment of a body without mass.
@@ -26,7 +27,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if all(link.inertial is None for link in model.links):
         solid = all(has_collision_geometry(model, body) for body in moving)
         yield rule.finding(
-            "kinematic",
+            "kinematic" if is_simulated(model) else "display",
             at=model.name_location,
             severity=Severity.INFO,
             consequences={"mujoco": INFERS if solid else REFUSES},

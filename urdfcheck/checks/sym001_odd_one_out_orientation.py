@@ -122,7 +122,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if before & (outliers.keys() | pairs.keys()):
             continue  # the joint before it rotates it
         yield (
-            _build_finding(model, rule, outliers[name]) if name in outliers else _build_pair_finding(rule, pairs[name])
+            _build_finding(model, rule, outliers[name])
+            if name in outliers
+            else _build_pair_finding(model, rule, pairs[name])
         )
 
 
@@ -242,10 +244,11 @@ def _has_round_angles(joint: Joint) -> bool:
     )
 
 
-def _build_pair_finding(rule: Rule, pair: tuple[Joint, Joint, SuspectFrames]) -> Finding:
+def _build_pair_finding(model: Model, rule: Rule, pair: tuple[Joint, Joint, SuspectFrames]) -> Finding:
     first, second, suspects = pair
     angle = abs(suspects.angles[0])
-    zeros = "pair" if angle >= _SLIGHT else "pair_slight"
+    # Nothing commands the angle of a wheel.
+    zeros = "pair_slight" if angle < _SLIGHT or (_is_wheel(model, first) and _is_wheel(model, second)) else "pair"
     return rule.finding(
         zeros if suspects.kind == "zero_offset" else "pair_tilt",
         at=locate_origin_attribute(first, "rpy"),
