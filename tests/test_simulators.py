@@ -52,6 +52,20 @@ KNOWN = {
         "gazebo",
     ): "the root's: without a mass it is dropped with all that hangs on it, as KIN010 says of a root that has none",
     ("MSH009-bad-1", "bullet"): "it does not follow the <instance_node> of COLLADA",
+    **{
+        (name, importer): reason
+        for importer in ("newton", "isaac")
+        for name, reason in {
+            **dict.fromkeys(
+                ("MSH001-good-1", "MSH012-bad-1", "PKG009-good-1"), "its mesh has one triangle, which is not converted"
+            ),
+            "MSH011-bad-1": "it reads no OFF, which few robots have",
+            "XAC007-bad-4": "no link is left",
+            "XML007-good-2": "it reads both shapes, the second of which has no number",
+            "XML005-bad-1": "a joint without a child is one of its mistakes",
+        }.items()
+    },
+    ("XML001-bad-2", "isaac"): "its parser has no UTF-7",
     ("Gepetto/example-robot-data:talos_full_v2", "gazebo"): "the pose of the merged inertial is not finite",
     (
         "Gepetto/example-robot-data:tiago_dual",
@@ -322,8 +336,9 @@ def test_the_command_compares_all_engines(capsys: pytest.CaptureFixture[str]) ->
     assert set(document["missing"]) == set(ENGINES) - there
     assert document["engines"]["pinocchio"]["mass"] == pytest.approx(0.6105076)
     for name, found in document["engines"].items():
-        assert found["verdict"] == found["predicted"], name
-        assert found["matrix"] is None or found["matrix"] < 1e-9
+        # NAM001 says that importers to USD replace the robot's name, which is not compared.
+        assert found["verdict"] == found["predicted"] or found["because"] == ["NAM001"], name
+        assert found["matrix"] is None or found["matrix"] < (1e-6 if name in {"newton", "isaac"} else 1e-9)
     assert code == cli.OK  # Drake refuses STL, as MSH011 says
 
 
@@ -487,6 +502,8 @@ def chain(levels: int) -> bytes:
 MOTION = EngineDynamics(joints=("j",), masses=(((0.5,),),), torques=((2.0,),), accelerations=(-4.0,))
 PLACED = {"arm": (1.0, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)}
 TURNED = {"arm": (0.0, -1.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)}
+# As far off as single precision puts it.
+NEARBY = {"arm": (*PLACED["arm"][:3], 0.500004, *PLACED["arm"][4:])}
 BOX = {"arm": (0.0, 0.0, 0.0, 0.3, 0.4, 1.2)}
 TYPED = TypedRobot(
     root="base",
@@ -526,6 +543,8 @@ LOADED = LoadedRobot(links={"base": 0.0, "arm": 2.0}, joints=("j",), limits={"j"
             Verdict.REPLACES,
             "at random configurations the frame of link arm differs in orientation",
         ),
+        (replace(LOADED, frames=(NEARBY,)), Verdict.REPLACES, "at random configurations the frame of link arm differs"),
+        (replace(LOADED, frames=(NEARBY,), accuracy=1e-5), Verdict.LOADS, ""),
         (replace(LOADED, drawn={}), Verdict.DROPS, "without the visuals of link arm"),
         (
             replace(LOADED, drawn={"arm": (0.0, 0.0, 0.0, 0.6, 0.8, 2.4)}),

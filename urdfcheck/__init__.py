@@ -17,6 +17,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from urdfcheck.api import check as check
     from urdfcheck.api import diff as diff
+    from urdfcheck.api import diff_commits as diff_commits
     from urdfcheck.core import Applicability as Applicability
     from urdfcheck.core import Cause as Cause
     from urdfcheck.core import Confidence as Confidence
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "check": "urdfcheck.api",
     "diff": "urdfcheck.api",
+    "diff_commits": "urdfcheck.api",
     "Diff": "urdfcheck.core.model_diff",
     "load_rules": "urdfcheck.rules",
     **dict.fromkeys(
@@ -70,6 +72,7 @@ __all__ = [
     "__version__",
     "check",
     "diff",
+    "diff_commits",
     "load_rules",
 ]
 

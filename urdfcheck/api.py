@@ -5,8 +5,9 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypedDict
 
 from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.core.model_diff import Diff
@@ -17,6 +18,9 @@ from urdfcheck.run.preload import start_warm_worker
 from urdfcheck.run.request import AnyPath, RunOptions, make_request, split_words
 from urdfcheck.system import libraries
 from urdfcheck.system.process_pool import WORKER_VARIABLES
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack  # of typing since Python 3.11
 
 Words = str | Iterable[str]
 Paths = AnyPath | Iterable[AnyPath]
@@ -189,6 +193,73 @@ def diff(
         finally:
             if warm_worker is not None:
                 warm_worker.end()
+
+
+class DiffSettings(TypedDict, total=False):
+    """What :func:`diff_commits` takes of the parameters of :func:`diff`, which explains them."""
+
+    select: Words | None
+    ignore: Words
+    target: Words | None
+    tier: str | None
+    arguments: Mapping[str, str] | None
+    all_arguments: bool
+    packages: Mapping[str, AnyPath] | None
+    package_paths: Paths
+    allow_read: Paths
+    environment: Words
+    isolated: bool
+    jobs: int | None
+    cache: bool
+    timeout: float | None
+    memory: int | None
+
+
+def diff_commits(
+    revisions: str = "", paths: Paths = (), *, repository: AnyPath = ".", **settings: Unpack[DiffSettings]
+) -> Diff:
+    """Compare two states of a git repository, like ``urdfcheck diff REV..REV -- PATH``.
+
+    Only models that a change can touch are read. Nothing is checked out, and nothing of the repository is run.
+
+    :param revisions: ``REV`` to compare a revision with the work tree, ``REV..REV`` to compare two, ``REV...REV`` to begin at
+        their common ancestor; empty for HEAD.
+    :param paths: the only models, packages and files that models use; none for all.
+    :param repository: a folder in the repository.
+    :param settings: further parameters of :func:`diff`. Paths in the repository lead to each of the two states.
+    :returns: see :func:`diff`.
+    :raises UrdfcheckError: for a wrong argument or configuration, and where there is no repository or revision.
+    :raises KeyboardInterrupt: when the user interrupts.
+    """
+    from urdfcheck.changes.commits.compare_states import compare_states
+
+    def make_state_request(folder: Path, translate: Callable[[str], str]) -> Request:
+        def move(path: AnyPath) -> str:
+            return translate(os.fspath(path))
+
+        packages = {name: move(place) for name, place in (settings.get("packages") or {}).items()}
+        moved: dict[str, Any] = {
+            "select": None,
+            "ignore": (),
+            "target": None,
+            "arguments": None,
+            "environment": (),
+            **settings,
+            "packages": packages,
+            "package_paths": tuple(map(move, _list_paths(settings.get("package_paths", ())))),
+            "allow_read": tuple(map(move, allowed)),
+        }
+        return make_request(_make_options((folder,), **moved))[0]
+
+    allowed = _list_paths(settings.get("allow_read", ()))
+    with _worker_surroundings():
+        return compare_states(
+            revisions,
+            [os.fspath(path) for path in _list_paths(paths)],
+            make_state_request,
+            around=Path(repository),
+            allowed=[os.fspath(path) for path in allowed],
+        )
 
 
 def run_and_ask(request: Request, execution: Execution) -> Run:

@@ -17,11 +17,12 @@ from pathlib import Path
 
 import many
 import robots
+import versions
 from process import HERE
 
 import urdfcheck
 
-PARTS = ("meshes", "robots", "corpus", "growth")
+PARTS = ("meshes", "robots", "versions", "corpus", "growth")
 
 
 def machine() -> str:
@@ -56,6 +57,9 @@ def main() -> None:
     if "robots" in parts:
         _title("(b) one robot, whole processes")
         robots.compare(corpus, repeats=3 if options.quick else 11)
+    if "versions" in parts:
+        _title("(b) two versions of one robot, whole processes")
+        versions.compare(corpus, repeats=5)
     if "corpus" in parts:
         _title("(c) a corpus in one run, expanded URDF for both sides")
         if corpus is None:

@@ -23,10 +23,7 @@ def compare(corpus: Path | None, repeats: int) -> None:
     """Print the table of one robot at a time."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
-        writer = [sys.executable, str(HERE / "urdfs.py"), folder, f"car-3={CAR_3 / 'urdf' / 'car-3.urdf'}"]
-        subprocess.run([*writer, *(["--corpus", str(corpus)] if corpus else [])], check=True)
-        robots = {"car-3": out / "car-3.urdf"}
-        robots |= {name: path for name, end in FROM_CORPUS.items() for path in out.glob(f"*{end}.urdf")}
+        robots = write_robots(out, corpus)
         starts = {"empty python": EMPTY, "import pinocchio": PINOCCHIO, "the script's imports": SCRIPT_IMPORTS}
         median = {name: _median([took(command).seconds for _ in range(repeats)]) for name, command in starts.items()}
         for name, seconds in median.items():
@@ -41,6 +38,14 @@ def compare(corpus: Path | None, repeats: int) -> None:
         script, cold, warm = _robot(CAR_3, repeats, out / "car-3.urdf")
         _row("car-3, the whole folder", script, cold, warm, imports, pinocchio)
     print("targets: cold <= 1.00 × the script's imports, warm < 2.00 × import pinocchio", flush=True)
+
+
+def write_robots(out: Path, corpus: Path | None) -> dict[str, Path]:
+    """Write the robots as plain URDF, and return their files by name."""
+    writer = [sys.executable, str(HERE / "urdfs.py"), str(out), f"car-3={CAR_3 / 'urdf' / 'car-3.urdf'}"]
+    subprocess.run([*writer, *(["--corpus", str(corpus)] if corpus else [])], check=True)
+    found = {name: path for name, end in FROM_CORPUS.items() for path in out.glob(f"*{end}.urdf")}
+    return {"car-3": out / "car-3.urdf", **found}
 
 
 def _robot(checked: Path, repeats: int, urdf: Path) -> tuple[float, float, float]:

@@ -12,6 +12,8 @@ import pytest
 from conftest import command, make_request
 from versions import ARM
 
+import urdfcheck
+from urdfcheck.api import DiffSettings
 from urdfcheck.changes.commits.compare_states import compare_states
 from urdfcheck.changes.commits.state_folders import is_hostile_name
 from urdfcheck.cli import FAILED, FINDINGS, OK
@@ -146,6 +148,20 @@ def test_two_revisions_are_compared_without_the_work_tree(repository: Path) -> N
     assert (repository / MODEL).read_text() == "<robot"
 
 
+@pytest.mark.slow
+def test_python_compares_commits_of_a_repository_elsewhere(
+    repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(repository / MODEL, LONGER)
+    commit(repository)
+    monkeypatch.chdir(tmp_path)
+    settings: DiffSettings = {"select": "INR003", "tier": "source", "cache": False}
+    found = urdfcheck.diff_commits("HEAD~1..HEAD", repository=repository, **settings)
+    assert [model.headline for model in found.models] == ["tool0 moves by 41 mm in every configuration"]
+    limited = urdfcheck.diff_commits("HEAD~1..HEAD", [repository / "absent"], repository=repository, **settings)
+    assert (limited.models, limited.failures) == ((), ())
+
+
 def test_three_dots_begin_at_the_common_ancestor(repository: Path) -> None:
     git(repository, "checkout", "-q", "-b", "topic")
     write(repository / "arm_description/urdf/extra.urdf", "<robot name='e'><link name='a'/></robot>")
@@ -183,6 +199,70 @@ def test_an_included_file_of_another_package_touches_its_users_only(repository: 
     assert compare("", "arm_description").models == ()  # nothing there uses it
     assert len(compare("", "parts/wheel.xacro").models) == 1
     assert len(compare("", "car").models) == 1
+
+
+def test_macros_that_no_model_is_known_to_use_are_not_identical(repository: Path) -> None:
+    """A model that cannot be expanded may use them: what it includes is computed."""
+    write(repository / "car/package.xml", MANIFEST.format("car"))
+    write(repository / "car/wheel_big.xacro", WHEEL)
+    computed = XACRO.replace("$(find parts)/wheel.xacro", "wheel_$(arg size).xacro").replace(
+        "<link", '<xacro:arg name="size" default="$(find nowhere)"/><link'
+    )
+    write(repository / "car/car.urdf.xacro", computed)
+    commit(repository)
+    write(repository / "car/wheel_big.xacro", WHEEL.replace('value="0.3"', 'value="0.35"'))
+    diff = compare()
+    assert diff.verdict == "unknown"
+    assert [Path(model.after).name for model in diff.models] == ["car.urdf.xacro"]
+    assert diff.notes == ("car/wheel_big.xacro: no model that was compared is made of it",)
+
+
+def test_edits_that_the_arguments_leave_out_are_told(repository: Path) -> None:
+    write(repository / "parts/package.xml", MANIFEST.format("parts"))
+    branch = '<xacro:arg name="more" default="false"/>\n<xacro:if value="$(arg more)">\n<link name="x"/>\n</xacro:if>\n'
+    write(repository / "parts/wheel.xacro", WHEEL)
+    text = XACRO.replace('<link name="base"/>', f'<link name="base"/>\n{branch}')
+    write(repository / "car/car.urdf.xacro", text)
+    commit(repository)
+    write(repository / "car/car.urdf.xacro", text.replace('"x"', '"y"'))
+    (model,) = compare().models
+    assert (model.verdict, model.headline) == ("cosmetic", "cosmetic: the robot is the same with these arguments")
+    number = text.splitlines().index('<link name="x"/>') + 1
+    assert model.idle_edits == (
+        ("car/car.urdf.xacro", number, '<link name="y"/>'),
+        ("HEAD:car/car.urdf.xacro", number, '<link name="x"/>'),
+    )
+    assert f"2 edited lines make no part of this robot, first car/car.urdf.xacro:{number} (" in show(compare())
+    write(repository / "car/car.urdf.xacro", text.replace('default="false"', 'default="0"'))
+    assert compare().models[0].headline == "cosmetic: the robot is the same with these arguments"
+    write(repository / "car/car.urdf.xacro", text.replace("<xacro:wheel/>", "<!-- a wheel --><xacro:wheel/>"))
+    assert compare().models[0].headline == "cosmetic: the robot is the same"
+
+
+def test_an_edited_condition_is_the_cause_of_what_it_lets_in(repository: Path) -> None:
+    """The included file is the same in both versions, though the first does not read it."""
+    text = (
+        XACRO.replace("<xacro:include", '<xacro:if value="${False}">\n<xacro:include')
+        .replace("</robot>", "</xacro:if></robot>")
+        .replace('<link name="base"/>', "")
+        .replace("<xacro:wheel/>", '<link name="base"/>\n<xacro:wheel/>')
+    )
+    text = text.replace("\n</robot>", "</robot>").replace('name="car">', 'name="car">\n<link name="root"/>')
+    text = text.replace(
+        "<xacro:wheel/>",
+        '<xacro:wheel/><joint name="j" type="fixed"><parent link="root"/><child link="base"/></joint>',
+    )
+    write(repository / "parts/package.xml", MANIFEST.format("parts"))
+    write(repository / "parts/wheel.xacro", WHEEL)
+    write(repository / "car/car.urdf.xacro", text)
+    commit(repository)
+    write(repository / "car/car.urdf.xacro", text.replace("{False}", "{True}"))
+    (model,) = compare().models
+    assert model.mechanism is not None
+    assert {cause.is_edited for cause in model.mechanism.causes} == {True}
+    assert [line for cause in model.mechanism.causes for _, _, line in (*cause.before, *cause.after)] == [
+        '<xacro:if value="${True}">'
+    ]
 
 
 def test_a_replaced_mesh_touches_its_model(repository: Path) -> None:
@@ -273,6 +353,8 @@ def test_submodules_are_named(repository: Path, tmp_path: Path) -> None:
     write(repository / MODEL, LONGER)
     diff = compare()
     assert diff.notes == ("sub: it is a submodule",)
+    git(repository, "submodule", "--quiet", "add", str(other), "sub_2")
+    assert compare().notes == ("sub, sub_2: they are submodules",)
     assert len(diff.models) == 1
     write(repository / "sub/a.urdf", "<robot name='e'><link name='b'/></robot>")
     (model,) = compare("", "sub/a.urdf").models  # the repository around the path

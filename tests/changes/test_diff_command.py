@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from versions import ARM, compare
 
 import urdfcheck
 from urdfcheck.cli import FAILED, FINDINGS, OK
+from urdfcheck.core.model_diff import SeamChange
 from urdfcheck.output.changes import json as json_output
 from urdfcheck.output.changes import text as text_output
 
@@ -114,6 +116,16 @@ def test_json_follows_its_schema(folder: Path) -> None:
     done = command("diff", "a.urdf", "heavier.urdf", "--format", "json", *QUICK, cwd=folder)
     found = validate(done.stdout)
     assert (found["schema"], found["verdict"], found["failures"]) == ("urdfcheck-diff/1", "dynamic", [])
+
+
+def test_effects_and_files_around_models_follow_the_schema(folder: Path) -> None:
+    seam = SeamChange(kind="srdf", id="removed", subject="joint a of group g", text="joint a of group g is gone")
+    found = replace(compare(folder / "a.urdf", folder / "longer.urdf"), seams=(seam,))
+    document = validate(json_output.render(found))
+    (model,) = document["models"]  # type: ignore[misc]
+    assert [effect["id"] for effect in model["effects"]] == ["pair-clears"]  # type: ignore[index]
+    assert model["collisions"]["pairs"] == 12  # type: ignore[index]
+    assert [one["text"] for one in document["seams"]] == [seam.text]  # type: ignore[attr-defined]
 
 
 @pytest.mark.slow

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from versions import ARM, compare_texts
 
-from urdfcheck.core.model_diff import MechanismDiff, ModelDiff
+from urdfcheck.core.model_diff import Diff, MechanismDiff, ModelDiff
+from urdfcheck.output.changes.text import render as render_text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -314,6 +315,62 @@ def test_two_changes_are_two_changes_with_a_cause_each(tmp_path: Path) -> None:
     mechanism = get_mechanism(compare_texts(tmp_path, ARM, changed))
     assert [change.id for change in mechanism.changes] == ["joint-moved", "effort"]
     assert [cause.changes for cause in mechanism.causes] == [(0,), (1,)]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "what"),
+    [
+        ('<mass value="1e-05"/>', '<mass value="2e-05"/>', "mass"),
+        ('<origin xyz="0.021 0 0" rpy="0 0 0"/>', '<origin xyz="0.031 0 0" rpy="0 0 0"/>', "com"),
+        ('ixx="1e-09"', 'ixx="2e-09"', "tensor"),
+    ],
+)
+def test_a_light_part_of_a_heavy_body_is_no_digit_of_it(tmp_path: Path, old: str, new: str, what: str) -> None:
+    """A mark of 10 mg on a base of 4 kg: 0.001 % of the body is not counted, twice the mass of the mark is."""
+    mark = (
+        '<link name="mark"><inertial><origin xyz="0.021 0 0" rpy="0 0 0"/><mass value="1e-05"/>'
+        '<inertia ixx="1e-09" ixy="0" ixz="0" iyy="1e-09" iyz="0" izz="1e-09"/></inertial></link>'
+        '<joint name="stick" type="fixed"><parent link="base"/><child link="mark"/></joint></robot>'
+    )
+    marked = ARM.replace("</robot>", mark)
+    (change,) = get_mechanism(compare_texts(tmp_path, marked, marked.replace(old, new))).changes
+    assert (change.id, change.subject) == (what, "link[mark]")
+
+
+def test_a_hand_on_an_empty_frame_moves_with_its_fingers(tmp_path: Path) -> None:
+    """The directions of the fingers stay; where the hand is does not."""
+    parts = [
+        '<link name="flange"/>',
+        '<joint name="mount" type="fixed"><parent link="base"/><child link="flange"/><origin xyz="0 0 0.1"/></joint>',
+        '<link name="palm"><visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual></link>',
+        '<joint name="screws" type="fixed"><parent link="flange"/><child link="palm"/></joint>',
+    ]
+    for side in "ab":
+        parts.append(
+            f'<link name="finger_{side}"/><joint name="slide_{side}" type="prismatic"><parent link="palm"/>'
+            f'<child link="finger_{side}"/><axis xyz="0 1 0"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint>'
+        )
+    text = ARM.replace("</robot>", "".join(parts) + "</robot>")
+    (change,) = get_mechanism(
+        compare_texts(tmp_path, text, text.replace('xyz="0 0 0.1"/>', 'xyz="0 0 0.12"/>'))
+    ).changes
+    assert (change.id, change.subject) == ("joint-moved", "joint[mount]")
+
+
+def test_the_colour_of_a_named_material_is_caused_where_it_is_typed(tmp_path: Path) -> None:
+    of_robot = '<material name="m">\n<color rgba="1 0 0 1"/>\n</material>'
+    used = ARM.replace('<robot name="arm">', f'<robot name="arm">{of_robot}').replace(
+        "<visual>", '<visual><material name="m"/>'
+    )
+    found = compare_texts(tmp_path, used, used.replace("1 0 0 1", "0 1 0 1"))
+    (cause,) = get_mechanism(found).causes
+    assert [text for _, _, text in (*cause.before, *cause.after)] == [
+        '<color rgba="1 0 0 1"/>',
+        '<color rgba="0 1 0 1"/>',
+    ]
+    lines = render_text(Diff(before="a", after="b", models=(found,))).splitlines()
+    assert lines[1] == "  visual     links base, upper, fore and 4 more: visual has another colour or texture"
+    assert len(lines) == 5
 
 
 def test_one_line_that_moves_many_parts_is_one_cause(tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ def test_what_leaves_the_robot_as_it_is_is_cosmetic(
     assert found.mechanism is not None
     assert found.mechanism.samples == 0
     assert found.mechanism.shifts == ()
+    assert (found.mechanism.collisions, found.mechanism.effects) == (None, ())
 
 
 def test_edits_add_up_to_nothing(tmp_path: Path) -> None:
@@ -42,3 +43,17 @@ def test_edits_add_up_to_nothing(tmp_path: Path) -> None:
     found = compare_texts(tmp_path, ARM, write_robot(robot), name="arm.urdf.xacro")
     assert found.texts == ()
     assert found.verdict == "cosmetic"
+
+
+def test_equal_values_need_no_comparison(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither where the text is the same nor where other text gives the same values."""
+
+    def refuse(*_: object) -> None:
+        raise AssertionError("compared")
+
+    monkeypatch.setattr("urdfcheck.changes.compare_versions._compare_models", refuse)
+    assert compare_texts(tmp_path / "same", ARM, ARM).verdict == "identical"
+    other = ARM.replace("</robot>", "  <!-- checked -->\n</robot>").replace('value="0.6"', 'value="0.60"')
+    assert compare_texts(tmp_path / "other", ARM, other).verdict == "cosmetic"
+    with pytest.raises(AssertionError, match="compared"):
+        compare_texts(tmp_path / "heavier", ARM, ARM.replace('value="0.6"', 'value="0.61"'))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
 from versions import ARM, compare_texts
 
-from urdfcheck.core.model_diff import MechanismChange, ModelDiff
+from urdfcheck.core.model_diff import Diff, MechanismChange, ModelDiff
+from urdfcheck.output.changes.text import render as render_text
 
 
 def list_changes(found: ModelDiff) -> list[tuple[str, str]]:
@@ -157,3 +159,33 @@ def test_a_joint_in_between_leaves_what_is_behind_it(tmp_path: Path) -> None:
     assert set(list_changes(found)) == {("link-added", "link[pan_link]"), ("reparented", "link[camera]")}
     assert found.mechanism is not None
     assert found.mechanism.shifts == ()  # the new joint at zero
+
+
+def test_links_that_are_renamed_from_the_root_on_are_matched_by_their_joints(tmp_path: Path) -> None:
+    """Every link has another name, and the root another mass: nothing else is new or gone."""
+    changed = ARM
+    for name in ("base", "upper", "fore", "camera", "hand", "left", "right", "tool0"):
+        changed = changed.replace(f'link name="{name}"', f'link name="{name}_link"')
+        changed = changed.replace(f'link="{name}"', f'link="{name}_link"').replace(f'="{name}">', f'="{name}_link">')
+    found = compare_texts(tmp_path, ARM, changed.replace('mass value="4.0"', 'mass value="5.0"'))
+    assert list_changes(found)[0] == ("link-renamed", "link[base]")  # from the root outwards
+    lines = render_text(Diff(before="a", after="b", models=(found,))).splitlines()
+    names = "base → base_link, upper → upper_link, fore → fore_link and 5 more"
+    assert lines[1] == f"  structure  links have other names: {names} (matched by place and content, each at least 75%)"
+    assert Counter(name for name, _ in list_changes(found) if not name.startswith("extra-")) == {
+        "link-renamed": 8,
+        "mass": 1,
+    }
+
+
+def test_another_robot_is_not_another_root_alone(tmp_path: Path) -> None:
+    other = (
+        '<robot name="arm"><link name="foot"/><link name="leg"><inertial><mass value="3"/><inertia ixx="1" ixy="0" ixz="0" '
+        'iyy="1" iyz="0" izz="1"/></inertial></link><joint name="ankle" type="fixed"><parent link="foot"/><child link="leg"/>'
+        "</joint></robot>"
+    )
+    found = compare_texts(tmp_path, ARM, other)
+    assert {("root", "link[base]"), ("link-removed", "link[upper]"), ("link-added", "link[leg]")} <= set(
+        list_changes(found)
+    )
+    assert found.headline.startswith("structure changes: another root, 1 link added, 1 link removed")

@@ -133,7 +133,7 @@ def test_one_mistake_that_explains_the_excess_is_named_and_undone(tmp_path: Path
 @pytest.mark.parametrize(("digits", "exceeds"), [("1e-6", False), ("1.00e-6", True)])
 def test_digits_that_were_rounded_away_are_no_excess(tmp_path: Path, digits: str, exceeds: bool) -> None:
     # 1.5 times what a cube of 20 mm can have; with one digit it may as well be half of that.
-    six = f'ixx="{digits}" ixy="0" ixz="0" iyy="{digits}" iyz="0" izz="3.0e-7"'
+    six = f'ixx="{digits}" ixy="0" ixz="0" iyy="{digits}" iyz="0" izz="3e-7"'
     inertial = f'<inertial><mass value="0.005"/><inertia {six}/></inertial>'
     drawn = '<visual><geometry><box size="0.02 0.02 0.02"/></geometry></visual>'
     content = make_chain('<link name="base"/>', f'<link name="arm">{inertial}{drawn}</link>')

@@ -203,7 +203,7 @@ def test_a_cause_stays_in_a_headline_that_has_no_room_for_the_factor(tmp_path: P
         (finding,) = find(tmp_path / name, text, "INR009")
         headlines[name] = finding.headline
     assert headlines == {
-        "arm": "arm: one moment 2.9× too large (about the origin, not the COM)",
+        "arm": "arm: inertia up to 2.9× too large (about the origin, not the COM)",
         "left_forearm_link": "left_forearm_link: wrong inertia (about the origin, not the COM)",
     }
 
@@ -262,7 +262,11 @@ def test_one_tensor_of_a_line_for_links_of_all_masses_is_a_placeholder(
 
 @pytest.mark.parametrize(
     ("moments", "words"),
-    [((0.2, 1.0, 0.25), "one moment 5× too small"), ((0.2, 0.2, 1.0), "two moments 5× too small")],
+    [
+        ((0.2, 1.0, 0.8), "one moment 5× too small"),
+        ((0.2, 1.0, 0.25), "inertia up to 5× too small"),
+        ((0.2, 0.2, 1.0), "two moments 5× too small"),
+    ],
 )
 def test_moments_that_are_wrong_alike_are_counted(moments: tuple[float, ...], words: str) -> None:
     wrong, right = np.sort(np.array(moments)), np.ones(3)

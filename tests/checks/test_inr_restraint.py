@@ -111,8 +111,8 @@ def test_the_headline_says_how_the_part_differs(tmp_path: Path, size: tuple[floa
 def test_a_tensor_too_large_is_not_that_of_a_thinner_part(tmp_path: Path) -> None:
     text = arm_on_base(inertial(1, ixx=0.01, iyy=0.01, izz=0.02), visual(box("0.2 0.2 0.2")))
     finding = one(tmp_path, text, {"INR009"})
-    assert finding.headline == "arm: one moment 3× too large"  # the other two are 1.5 times the cube's 0.0067
-    assert "one moment of inertia is 3 times too large for this mass" in finding.message
+    assert finding.headline == "arm: inertia up to 3× too large"  # the other two are 1.5 times the cube's 0.0067
+    assert "the moments of inertia are up to 3 times too large for this mass" in finding.message
 
 
 @pytest.mark.parametrize(("factor", "severity"), [(30.0, Severity.WARNING), (3e4, Severity.ERROR)])

@@ -895,3 +895,42 @@ def test_an_empty_element_in_the_wrong_place_is_deleted(
     (finding,) = check_text(tmp_path, text, codes={"XML003"}).findings
     assert finding.fix is not None
     assert (finding.severity, finding.fix.title) == (severity, repair)
+
+
+@pytest.mark.parametrize(
+    ("geometry", "severity", "urdfdom"),
+    [
+        ('<material name="m"/><box size="1 1 1"/>', "warning", "drops the shape"),
+        ('<box size="1 1 1"/><material name="m"/>', "warning", "ignores it"),
+        ('<bx size="1 1 1"/>', "error", "drops the shape"),
+        ('<box size="1 1 1"/><surface><mu>1</mu></surface>', "warning", "ignores it"),
+        ('<box size="1 1 1"/><bx size="1 1 1"/>', "warning", "ignores it"),
+    ],
+)
+def test_only_the_first_element_of_a_geometry_is_its_shape(
+    tmp_path: Path, geometry: str, severity: str, urdfdom: str
+) -> None:
+    text = f'<robot name="r"><link name="l"><visual><geometry>{geometry}</geometry></visual></link></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"XML003"}).findings
+    assert str(finding.severity) == severity
+    assert finding.consequences["urdfdom"].startswith(urdfdom)
+
+
+@pytest.mark.parametrize(
+    ("element", "severity", "repair"),
+    [
+        ("<surface><friction><ode><mu>10</mu></ode></friction></surface>", "warning", "<collision>…</collision>"),
+        ("<surface><friction/></surface>", "info", ""),
+        ("<gravity>1</gravity>", "info", ""),
+        ("<pose>0 0 0 0 0 0</pose>", "info", ""),
+        ("<pose>0 0 1 0 0 0</pose>", "warning", "delete it"),
+        ("<gravity>0</gravity>", "warning", '"LINK_OR_JOINT">…</gazebo>'),
+    ],
+)
+def test_sdf_in_a_link_says_where_gazebo_reads_it(tmp_path: Path, element: str, severity: str, repair: str) -> None:
+    (finding,) = check_text(
+        tmp_path, f'<robot name="r"><link name="l">{element}</link></robot>', codes={"XML003"}
+    ).findings
+    assert str(finding.severity) == severity
+    assert finding.fix is not None
+    assert repair in finding.fix.title

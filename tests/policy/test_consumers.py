@@ -9,7 +9,7 @@ import pytest
 from conftest import check
 
 from urdfcheck.core import Confidence, Finding, Location, Severity, Verdict
-from urdfcheck.policy.consumers import CONSUMERS, apply_target_severity, predict_outcomes
+from urdfcheck.policy.consumers import CONSUMERS, apply_target_severity, get_verdict, predict_outcomes
 from urdfcheck.rules import load_rules
 
 RULE = load_rules()["JNT009"]
@@ -92,3 +92,12 @@ def test_what_concerns_others_alone_is_worth_knowing() -> None:
     assert apply_target_severity(warning(), rule, ("mujoco",)).severity is Severity.INFO
     assert apply_target_severity(warning(), rule, ("mujoco", "gazebo")).severity is Severity.WARNING
     assert apply_target_severity(warning(), rule, ()).severity is Severity.WARNING
+
+
+def test_what_the_parser_of_a_program_loses_it_does_not_get() -> None:
+    """Isaac Sim has the importer of Newton; its own sentence counts more."""
+    lost = {"newton": "drops the shape, with a warning"}
+    assert get_verdict(lost, "isaac") is Verdict.DROPS
+    assert get_verdict({**lost, "isaac": "loads it"}, "isaac") is Verdict.LOADS
+    assert get_verdict({"newton": "replaces the name"}, "isaac") is Verdict.LOADS
+    assert get_verdict({"urdfdom": "refuses the file"}, "isaac") is Verdict.LOADS

@@ -2,23 +2,36 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from urdfcheck.changes.effect_wording import describe_effect
 from urdfcheck.changes.finding_changes import compare_findings
 from urdfcheck.changes.model_pairs import ModelPair, VersionedModel, pair_models
-from urdfcheck.changes.text_changes import SideTexts, find_causes
+from urdfcheck.changes.seam_changes import compare_seams
+from urdfcheck.changes.text_changes import (
+    SideTexts,
+    find_causes,
+    find_edited_lines,
+    has_edited_choices,
+    list_idle_edits,
+)
 from urdfcheck.changes.wording import describe_change, judge_change
 from urdfcheck.core import ModelInfo, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
-from urdfcheck.core.model_diff import UNKNOWN, Diff, ModelDiff
+from urdfcheck.core.model_diff import UNKNOWN, Diff, MechanismDiff, ModelDiff, SeamChange
+from urdfcheck.core.seams import SeamFact
 from urdfcheck.policy.limits import ResourceLimits
+from urdfcheck.policy.policy import TIERS
 from urdfcheck.run.jobs import Request, UnitReport
 from urdfcheck.run.pipeline import IN_WORKERS, AuditedRun, Execution, run_audit
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.system import libraries, sandbox
+from urdfcheck.system.array_cache import ArrayCache
+from urdfcheck.system.files import read_regular
 from urdfcheck.system.process_pool import WorkerDiedError, map_in_processes
 from urdfcheck.version import __version__
 
@@ -43,6 +56,7 @@ def compare_versions(before: Request, after: Request, execution: Execution = IN_
     """
     first = _read_side(before, execution)
     second = _read_side(after, execution.without_start())
+    first, second = _add_unread_texts(first, second), _add_unread_texts(second, first)
     pairs = pair_models(first.models, second.models, are_named=before.only is None)
     if not pairs and before.only is None:
         raise UrdfcheckError(f"{before.paths[0]}, {after.paths[0]}: no model to compare")
@@ -59,8 +73,16 @@ def compare_versions(before: Request, after: Request, execution: Execution = IN_
         after=format_path(after.paths[0]),
         models=models,
         findings=compare_findings(*runs, ids, names),
+        seams=_compare_seams(first, second, ids, names),
         failures=_list_failures(first, second, models),
         version=__version__,
+        files=frozenset(
+            name
+            for side in (first, second)
+            for report in side.audited.reports.values()
+            if report.mechanism is not None
+            for name in report.expanded_files
+        ),
         runs=runs if after.options.scene else None,
     )
 
@@ -105,6 +127,19 @@ def _list_models(audited: AuditedRun, folder: str) -> list[VersionedModel]:
     return models
 
 
+def _add_unread_texts(side: _CheckedVersion, other: _CheckedVersion) -> _CheckedVersion:
+    """Add the files that a version has and does not use, and the other uses: they need not be new."""
+    wanted = {_make_relative(name, other.folder) for model in other.models for name in model.texts}
+    texts: dict[str, str] = {}
+    for path in sorted(path for path in wanted if not path.startswith("../") and not os.path.isabs(path)):
+        name = format_path(Path(side.folder) / path)
+        is_inside = os.path.realpath(name).startswith(os.path.realpath(side.folder) + os.sep)
+        if is_inside and any(name not in model.texts for model in side.models):
+            with contextlib.suppress(OSError, ValueError):
+                texts[name] = read_regular(Path(name)).decode("utf-8", "replace")
+    return replace(side, models=tuple(replace(model, texts={**texts, **model.texts}) for model in side.models))
+
+
 def _make_relative(path: str, folder: str) -> str:
     try:
         return Path(os.path.relpath(path, folder)).as_posix()
@@ -120,6 +155,16 @@ def _explain_missing(report: UnitReport, info: ModelInfo, outcome: Run) -> str:
     return next(iter((*reasons, *report.failures, *outcome.failures)), "there is no robot in it")
 
 
+@dataclass(frozen=True, slots=True)
+class _Measuring:
+    """What is computed beside what the models say."""
+
+    cache: Path | None
+    """Folder of cached results."""
+    tier: str
+    """Of `TIERS`: from the second on shapes are read, in the last they are moved."""
+
+
 # -- comparing ---------------------------------------------------------------------------------------------------------
 
 
@@ -128,14 +173,26 @@ def _compare_pairs(
 ) -> list[ModelDiff]:
     """Compare the models of each pair, in worker processes unless ``in_process``."""
     limits = request.options.limits
-    jobs = {index: (pair, old_folder, new_folder, limits) for index, pair in enumerate(pairs) if _is_comparable(pair)}
-    found: dict[int, ModelDiff] = {}
+    measuring = _Measuring(request.cache, request.policy.tier)
+    found = {
+        index: same
+        for index, pair in enumerate(pairs)
+        if (same := _describe_same(pair, old_folder, new_folder)) is not None
+    }
+    jobs = {
+        index: (pair, old_folder, new_folder, measuring)
+        for index, pair in enumerate(pairs)
+        if index not in found and _is_comparable(pair)
+    }
     if in_process:
-        found = {index: _compare_models(pair, old, new) for index, (pair, old, new, _) in jobs.items()}
+        found |= {index: _compare_models(*job) for index, job in jobs.items()}
     else:
         places = list(jobs)
         longest = limits.seconds + sandbox.PATIENCE if limits.seconds else None
-        answers = map_in_processes(_compare_in_worker, list(jobs.values()), max(1, request.jobs), timeout=longest)
+        mechanisms = [model.mechanism for pair, *_ in jobs.values() for model in (pair.before, pair.after) if model]
+        meshes = sorted({file for mechanism in mechanisms if mechanism is not None for file in mechanism.mesh_files})
+        guarded = [(*job, meshes, limits) for job in jobs.values()]
+        answers = map_in_processes(_compare_in_worker, guarded, max(1, request.jobs), timeout=longest)
         for place, answer in answers:
             pair = pairs[places[place]]
             reason = "the comparison was stopped" if isinstance(answer, WorkerDiedError) else answer
@@ -147,37 +204,37 @@ def _is_comparable(pair: ModelPair) -> bool:
     return all(model is not None and model.mechanism is not None for model in (pair.before, pair.after))
 
 
-def _compare_in_worker(pair: ModelPair, old_folder: str, new_folder: str, limits: ResourceLimits) -> ModelDiff | str:
-    """Compare two models inside a worker process, which opens no file; a text says why that failed."""
-    libraries.prefer_own_folders()
-    sandbox.confine((), (), limits.memory)
-    try:
-        with sandbox.enforce_deadline(limits.seconds):
-            return _compare_models(pair, old_folder, new_folder)
-    except ModelTimeout:
-        return f"the comparison took more than {limits.seconds:g} s (--timeout)"
-    except MemoryError:
-        return f"the comparison takes more than {limits.memory} MiB (--memory)"
+def _describe_same(pair: ModelPair, old_folder: str, new_folder: str) -> ModelDiff | None:
+    """Return the empty difference of two models with equal values, which need no comparison; None for others."""
+    first, second = pair.before, pair.after
+    before, after = (None if model is None else model.mechanism for model in (first, second))
+    if first is None or second is None or before is None or after is None:
+        return None
+    if before.compute_digest() != after.compute_digest():
+        return None
+    mass = sum(link.mass or 0.0 for link in before.links)
+    same = MechanismDiff(changes=(), notes=(), shifts=(), torques=(), mass=(mass, mass), com_shift=0.0, samples=0)
+    return _describe_pair(pair, same, old_folder, new_folder)
 
 
-def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelDiff:
-    """Compare two models that were read."""
-    from urdfcheck.facts.comparison.compare import compare_mechanisms  # loads numpy
-
+def _describe_pair(pair: ModelPair, found: MechanismDiff, old_folder: str, new_folder: str) -> ModelDiff:
+    """Return a difference with its causes, its verdict and in words."""
     first, second = pair.before, pair.after
     assert first is not None
     assert second is not None
     before, after = first.mechanism, second.mechanism
     assert before is not None
     assert after is not None
-    found = compare_mechanisms(before, after)
     texts = (
         SideTexts.of_model(before, first.texts, old_folder),
         SideTexts.of_model(after, second.texts, new_folder),
     )
-    found = replace(found, causes=find_causes(found.changes, *texts))
+    edited = find_edited_lines(*texts)
+    found = replace(found, causes=find_causes(found.changes, edited, *texts))
+    idle_edits = list_idle_edits(edited, (before, after), texts)
     is_equal = sorted(before.digests.values()) == sorted(after.digests.values())
-    verdict, headline = judge_change(found, has_equal_texts=is_equal)
+    depends = bool(idle_edits) or has_edited_choices(edited, *texts)
+    verdict, headline = judge_change(found, has_equal_texts=is_equal, depends_on_arguments=depends)
     return ModelDiff(
         before=first.info.id,
         after=second.info.id,
@@ -186,8 +243,48 @@ def _compare_models(pair: ModelPair, old_folder: str, new_folder: str) -> ModelD
         mechanism=found,
         texts=tuple(map(describe_change, found.changes)),
         notes=tuple(map(describe_change, found.notes)),
+        idle_edits=idle_edits,
+        effects=tuple(map(describe_effect, found.effects)),
         matched_by=pair.matched_by,
     )
+
+
+def _compare_in_worker(
+    pair: ModelPair,
+    old_folder: str,
+    new_folder: str,
+    measuring: _Measuring,
+    meshes: Sequence[str],
+    limits: ResourceLimits,
+) -> ModelDiff | str:
+    """Compare two models inside a worker process, which opens the meshes alone; a text says why that failed."""
+    libraries.prefer_own_folders()
+    folders = [] if measuring.cache is None else [str(measuring.cache)]
+    sandbox.confine([*meshes, *folders], (), limits.memory)
+    try:
+        with sandbox.enforce_deadline(limits.seconds):
+            return _compare_models(pair, old_folder, new_folder, measuring)
+    except ModelTimeout:
+        return f"the comparison took more than {limits.seconds:g} s (--timeout)"
+    except MemoryError:
+        return f"the comparison takes more than {limits.memory} MiB (--memory)"
+
+
+def _compare_models(pair: ModelPair, old_folder: str, new_folder: str, measuring: _Measuring) -> ModelDiff:
+    """Compare two models that were read."""
+    from urdfcheck.changes.shape_geometries import ShapeGeometries  # these load numpy
+    from urdfcheck.facts.comparison.compare import compare_mechanisms
+
+    first, second = pair.before, pair.after
+    assert first is not None
+    assert second is not None
+    before, after = first.mechanism, second.mechanism
+    assert before is not None
+    assert after is not None
+    geometries = ShapeGeometries(ArrayCache(measuring.cache))
+    read = None if measuring.tier == TIERS[0] else geometries.read
+    found = compare_mechanisms(before, after, read, with_collisions=measuring.tier == TIERS[-1])
+    return _describe_pair(pair, found, old_folder, new_folder)
 
 
 def _describe_lone(pair: ModelPair) -> ModelDiff:
@@ -229,6 +326,28 @@ def _list_failures(first: _CheckedVersion, second: _CheckedVersion, models: Sequ
     )
     unknown = (f"{model.after or model.before}: {model.headline}" for model in models if model.verdict == UNKNOWN)
     return tuple(dict.fromkeys((*failures, *unknown)))
+
+
+def _compare_seams(
+    first: _CheckedVersion,
+    second: _CheckedVersion,
+    units: Mapping[str, str],
+    names: Mapping[str, Mapping[tuple[str, str], str]],
+) -> tuple[SeamChange, ...]:
+    """Return what differs in the files around the models; what several models share is reported once."""
+    olds, news = _list_seams(first), _list_seams(second)
+    every = (
+        change
+        for unit, other in units.items()
+        if unit in olds or other in news
+        for change in compare_seams(olds.get(unit, ()), news.get(other, ()), names.get(unit, {}))
+    )
+    return tuple(dict.fromkeys(every))
+
+
+def _list_seams(side: _CheckedVersion) -> dict[str, tuple[SeamFact, ...]]:
+    reports = ((unit.id, side.audited.reports.get(index)) for index, unit in enumerate(side.audited.units))
+    return {unit: report.seams for unit, report in reports if report is not None and report.seams}
 
 
 def _pair_units(first: _CheckedVersion, second: _CheckedVersion, models: Mapping[str, str]) -> dict[str, str]:

@@ -10,7 +10,9 @@ from urdfcheck.core import UrdfcheckError
 from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, MechanismDiff, ModelDiff
 
 # What `--fail-on` takes.
-KINDS = ("kinematic", "dynamic", "limits", "collision", "findings", "any", "never")
+KINDS = ("kinematic", "dynamic", "limits", "collision", "seams", "findings", "any", "never")
+# Effects by which links collide that did not.
+_COLLIDING = frozenset({"pair-collides", "rest-collides"})
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
 _MASSES = {"kg": 1.0, "g": 1e-3}
 _QUANTITY = re.compile(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*([a-zA-Zµ%]+)\s*")
@@ -31,6 +33,8 @@ class Gate:
     def list_reasons(self, diff: Diff) -> list[str]:
         """Return why a difference fails, by model; nothing where it passes."""
         reasons = [f"{model.after or model.before}: {what}" for model in diff.models for what in self._judge(model)]
+        if self.kinds & {"seams", "any"} and diff.seams:
+            reasons.append("files around the models change")
         if self.kinds & {"findings", "any"} and diff.findings.new:
             reasons.append("new findings")
         return reasons
@@ -66,6 +70,8 @@ class Gate:
             kind = "kinematic" if change.category == "structure" else change.category
             if kind in self.kinds or "any" in self.kinds:
                 failing.append(f"{kind} change")
+        if "collision" in self.kinds and any(effect.id in _COLLIDING for effect in found.effects):
+            failing.append("links that collide now")
         return list(dict.fromkeys(failing))
 
     def _is_tolerated_motion(self, found: MechanismDiff, change: str) -> bool:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import difflib
 import os
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import NEWLINE, Span
-from urdfcheck.core.mechanism import RobotMechanism
+from urdfcheck.core.mechanism import RobotMechanism, Trace
 from urdfcheck.core.model_diff import ChangeCause, MechanismChange
 
 # Lines of one cause that are shown of either version.
@@ -18,6 +19,8 @@ MOST_LINES = 6
 _MOST_PAIRS = 4_000_000
 # Characters of a line that are kept.
 _MOST_CHARACTERS = 500
+
+_CHOICE = re.compile(r"\$\(arg\b|<xacro:(?:arg|if|unless)\b")
 
 # A line of a file.
 Line = tuple[str, int]
@@ -40,11 +43,13 @@ class SideTexts:
     folder: str
     """Where this version is: files of two versions with one path from there are versions of one file."""
     main_file: str
+    conditions: Sequence[tuple[Span, int]] = ()
+    """See `RobotMechanism.conditions`."""
 
     @classmethod
     def of_model(cls, mechanism: RobotMechanism, texts: Mapping[str, str], folder: str) -> SideTexts:
         """Return the texts that a model was made of."""
-        return cls(texts=texts, folder=folder, main_file=mechanism.main_file)
+        return cls(texts=texts, folder=folder, main_file=mechanism.main_file, conditions=mechanism.conditions)
 
 
 def find_edited_lines(before: SideTexts, after: SideTexts) -> EditedLines:
@@ -109,33 +114,73 @@ def _compare_lines(before: str, after: str) -> tuple[frozenset[int], frozenset[i
     return frozenset(gone), frozenset(came)
 
 
-def find_causes(changes: Sequence[MechanismChange], before: SideTexts, after: SideTexts) -> tuple[ChangeCause, ...]:
+def list_idle_edits(
+    edited: EditedLines, mechanisms: tuple[RobotMechanism, RobotMechanism], texts: tuple[SideTexts, SideTexts]
+) -> tuple[tuple[str, int, str], ...]:
+    """Return file, line and text of the edited tags of which a version's robot has nothing, those of the second version first."""
+    found: list[tuple[str, int, str]] = []
+    for mechanism, lines, side in (
+        (mechanisms[1], edited.after, texts[1]),
+        (mechanisms[0], edited.before, texts[0]),
+    ):
+        for name, idle in mechanism.idle_lines.items():
+            numbers = [(name, number) for number in sorted(idle & lines.get(name, frozenset()))]
+            found += _quote_lines(numbers, side.texts)
+    return tuple(found)
+
+
+def has_edited_choices(edited: EditedLines, before: SideTexts, after: SideTexts) -> bool:
+    """Whether an edited line reads an argument or is a condition: with other arguments it may make another robot."""
+    return any(
+        _CHOICE.search(NEWLINE.split(side.texts[name])[number - 1])
+        for side, lines in ((before, edited.before), (after, edited.after))
+        for name, numbers in lines.items()
+        for number in numbers
+    )
+
+
+def find_causes(
+    changes: Sequence[MechanismChange], edited: EditedLines, before: SideTexts, after: SideTexts
+) -> tuple[ChangeCause, ...]:
     """Group changes by the lines that caused them, in the order of the changes.
 
-    Of the lines that a value was computed from those count that were edited, and the calls that brought it in only where none of
-    those was. Where nothing was edited, the value is shown where it is typed: a mesh file or an argument changed.
+    Of the lines that a value was computed from those count that were edited; where none of those was, the calls that brought it
+    in, and then the conditions around both. Where nothing was edited, the value is shown where it is typed: a mesh file or an
+    argument changed.
     """
-    edited = find_edited_lines(before, after)
     groups: dict[tuple[tuple[Line, ...], tuple[Line, ...], bool], list[int]] = {}
     for index, change in enumerate(changes):
         sides = ((change.before, edited.before), (change.after, edited.after))
         old, new = (_select_edited(trace.places, lines) for trace, lines in sides)
         if not old and not new:
             old, new = (_select_edited(trace.calls, lines) for trace, lines in sides)
+        if not old and not new:
+            old, new = (
+                _select_edited(_list_conditions(trace, texts.conditions), lines)
+                for (trace, lines), texts in zip(sides, (before, after), strict=True)
+            )
         is_edited = bool(old or new)
         if not is_edited:
             old, new = (_list_lines(trace.places[:1])[:1] for trace, _ in sides)
         groups.setdefault((tuple(old), tuple(new), is_edited), []).append(index)
     return tuple(
         ChangeCause(
-            before=tuple(_quote_lines(old, before.texts)),
-            after=tuple(_quote_lines(new, after.texts)),
+            before=tuple(_quote_lines(old[:MOST_LINES], before.texts)),
+            after=tuple(_quote_lines(new[:MOST_LINES], after.texts)),
             changes=tuple(indices),
             is_edited=is_edited,
         )
         for (old, new, is_edited), indices in groups.items()
         if old or new
     )
+
+
+def _list_conditions(trace: Trace, conditions: Sequence[tuple[Span, int]]) -> Iterator[Span]:
+    """Yield the tags of the conditions in which the places and calls of a trace are typed."""
+    for span in (*trace.places, *trace.calls):
+        for tag, end in conditions:
+            if tag.file == span.file and tag.line <= span.line <= end:
+                yield tag
 
 
 def _select_edited(spans: Iterable[Span], edited: Mapping[str, frozenset[int]]) -> list[Line]:
@@ -148,7 +193,7 @@ def _list_lines(spans: Iterable[Span]) -> list[Line]:
 
 
 def _quote_lines(lines: Sequence[Line], texts: Mapping[str, str]) -> Iterator[tuple[str, int, str]]:
-    for name, number in lines[:MOST_LINES]:
+    for name, number in lines:
         split = NEWLINE.split(texts.get(name, ""))
         text = split[number - 1].strip() if number <= len(split) else ""
         yield name, number, text[:_MOST_CHARACTERS]

@@ -10,17 +10,20 @@ from urdfcheck.core.text import format_angle, format_configuration, format_count
 
 # Shares and directions below these are rounding.
 _LEAST_COMPONENT = 0.02
+# Surfaces that are nearer (m) are one in other digits.
+_SAME_SURFACE = 2e-5
 _PART = re.compile(r"(link|joint)\[([^\]]*)\]", re.DOTALL)
 
 
 def describe_change(change: MechanismChange) -> str:
     """Return one line about a change."""
-    return f"{_name_part(change)} {_WORDS[change.id](change)}"
+    return f"{name_part(change.subject)} {_WORDS[change.id](change)}"
 
 
-def _name_part(change: MechanismChange) -> str:
-    match = _PART.fullmatch(change.subject)
-    return change.subject if match is None else f"{match[1]} {match[2]}"
+def name_part(subject: str) -> str:
+    """Return ``link hand`` for ``link[hand]``."""
+    match = _PART.fullmatch(subject)
+    return subject if match is None else f"{match[1]} {match[2]}"
 
 
 def format_size(metres: float) -> str:
@@ -161,9 +164,34 @@ def _describe_shape(verb: str) -> Callable[[MechanismChange], str]:
             text += f", volume {old:.{digits}g} → {new:.{digits}g} m³{format_share(old, new)}"
         if "bounds" in numbers:
             text += f", bounds differ by up to {format_size(numbers['bounds'])}"
+        text += _READABLE[words["read"]] if "read" in words else ""
+        if "surface_gone" in numbers:
+            text += f", {_describe_surface(numbers)}"
         return text + (f", now {words['closed']}" if "closed" in words else "")
 
     return describe
+
+
+_READABLE = {
+    "only now": ", which can be read; the file before cannot",
+    "no longer": ", which cannot be read; the file before can",
+    "neither": "; neither file can be read",
+}
+
+
+def _describe_surface(numbers: Mapping[str, float]) -> str:
+    """Return how far the surfaces of two meshes are from each other, with what may lie between the points examined."""
+    gone, come, error = (numbers[f"surface_{name}"] for name in ("gone", "come", "error"))
+    if max(gone, come) <= _SAME_SURFACE:
+        return f"the same surface (at points {format_size(error)} apart)"
+    if abs(come - gone) <= error:
+        return f"surfaces up to {format_size(max(gone, come))} apart (± {format_size(error)})"
+    sides = (
+        f"the {one} surface up to {format_size(distance)} from the {other} one"
+        for one, other, distance in (("new", "old", come), ("old", "new", gone))
+        if distance > _SAME_SURFACE
+    )
+    return f"{' and '.join(sides)} (± {format_size(error)})"
 
 
 def _describe_base(change: MechanismChange) -> str:
@@ -215,7 +243,7 @@ _WORDS: Mapping[str, Callable[[MechanismChange], str]] = {
     "shape-resized": _describe_shape("has another size"),
     "shape-replaced": _describe_shape("is replaced"),
     "mesh-changed": _describe_shape("has another content"),
-    "material": _describe_shape("has another colour or texture"),
+    "material": _describe_pair("{role} has another colour or texture"),
     "frame-moved": _describe_pair("has its frame elsewhere; its mass, shapes and children stay"),
     "robot-renamed": _describe_pair("name {before} → {after}"),
     "extra-added": _describe_pair("is new"),
@@ -227,15 +255,19 @@ _WORDS: Mapping[str, Callable[[MechanismChange], str]] = {
 # -- verdicts ----------------------------------------------------------------------------------------------------------
 
 
-def judge_change(found: MechanismDiff, *, has_equal_texts: bool) -> tuple[str, str]:
-    """Return the verdict on a comparison, one of `VERDICTS`, and its line."""
+def judge_change(found: MechanismDiff, *, has_equal_texts: bool, depends_on_arguments: bool) -> tuple[str, str]:
+    """Return the verdict on a comparison, one of `VERDICTS`, and its line.
+
+    ``depends_on_arguments``: whether the versions may differ with other arguments.
+    """
     categories = {change.category for change in found.changes}
     verdict = next((category for category in CATEGORIES if category in categories), None)
     if verdict is None:
         if has_equal_texts and not found.notes:
             return IDENTICAL, "identical"
         notes = f" ({format_count(len(found.notes), 'note')})" if found.notes else ""
-        return COSMETIC, f"cosmetic: the robot is the same{notes}"
+        condition = " with these arguments" if depends_on_arguments else ""
+        return COSMETIC, f"cosmetic: the robot is the same{condition}{notes}"
     if verdict == "structure":
         return verdict, _join([_count_structure(found), _describe_motion(found.shifts, found)])
     if verdict == "kinematic":
@@ -312,18 +344,19 @@ def _describe_dynamics(found: MechanismDiff) -> str:
         amount = f" by {share * 100:.2g} %" if worst.before > 1e-9 else ""
         parts.append(
             f"dynamics change{amount} (worst gravity torque of {worst.joint} "
-            f"{_format_pair(worst.before, worst.after)} {worst.unit})"
+            f"{format_pair(worst.before, worst.after)} {worst.unit})"
         )
     before, after = found.mass
     if abs(after - before) > 1e-5 * max(before, after):
-        parts.append(f"mass {_format_pair(before, after)} kg{format_share(before, after)}")
+        parts.append(f"mass {format_pair(before, after)} kg{format_share(before, after)}")
     if not parts:
         own = [change for change in found.changes if change.category == "dynamic"]
         parts.append(_describe_first(own))
     return _join(parts)
 
 
-def _format_pair(before: float, after: float) -> str:
+def format_pair(before: float, after: float) -> str:
+    """Return ``4.74 → 5.02``, with as many digits as the numbers need to differ."""
     digits = min(_choose_digits(before, after), 6)
     digits = next((d for d in range(2, 7) if abs(after - before) > 10.0 ** -(d - 1) * max(before, after) / 2), digits)
     return f"{before:.{digits}g} → {after:.{digits}g}"

@@ -15,16 +15,17 @@ from urdfcheck.source.text.xml import Attribute
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for tag in ("ros2_control", "transmission"):
         foreign: list[Attribute] = []
+        free = model.joint_by_name.keys() - _collect_named_joints(model, tag)
         for block in model.robot.find_children(tag):
             for element in block.walk():
                 name = element.attributes.get("name")
                 if element.tag != "joint" or name is None or not name.value or name.value in model.joint_by_name:
                     continue
-                hint = format_name_hint(name.value, model.joint_by_name)
+                hint = format_name_hint(name.value, free)
                 if not hint:
                     foreign.append(name)
                     continue
-                meant = find_only_near_name(name.value, model.joint_by_name, SLIP_LIKENESS)
+                meant = find_only_near_name(name.value, free, SLIP_LIKENESS)
                 yield rule.finding(
                     tag,
                     at=name,
@@ -36,6 +37,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 )
         if foreign:
             yield _build_foreign_finding(rule, tag, foreign)
+
+
+def _collect_named_joints(model: Model, tag: str) -> set[str]:
+    """Return the joints that blocks of a kind name: an unknown name beside them means another one."""
+    blocks = model.robot.find_children(tag)
+    return {element.get("name") for block in blocks for element in block.walk() if element.tag == "joint"}
 
 
 def _build_foreign_finding(rule: Rule, tag: str, names: list[Attribute]) -> Finding:

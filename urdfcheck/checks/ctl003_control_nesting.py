@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
+from urdfcheck.model.ground.drive_plugins import list_drive_plugins
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Element
@@ -32,10 +33,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # ROS 2 has no program that reads the hardwareInterface.
     is_ros1 = simulated or not _is_for_ros2(model)
     severity = None if simulated else Severity.WARNING
+    driven = _list_driven_joints(model)
     for transmission in model.robot.find_children("transmission"):
         yield from _check_transmission(rule, transmission, severity=severity)
         if is_ros1:
-            yield from _check_interfaces(model, rule, transmission, severity=severity)
+            yield from _check_interfaces(model, rule, transmission, severity=severity, driven=driven)
     if is_ros1:
         yield from _check_missing_prefix(model, rule)
 
@@ -45,6 +47,12 @@ def _is_for_ros2(model: Model) -> bool:
     package = model.source.package
     is_ament = package is not None and read_build_type(package.root).startswith("ament_")
     return is_ament or bool(model.robot.find_children("ros2_control"))
+
+
+def _list_driven_joints(model: Model) -> set[str]:
+    """Return the joints that a drive plugin turns itself: it needs no transmission."""
+    wheels = (wheel for plugin in list_drive_plugins(model) for wheel in (*plugin.left, *plugin.right))
+    return {wheel.text.strip() for wheel in wheels}
 
 
 def _check_nesting(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -67,7 +75,7 @@ def _check_transmission(rule: Rule, transmission: Element, *, severity: Severity
 
 
 def _check_interfaces(
-    model: Model, rule: Rule, transmission: Element, *, severity: Severity | None
+    model: Model, rule: Rule, transmission: Element, *, severity: Severity | None, driven: Collection[str]
 ) -> Iterator[Finding]:
     if "type" in transmission.attributes:
         return
@@ -85,7 +93,7 @@ def _check_interfaces(
                 "interface-missing" if misplaced is None else "interface-in-actuator",
                 at=joint,
                 related=[] if misplaced is None else [misplaced],
-                severity=severity,
+                severity=Severity.INFO if joint.get("name") in driven else severity,
                 name=name,
                 joint=joint.get("name"),
                 interface="" if misplaced is None else misplaced.text.strip(),

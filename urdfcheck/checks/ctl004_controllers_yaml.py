@@ -33,7 +33,7 @@ OTHER_DRIVES = frozenset({"mecanum_drive_controller/MecanumDriveController", "tr
 def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
     if isinstance(subject, LaunchContext):
         model = subject.model
-        configs = [] if model is None else find_launched_configs(subject.launch, model)
+        configs = () if model is None else find_launched_configs(subject.launch, model)
     else:
         model, configs = subject, find_controller_configs(subject)
         yield from _check_parameter_files(subject, rule)
@@ -88,8 +88,10 @@ def _check_unknown_joints(
         yield from _check_foreign_controllers(model, rule, config, elsewhere=elsewhere)
         return
     uses = _collect_unknown_joints(model, config.configuration.controllers, known=known, elsewhere=elsewhere)
+    # A joint that another controller of the file names is meant there.
+    unnamed = frozenset(model.joint_by_name) - config.configuration.joint_names
     for index, (name, places) in enumerate(uses.items()):
-        free = _list_unnamed_joints(model, places[0][0]) if index < MOST_HINTS else frozenset[str]()
+        free = unnamed if index < MOST_HINTS else frozenset[str]()
         near = find_only_near_name(name, free)
         yield rule.finding(
             "unknown",

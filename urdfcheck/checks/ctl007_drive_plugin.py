@@ -24,9 +24,10 @@ def _check_plugin(model: Model, rule: Rule, plugin: DrivePlugin, rel_tol: float)
     left, right = plugin.left, plugin.right
     unknown = [element for element in (*left, *right) if element.text.strip() not in model.joint_by_name]
     turning = {name for name, joint in model.joint_by_name.items() if joint.type != "fixed"}
+    free = turning - {element.text.strip() for element in (*left, *right)}
     for element in unknown:
         name = element.text.strip()
-        near = format_name_hint(name, turning) or _format_fixed_hint(name, set(model.joint_by_name) - turning)
+        near = format_name_hint(name, free) or _format_fixed_hint(name, set(model.joint_by_name) - turning)
         yield rule.finding("unknown", at=element, severity=Severity.ERROR, joint=name, near=near)
     fixed = [element for element in (*left, *right) if element.text.strip() in set(model.joint_by_name) - turning]
     if fixed:

@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_point, join_names
-from urdfcheck.facts.motion.contact import SLACK, GroundSupport, TipOver, compute_ground_support, simulate_tipping
+from urdfcheck.facts.motion.contact import SLACK, GroundSupport, TipOver
 from urdfcheck.model import Model
-from urdfcheck.model.ground.support_polygon import (
-    LEG,
-    LinkMass,
-    collect_robot_corners,
-    compute_contact_points,
-    is_free_standing,
-    list_link_masses,
-)
+from urdfcheck.model.ground.stance import find_stance
+from urdfcheck.model.ground.support_polygon import LinkMass, compute_contact_points
 from urdfcheck.model.ground.wheels import is_suspended, rolling_wheels
 
 if TYPE_CHECKING:
@@ -30,48 +23,19 @@ if TYPE_CHECKING:
 _SIDES = ("+x (ahead)", "+y (to the left)", "-x (to the rear)", "-y (to the right)")
 # On two wheels in a line it leans until a third part touches, on any slope.
 _FEWEST_SUPPORTS = 3
-# Beyond this tilt it lies on its side.
-_FALLEN = math.radians(60)
 # Supports whose places are this much nearer to a line than they are apart are on it.
 _LINE = 0.01
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _RobotShape:
-    """A robot with all joints at zero, in root coordinates (m)."""
-
-    points: Array
-    """(n, 3) whose convex hull is that of the robot."""
-    owners: Indices
-    """(n,) the place of each point's link in the tree's order."""
-    com: Array
-    """(3,)"""
-
-    def measure_rest_tilt(self, com: Array) -> TipOver:
-        """Simulate how the robot, with its centre of mass at ``com``, tips until it rests or lies on its side."""
-        return simulate_tipping(self.points, self.owners, com, limit=_FALLEN)
-
-
 def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Finding]:
-    wheels = {wheel.joint.child: wheel for wheel in rolling_wheels(model)}
-    if not is_free_standing(model):
+    stance = find_stance(model, rest)
+    if stance is None:
         return
-    weights = list_link_masses(model)
-    base = model.tree.list_body_links(model.tree.root)
-    if not any(weight.link.name in base for weight in weights):
-        return  # the base has no mass: these are not the masses of a robot
-    points, owners = collect_robot_corners(model, wheels)
-    if not len(points):
-        return
-    com = np.average([w.com for w in weights], axis=0, weights=[w.mass for w in weights])
-    shape = _RobotShape(points, owners, com)
-    supports = _find_ground_links(model, shape, math.radians(rest))
-    if not _is_standing(model, supports, wheels):
-        return
-    now = compute_ground_support(points, parts=owners, com=com)
-    touching = compute_contact_points(model, points, owners, support=now)
+    weights, com, now = stance.weights, stance.com, stance.now
+    touching = compute_contact_points(model, stance.points, stance.owners, support=now)
+    wheels = {wheel.joint.child for wheel in rolling_wheels(model)}
     # Legs, with wheels on them or not, need not stand with all joints at zero.
-    meant = any(not is_suspended(model, name) for name in supports if name in wheels)
+    meant = any(not is_suspended(model, name) for name in stance.supports if name in wheels)
     severity: Severity | None
     details: dict[str, Any]
     if now.tip_angle >= -SLACK:
@@ -80,19 +44,19 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
         is_line = _is_line(now.polygon)
         if not meant or (len(touching) < _FEWEST_SUPPORTS and not is_line):
             return
-        if is_line and sum(name != model.tree.root for name in supports) >= _FEWEST_SUPPORTS:
+        if is_line and sum(name != model.tree.root for name in stance.supports) >= _FEWEST_SUPPORTS:
             return  # it leans on a caster that is a little short
-        if math.degrees(shape.measure_rest_tilt(downhill).tilt) <= rest:
+        if math.degrees(stance.measure_rest_tilt(downhill).tilt) <= rest:
             return
         message, severity, details = "slope", Severity.INFO, {"slope": slope}
         if is_line:
             message = "line"
     else:
-        end = shape.measure_rest_tilt(com)
+        end = stance.measure_rest_tilt(com)
         if math.degrees(end.tilt) <= rest:
             return
         message, severity = "tips", None if meant else Severity.INFO
-        details = {"outcome": _describe_outcome(model, end, owners)}
+        details = {"outcome": _describe_outcome(model, end, stance.owners)}
     worst = _find_tipping_link(weights, now)
     yield rule.finding(
         message,
@@ -106,35 +70,10 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     )
 
 
-def _find_ground_links(model: Model, shape: _RobotShape, rest: float) -> list[str]:
-    """Return the links that touch the ground, or do when the robot is tilted by ``rest`` (rad)."""
-    heights = shape.points[:, 2] - shape.points[:, 2].min()
-    reach = np.linalg.norm(shape.points[:, :2] - shape.com[:2], axis=1)
-    down = sorted(set(shape.owners[heights <= math.tan(rest) * reach].tolist()))  # np.unique would load numpy.ma
-    return [model.tree.order[i] for i in down]
-
-
-def _is_standing(model: Model, supports: Sequence[str], wheels: Collection[str]) -> bool:
-    """Whether the robot is meant to stand by itself: on three bodies, wheels among them, or on three legs.
-
-    On two wheels or two feet, a controller keeps it upright.
-    """
-    if len({model.tree.list_body_links(name)[0] for name in supports}) < 3:
-        return False
-    if wheels:  # most of them touch, unless the root's z does not point up
-        return 2 * sum(name in wheels for name in supports) > len(wheels)
-    return all(_is_leg(model, name) for name in supports)
-
-
 def _is_line(polygon: Array) -> bool:
     """Whether the corners (k, 3) of a support polygon are on one line: two wheels on one axis, and nothing before or behind."""
     spread = np.linalg.svd(polygon[:, :2] - polygon[:, :2].mean(axis=0), compute_uv=False)
     return len(polygon) < 3 or bool(spread[1] <= _LINE * spread[0])
-
-
-def _is_leg(model: Model, name: str) -> bool:
-    path = [joint for joint in model.tree.find_path_to(name) if joint.is_movable]
-    return len(path) > 1 and any(LEG.search(f"{joint.name} {joint.child}") for joint in path)
 
 
 def _find_tipping_link(weights: Sequence[LinkMass], now: GroundSupport) -> LinkMass:

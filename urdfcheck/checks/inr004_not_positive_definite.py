@@ -32,6 +32,11 @@ MERGED = "loads it (it merges links joined by fixed joints and checks the sum)"
 NAN = "computes NaN accelerations: the point is on the joint's axis (Drake stops with an error)"
 # Bars of so many masses do not have one tensor.
 _FEWEST_MASSES = 3
+# What to write where nothing is drawn.
+_FORMULAS = {
+    "line": "write the third moment too: ½·m·r² for a bar of mass m and radius r",
+    "point": "write the inertia tensor: 0.4·m·r² on the diagonal for a ball of mass m and radius r",
+}
 FUSED = "; merged with {} and everything else fixed to it, the body is possible"
 
 
@@ -207,7 +212,7 @@ def _check_singular_links(
 ) -> Iterator[Finding]:
     """Warn about each link whose whole body is singular, and report all others together: a warning for lines, which MuJoCo
     refuses in each link before it adds up those that fixed joints connect."""
-    placeholders = _describe_placeholders(links) if message == "line" else {}
+    placeholders = _describe_placeholders(model, links) if message == "line" else {}
     bodies = {name: body for body in list_whole_bodies(model) for name in body.links} if links else {}
     alone: list[DeclaredTensor] = []
     harmless: list[DeclaredTensor] = []
@@ -231,7 +236,7 @@ def _check_singular_links(
             consequences={**of_point, **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
             names=declared.link.name,
-            **_collect_line_data(message, placeholders.get(declared.components)),
+            **_collect_remedy(model, message, [declared], placeholders.get(declared.components)),
         )
     refused = [declared for declared in harmless if message == "line" and is_refused_by_mujoco(declared.components)]
     for group, severity in ((refused, Severity.WARNING), ([d for d in harmless if d not in refused], Severity.INFO)):
@@ -248,12 +253,13 @@ def _check_singular_links(
                 links=_format_masses(group),
                 names=join_names(declared.link.name for declared in group),
                 refusal="; MuJoCo refuses it" if group is refused else "",
-                **_collect_line_data(message, shared),
+                **_collect_remedy(model, message, group, shared),
             )
 
 
-def _describe_placeholders(lines: Sequence[DeclaredTensor]) -> dict[tuple[float, ...], str]:
-    """Describe the tensors of a line that links of three masses or more share, of one digit each: they are not rods."""
+def _describe_placeholders(model: Model, lines: Sequence[DeclaredTensor]) -> dict[tuple[float, ...], str]:
+    """Describe the tensors of a line that links of three masses or more share, of one digit each: they are not rods. Those of a
+    drawn part, rounded by the program that wrote them, are not placeholders."""
     shared: dict[tuple[float, ...], list[float]] = {}
     for declared in lines:
         if declared.inertial.mass is not None:
@@ -261,7 +267,8 @@ def _describe_placeholders(lines: Sequence[DeclaredTensor]) -> dict[tuple[float,
     described = {}
     for components, masses in shared.items():
         is_typed_short = all(float(f"{value:.0e}") == value for value in components)
-        if len(set(masses)) >= _FEWEST_MASSES and is_typed_short:
+        alike = [declared for declared in lines if declared.components == components]
+        if len(set(masses)) >= _FEWEST_MASSES and is_typed_short and not any(_is_rounded(model, one) for one in alike):
             moments = ", ".join(f"{components[i]:g}" for i in DIAGONAL)
             described[components] = (
                 f". {len(masses)} links of {min(masses):.3g} to {max(masses):.3g} kg have these numbers ({moments})"
@@ -269,12 +276,26 @@ def _describe_placeholders(lines: Sequence[DeclaredTensor]) -> dict[tuple[float,
     return described
 
 
-def _collect_line_data(message: str, placeholder: str | None) -> dict[str, Any]:
-    if message != "line":
-        return {}
-    remedy = "write the third moment too: ½·m·r² for a bar of mass m and radius r"
+def _is_rounded(model: Model, declared: DeclaredTensor) -> bool:
+    """Whether a tensor is that of what the link draws, rounded to the digits typed."""
+    from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
+    from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_tensor
+
+    drawn = compute_drawn_tensor(model, declared)
+    return drawn is not None and is_rounding_of(declared.tensor, drawn)
+
+
+def _collect_remedy(
+    model: Model, message: str, links: Sequence[DeclaredTensor], placeholder: str | None
+) -> dict[str, Any]:
+    """Collect what to write: the drawn part's numbers where they are known, for it need not be a bar or a ball."""
+    from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial
+
+    remedy = _FORMULAS[message]
     if placeholder is not None:
         remedy = "compute the tensor of each link from its mesh or dimensions and its mass"
+    elif drawn := describe_drawn_inertial(model, links[0].link):
+        remedy = f"write {drawn}" if len(links) == 1 else f"{links[0].link.name}: write {drawn}; the others likewise"
     return {"found": placeholder or "", "remedy": remedy}
 
 

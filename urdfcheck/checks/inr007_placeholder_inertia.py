@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule, Severity, Span
+from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
@@ -18,7 +18,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
-from urdfcheck.model.motion.fixed_base import is_ballast, is_bolted_arm
+from urdfcheck.model.motion.fixed_base import is_ballast, list_bolted_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
@@ -188,13 +188,20 @@ def _build_tensor_finding(
 ) -> Finding:
     """Report together all links that were given one tensor."""
     every = [*known, *unknown]
-    worst = max(known, key=_rank_suspect, default=None)
+    # A base that is bolted down is no example where a link that moves is one.
+    moving = [
+        suspect
+        for suspect in known
+        if suspect.factor > estimate and suspect.declared.link.name not in list_bolted_links(model)
+    ]
+    worst = max(moving or known, key=_rank_suspect, default=None)
     places = [suspect.declared.element for suspect in every]
     names = [suspect.declared.link.name for suspect in every]
     data: dict[str, Any] = {
         "links": join_names(names),
         "what": every[0].description,
         "names": names,
+        "others": _describe_others(model, every[0].declared, names),
         "who": f"{names[0]} has" if len(names) == 1 else f"{len(names)} links have",
     }
     if worst is None or worst.misfit is None:
@@ -204,7 +211,7 @@ def _build_tensor_finding(
     else:
         is_less = worst.misfit.expected < max(worst.declared.components)
         is_felt = any(suspect.misfit is not None and suspect.misfit.is_felt for suspect in known)
-        is_bolted = all(suspect.declared.link.name in _list_bolted_links(model) for suspect in every)
+        is_bolted = all(suspect.declared.link.name in list_bolted_links(model) for suspect in every)
         is_estimate = worst.misfit.factor <= estimate
         finding = rule.finding(
             "bolted" if is_bolted else "estimate" if is_estimate else "placeholder" if is_felt else "rod",
@@ -225,12 +232,23 @@ def _build_tensor_finding(
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
-def _list_bolted_links(model: Model) -> tuple[str, ...]:
-    """List the links of the base if it cannot move: then nothing depends on their inertia."""
-    try:
-        return model.tree.list_body_links(model.tree.root) if is_bolted_arm(model) else ()
-    except FactUnavailableError:  # the mass of the base is not known
-        return ()
+def _describe_others(model: Model, declared: DeclaredTensor, names: Sequence[str]) -> str:
+    """Say how many links of the file besides those of these ``names`` have the numbers of a placeholder: little depends on them
+    there, and a repair means them too."""
+    span = declared.inertial.location.span
+    others = [
+        other
+        for other in model.tensors
+        if other.components == declared.components
+        and other.link.name not in names
+        and (place := other.inertial.location.span) is not None
+        and span is not None
+        and place.file == span.file
+        and _describe_placeholder(model, other.link) is not None
+    ]
+    if not others:
+        return ""
+    return f". {'One more link has' if len(others) == 1 else f'{len(others)} more links have'} the same numbers"
 
 
 def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Severity | None:

@@ -39,7 +39,7 @@ from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake, name_mistake
-from urdfcheck.model.inertials.proposals.undone_mistakes import propose_undo
+from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import (
     find_disputed_units,
     find_rotated_tensors,
@@ -50,6 +50,7 @@ from urdfcheck.model.inertials.shared_mistakes import (
     list_unmoved_links,
     shows_habit_alone,
 )
+from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.shapes.visual_solid import (
     explain_collision_stand_in,
@@ -59,6 +60,8 @@ from urdfcheck.source.text.xml import Attribute
 
 # Either the mass or the tensor may be the wrong number: two different edits make such an inertial agree.
 AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
+# Causes with messages of their own, which do not rest on how well the rest agrees.
+_TOLD_BY_ITSELF = frozenset({"shell", "com_missing", "mesh_scale"})
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
 PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
 # The density (kg/m³) that CAD programs assume for a part without a material, and how far the facets of a mesh are off.
@@ -95,7 +98,9 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             continue
         if name in rotated or (judged.is_habit and not shows_habit_alone(model, tensor.link, diagnosis)):
             continue
-        if diagnosis.cause is not None:
+        # One unit that fits some links, where others fit none, is no cause: the COM is wrong in another way.
+        is_refuted = disputed.get(diagnosis.cause or "") == "" or _is_unproven(model, tensor.link, judged)
+        if diagnosis.cause is not None and not is_refuted:
             by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
             is_of_pair = by_twin + unmirrored + (name in contradicted_links) >= 2
             if not is_of_pair:
@@ -117,6 +122,15 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             first=first,
             ruled_out=format_ruled_out(inertial_diagnoses(model)[first]),
         )
+
+
+def _is_unproven(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the mistake that fits best cannot be undone, and leaves numbers that are far from the drawn part's: then it is only
+    the best of those that are known."""
+    diagnosis = judged.diagnosis
+    if diagnosis.judged_by != "mesh" or diagnosis.cause in _TOLD_BY_ITSELF or propose_undo(model, link) is not None:
+        return False
+    return measure_mismatch(diagnosis, is_mended=True) > LARGEST_SOUND_MISMATCH
 
 
 def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial, *, far: float) -> bool:
@@ -241,6 +255,7 @@ def _build_cause_finding(
     fallback = "the inertia of the drawn part" if message == "approximation" else ""
     data = {**collect_message_data(model, link, judged, is_certain=message == "exact"), "others": others}
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
+    mild |= message != "exact" and link.name in list_bolted_links(model)
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
@@ -255,7 +270,8 @@ def _build_cause_finding(
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
     drawn = describe_drawn_inertial(model, tensor.link, with_com=judged.diagnosis.com_mismatch > NOTABLE)
-    rank = (None, None) if is_tiny(model, tensor.link, judged) else (Severity.INFO, Confidence.HEURISTIC)
+    is_sure = is_tiny(model, tensor.link, judged) and tensor.link.name not in list_bolted_links(model)
+    rank = (None, None) if is_sure else (Severity.INFO, Confidence.HEURISTIC)
     return rule.finding(
         "disagrees",
         at=tensor.element,

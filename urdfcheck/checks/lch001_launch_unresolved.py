@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Iterator
 from functools import partial
@@ -20,13 +21,15 @@ from urdfcheck.source.launch.launch_file import (
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
-from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.package.finder import Package, PackageFinder, format_path
+from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element
 
 # The characters of a command that a message shows.
 _SHOWN = 80
+_BEHIND_PACKAGE = re.compile(r"\)/([^\s$\"'(){}]+)$")
 
 
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
@@ -65,8 +68,10 @@ def _check_description(
     path = _find_launch_file(description, launch)
     if obstacle.kind == "package":
         package = launch.finder.find_package_of(path.absolute())
-        if package is None or obstacle.name not in package.dependencies:
-            near = _format_suggestions(launch.finder.suggest_names(obstacle.name))
+        if _is_in_rosbuild_package(description.file, launch.finder):
+            yield build_unknown(f"rosbuild finds package {obstacle.name!r} only in a folder of this name")
+        elif package is None or obstacle.name not in package.dependencies:
+            near = _format_suggestions(_suggest_packages(launch, description, obstacle.name, package))
             yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near)
         else:
             yield build_unknown(f"package {obstacle.name!r} is not installed here")
@@ -144,6 +149,27 @@ def _find_root(element: Element) -> Element:
     while element.parent is not None:
         element = element.parent
     return element
+
+
+def _is_in_rosbuild_package(text: str, finder: PackageFinder) -> bool:
+    """Whether the file is in the package of rosbuild around the launch file, whose folder has another name here."""
+    folder = next((level for level in finder.list_parent_folders() if is_rosbuild_package(level)), None)
+    places = [] if folder is None else [folder / name for name in _list_files(text)]
+    return any(finder.can_open(place) and place.is_file() for place in places)
+
+
+def _suggest_packages(launch: Launch, description: DescriptionSource, name: str, own: Package | None) -> list[str]:
+    """Return the packages with similar names that have the file, or else the launch file's own: its path may be wrong too."""
+    alike = launch.finder.suggest_names(name)
+    return launch.finder.suggest_names(name, _list_files(description.file)) or [
+        other for other in alike if own is not None and other == own.name
+    ]
+
+
+def _list_files(text: str) -> list[str]:
+    """Return the path that is typed behind the name of a package, without the name; nothing if it is computed."""
+    inside = _BEHIND_PACKAGE.search(text)
+    return [] if inside is None else [inside[1]]
 
 
 def _format_suggestions(names: list[str]) -> str:

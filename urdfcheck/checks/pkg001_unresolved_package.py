@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+import re
 import shlex
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.path_arguments import list_path_arguments
-from urdfcheck.source.resources import ResourceUse, is_misspelt, list_resource_uses
-from urdfcheck.source.text.engine_reactions import describe_missing_mesh
+from urdfcheck.source.reach import is_part_of_robot
+from urdfcheck.source.resources import (
+    ResourceUse,
+    describe_missing_uses,
+    find_above,
+    format_path_from_model,
+    is_misspelt,
+    list_resource_uses,
+)
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import flatten_definitions
 
 # So many files are looked up in other packages to find the one that is meant.
 _MAX_FILES = 50
+_PATH_BEHIND = re.compile(r"[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -45,13 +55,20 @@ def _build_finding(
 ) -> Finding:
     declared = source.package is not None and package in source.package.dependencies
     owners = _find_package_with_files(uses, source)
-    near = [] if declared else owners or source.finder.suggest_names(package)
     files = list(dict.fromkeys(u.resource.text for u in uses))
-    kind = "files" if uses else "expansion"
+    here = {} if declared else _find_files_here(uses, source)
+    kind = "rosbuild" if _has_rosbuild_name(here, package) else "files" if uses else "expansion"
+    near = (
+        []
+        if declared or here
+        else owners or source.finder.suggest_names(package, _list_wanted_files(package, uses, at, source))
+    )
     evidence = f", which has {'this file' if len(files) == 1 else 'these files'}" if owners and package else ""
     message = "nameless" if not package else f"{kind}-declared" if declared else kind
     # The meshes of a declared package are missing only until it is installed.
     lost = message in {"files", "nameless"}
+    # Without a package the model may be for programs that need none.
+    is_outside = message == "nameless" and here and source.package is None
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
     return rule.finding(
@@ -59,9 +76,14 @@ def _build_finding(
         at=at,
         related=[*related, *places],
         edits=_propose_edits(uses, package, near),
-        severity=Severity.INFO if declared and uses else None,
-        consequences=describe_missing_mesh(use.attribute.owner for use in uses) if lost else None,
+        severity=Severity.INFO
+        if (declared and uses) or message == "rosbuild"
+        else Severity.WARNING
+        if is_outside
+        else None,
+        consequences=describe_missing_uses(uses, source) if lost else None,
         package=package,
+        repair=_describe_repair(package, here, source),
         remedy=f"--package {shlex.quote(package)}=FOLDER" if package and kind == "expansion" else "",
         files=files,
         amount=format_count(len(files), "file"),
@@ -74,7 +96,7 @@ def _build_finding(
             if near
             else ""
             if declared
-            else _describe_own_files(source, files)
+            else _describe_own_files(source, files, here)
         )
         + named_by,
     )
@@ -117,8 +139,66 @@ def _has_all_files(folder: Path, files: list[str], source: Source) -> bool:
     return all(source.finder.can_open(folder / name) and (folder / name).is_file() for name in files)
 
 
-def _describe_own_files(source: Source, files: Sequence[str]) -> str:
+def _list_wanted_files(package: str, uses: Sequence[ResourceUse], at: Location, source: Source) -> set[str]:
+    """Return the paths in a package that the model names, as far as they are typed."""
+    paths = {_get_path_in_package(use.resource.text, package) for use in uses} or {_read_path_behind(at, source)}
+    return set(filter(None, paths))
+
+
+def _read_path_behind(at: Location, source: Source) -> str:
+    """Return the path that is typed after ``$(find package)``; empty if it is computed, or none is."""
+    file = None if at.span is None else source.files.get(at.span.file)
+    match = None if at.span is None or file is None else _PATH_BEHIND.match(file.text, at.span.start)
+    return "" if match is None else match[1]
+
+
+def _find_files_here(uses: Sequence[ResourceUse], source: Source) -> dict[str, Path]:
+    """Return for each text the file that it means where the folder around the model takes the place of the package.
+
+    Empty unless all are there: with the name of the package as that of a folder, or without the name.
+    """
+    if source.package is not None:
+        return {}
+    found: dict[str, Path] = {}
+    for use in uses:
+        path = find_above(use, source) or _find_in_project(use, source)
+        if path is None:
+            return {}
+        found[use.resource.text] = path
+    return found
+
+
+def _find_in_project(use: ResourceUse, source: Source) -> Path | None:
+    inside = _get_path_in_package(use.resource.text, use.resource.package or "")
+    paths = (folder / inside for folder in source.finder.list_parent_folders())
+    return next((path for path in paths if source.finder.can_open(path) and path.is_file()), None)
+
+
+def _has_rosbuild_name(here: Mapping[str, Path], package: str) -> bool:
+    """Whether all files are in a package of rosbuild, whose folder has another name here."""
+    folders = {path.parents[_get_path_in_package(text, package).count("/")] for text, path in here.items()}
+    return bool(package) and len(folders) == 1 and all(map(is_rosbuild_package, folders))
+
+
+def _describe_repair(package: str, here: Mapping[str, Path], source: Source) -> str:
+    """Say how the files are found."""
+    if here:
+        own = format_path_from_model(next(iter(here.values())), source)
+        return f"write the path from this file, `{own}`, for programs without ROS; ROS needs a package.xml and its name"
+    if not package:
+        return "write `package://NAME/…`, with two slashes and the package name"
+    if is_part_of_robot(package) and source.package is None:
+        return f"the package's name is missing before {package}: write `package://NAME/{package}/…`, or a path from this file"
+    declare = "declare it in package.xml or " if source.package is not None else ""
+    return f"correct the name; if the package is only missing here, {declare}pass `--package {shlex.quote(package)}=FOLDER`"
+
+
+def _describe_own_files(source: Source, files: Sequence[str], here: Mapping[str, Path]) -> str:
     """Say where the model's own package has a file of the same name as each of these, if each is there once."""
+    if here:
+        folders = dict.fromkeys(format_path_from_model(path.parent, source) for path in here.values())
+        place = "beside the model" if list(folders) == ["."] else f"in {join_names(folders, 2)}"
+        return f" (the {'file is' if len(files) == 1 else 'files are'} {place})"
     if not files or source.package is None:
         return ""
     index = index_files([source.package.path])

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_choices, format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
@@ -26,12 +26,26 @@ from urdfcheck.source.path_arguments import (
     list_path_arguments,
     select_guilty,
 )
-from urdfcheck.source.resources import ResourceUse, find_missing_path, is_misspelt, list_resource_uses
+from urdfcheck.source.resources import (
+    ResourceUse,
+    describe_missing_uses,
+    find_above,
+    find_missing_path,
+    format_path_from_model,
+    is_misspelt,
+    list_resource_uses,
+)
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
+from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
 
 # So many missing files of one folder that are in one other folder are those that are meant.
 _MOVED = 3
+_REPAIRS = {
+    "file": "correct the path, or add the file",
+    "several": "correct the path, or add the files",
+    "folder": "correct the path, or add the folder with its files",
+}
 
 
 @dataclass(slots=True, eq=False)
@@ -156,14 +170,25 @@ def _build_finding(
     similar_files = [similar] if similar else _find_similar_files(path, index)
     near = [format_path(one) for one in ([elsewhere] if elsewhere else similar_files)]
     argued, places = _explain_by_argument(gap, source)
+    outside = {} if argued or elsewhere else _find_outside(gap, source)
+    own = format_path_from_model(next(iter(outside.values())), source) if outside else ""
     hint = argued or (
-        describe_uninstalled_file(elsewhere) if elsewhere else f" (did you mean {join_names(near, 2)}?)" if near else ""
+        _describe_place(outside, source)
+        if outside
+        else describe_uninstalled_file(elsewhere)
+        if elsewhere
+        else f" (did you mean {join_names(near, 2)}?)"
+        if near
+        else ""
     )
+    message = "folder" if gap.folder is not None else "file" if len(gap.files) == 1 else "several"
     return rule.finding(
-        "folder" if gap.folder is not None else "file" if len(gap.files) == 1 else "several",
+        message,
         at=at,
         related=[*related.values(), *places],
-        consequences=describe_missing_mesh(use.attribute.owner for use in gap.uses),
+        edits=_propose_edits(outside, source),
+        consequences=describe_missing_uses(gap.uses, source),
+        repair=f"write `{own}`{'' if len(outside) == 1 else ', and the others likewise'}" if own else _REPAIRS[message],
         files=list(gap.files.values()),
         amount=format_count(len(gap.files), "mesh file"),
         path=format_path(path),
@@ -174,6 +199,33 @@ def _build_finding(
         hint=hint,
         folder=format_path(gap.folder or path.parent),
     )
+
+
+def _find_outside(gap: _MissingFiles, source: Source) -> dict[ResourceUse, Path]:
+    """Return the files that relative paths name from a folder above the model's, where Bullet finds them.
+
+    Empty unless all are there.
+    """
+    found = {use: find_above(use, source) for use in gap.uses if use.resource.kind == "relative"}
+    there = {use: path for use, path in found.items() if path is not None}
+    return there if len(there) == len(gap.uses) else {}
+
+
+def _describe_place(outside: Mapping[ResourceUse, Path], source: Source) -> str:
+    folders = dict.fromkeys(format_path_from_model(path.parent, source) for path in outside.values())
+    what = "it is" if len(set(outside.values())) == 1 else "they are"
+    return f" (from the model's folder {what} in {join_names(folders, 2)})"
+
+
+def _propose_edits(outside: Mapping[ResourceUse, Path], source: Source) -> list[Edit]:
+    """Return the edits of all paths, or none if one of them is not typed as it is."""
+    edits: dict[Edit, None] = {}
+    for use, path in outside.items():
+        own = build_replacement_edits([use.attribute], format_path_from_model(path, source))
+        if not own:
+            return []
+        edits |= dict.fromkeys(own)
+    return list(edits)
 
 
 def _explain_by_argument(gap: _MissingFiles, source: Source) -> tuple[str, list[Location]]:

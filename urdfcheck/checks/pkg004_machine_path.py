@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from urdfcheck.core import Edit, Finding, Location, Rule
@@ -57,34 +58,55 @@ def _choose_message(use: ResourceUse) -> str:
 
 def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
     first = place.uses[0]
-    portable = _build_portable_path(first, source)
-    can_edit = all(_build_portable_path(use, source) for use in place.uses)
+    portable = [_build_portable_path(use, source) for use in place.uses]
     files = list(dict.fromkeys(u.resource.text for u in place.uses))
     message = _choose_message(first)
     return rule.finding(
         message,
         at=place.location,
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
-        edits=_propose_edits(place, source) if can_edit else [],
+        edits=_propose_edits(place, source) if all(portable) else [],
         consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if message == "nowhere" else None,
         file=first.resource.text,
         files=files,
         listed=join_names(files, 2),
         kind=_KINDS[first.resource.kind][len(files) > 1],
         amount=format_count(len(files), "file is", "files are"),
-        portable=(portable if len(files) == 1 else None) or "package://PACKAGE/meshes/FILE",
+        repair=_describe_repair(message, portable),
     )
 
 
 def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
-    """Return the package path of a file in the model's own package, or None for another file."""
+    """Return the package path of a file in the model's own package, or None for another file.
+
+    The path may be that of another machine: what follows the name of the package there is then a file of the package here.
+    """
     package, path = source.package, use.resource.path
-    if package is None or path is None or not use.resource.exists:
+    if package is None or path is None:
         return None
-    try:
-        return f"package://{package.name}/{path.resolve().relative_to(package.path.resolve()).as_posix()}"
-    except ValueError:
-        return None
+    if use.resource.exists:
+        try:
+            return f"package://{package.name}/{path.resolve().relative_to(package.path.resolve()).as_posix()}"
+        except ValueError:
+            return None
+    parts = path.as_posix().replace("\\", "/").split("/")
+    for index, part in enumerate(parts[:-1]):
+        inside = "/".join(parts[index + 1 :])
+        place = package.path / inside
+        if part in {package.name, package.path.name} and source.finder.can_open(place) and os.path.isfile(place):
+            return f"package://{package.name}/{inside}"
+    return None
+
+
+def _describe_repair(message: str, portable: Sequence[str | None]) -> str:
+    """Say what to write, or to move the files first."""
+    paths = [path for path in portable if path is not None]
+    if len(paths) == len(portable):
+        return (
+            f"write `{paths[0]}`{', and the others likewise' if len(set(paths)) > 1 else ''}: the package has the file"
+        )
+    repair = "move the file into the model's package and write `package://PACKAGE/meshes/FILE`"
+    return f"{repair}; if you trust the place, allow its folder: --allow-read DIR" if message == "unread" else repair
 
 
 def _propose_edits(place: _MachinePath, source: Source) -> list[Edit]:

@@ -15,6 +15,7 @@ from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import read_install_rules
+from urdfcheck.source.package.package_folders import read_manifest_name
 from urdfcheck.source.package.references import (
     PackageMention,
     iter_package_files,
@@ -71,14 +72,15 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         for name, uses in sorted(undeclared.items())
         if name not in covered and not name.startswith(parts) and _needs_declaration(name, uses, package)
     }
+    _drop_stray_uses(package, missing)
     homes = {name: _find_home(package, name, uses) for name, uses in missing.items()}
     for name, home in homes.items():
         if home is not None:
             yield _build_misnamed_finding(package, rule, root, name=name, uses=missing.pop(name), home=home)
-    _drop_stray_uses(package, missing)
     unknown = [name for name in missing if not _is_known(package, name)]
-    for name in unknown:
-        yield _build_finding(package, rule, root, file, message="unknown", missing={name: missing.pop(name)})
+    if unknown:
+        message = "unknown" if len(unknown) == 1 else "unknown-several"
+        yield _build_finding(package, rule, root, file, message=message, missing={n: missing.pop(n) for n in unknown})
     circular = [name for name in missing if package.name in _collect_dependencies(package, [name])]
     for name in circular:
         yield _build_finding(package, rule, root, file, message="circle", missing={name: missing.pop(name)})
@@ -117,7 +119,7 @@ def _build_finding(
         related=[use.location for uses in missing.values() for use in uses[:3]],
         severity=Severity.INFO if message == "alternatives" or is_note else None,
         edits=()
-        if message in {*_MUTUAL, "alternatives", "unknown", "dangling"}
+        if message in {*_MUTUAL, "alternatives", "unknown", "unknown-several", "dangling"}
         else _propose_edits(root, file, tags=tags),
         name=names[0],
         names=names,
@@ -128,9 +130,14 @@ def _build_finding(
         path=uses[0].subpath.strip("/"),
         tag=tags[names[0]],
         where=", ".join(dict.fromkeys(use.location.span.file for use in missing[names[0]][:2] if use.location.span)),
+        places=join_names((f"{name} in {_get_file(uses[0])}" for name, uses in missing.items()), 4),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
     )
     return replace(finding, subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()))
+
+
+def _get_file(use: PackageMention) -> str:
+    return "" if use.location.span is None else use.location.span.file
 
 
 def _is_known(package: Package, name: str) -> bool:
@@ -148,7 +155,8 @@ def _is_known(package: Package, name: str) -> bool:
 def _drop_stray_uses(package: Package, missing: dict[str, list[PackageMention]]) -> None:
     """Leave out the packages that are not found and that only files name to which nothing leads."""
     for name, uses in list(missing.items()):
-        if package.finder is None or package.finder.find(name) is None:
+        folder = None if package.finder is None else package.finder.find(name)
+        if folder is None or read_manifest_name(folder) is None:  # a folder of that name is no package
             missing[name] = [use for use in uses if not _is_stray(use, package)]
             if not missing[name]:
                 del missing[name]
@@ -164,10 +172,10 @@ def _is_stray(use: PackageMention, package: Package) -> bool:
     folders = file.relative_to(own).parts[:-1]
     if not folders:
         return False
+    if not _SHAPE_FOLDERS.isdisjoint(folder.lower() for folder in folders):
+        return True
     install = read_install_rules(package)
-    if install is not None:
-        return not install.installed.may_fill(folders[0])
-    return not _SHAPE_FOLDERS.isdisjoint(folder.lower() for folder in folders)
+    return install is not None and not install.installed.may_fill(folders[0])
 
 
 def _are_defaults(uses: Iterable[PackageMention]) -> bool:

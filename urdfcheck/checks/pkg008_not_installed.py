@@ -3,32 +3,31 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
+from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.package.installed_files import InstalledFiles
 from urdfcheck.source.package.installed_folders import read_install_rules
-from urdfcheck.source.package.references import PackageMention, iter_package_mentions
+from urdfcheck.source.package.references import PackageMention, iter_package_files, iter_package_mentions
 
 # The launch files of ROS 1.
 _OLD_LAUNCH = ".launch"
+_MODEL_SUFFIXES = frozenset({".urdf", ".xacro", ".sdf", ".srdf", ".gazebo"})
+# So many files of a folder are looked at for what it holds.
+_MOST_FILES = 2_000
 
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
     install = read_install_rules(package)
     if install is None:
         return
-    missing: dict[str, list[PackageMention]] = {}
-    for mention in iter_package_mentions(package):
-        folder = mention.folder
-        if _is_left_in_source(mention, package, install.installed):
-            continue
-        if folder and not install.installed.may_fill(folder) and (package.path / folder).is_dir():
-            missing.setdefault(folder, []).append(mention)
+    missing = _collect_missing_folders(package, install.installed)
     if not missing:
         return
     folders = sorted(missing)
@@ -37,6 +36,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         at=install.at,
         related=[mention.location for name in folders for mention in missing[name][:3]],
         edits=install.build_edits(folders),
+        consequences=_describe_loss(package, folders),
         package=package.name,
         folder=folders[0],
         folders=folders,
@@ -47,11 +47,41 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     yield replace(finding, subjects=tuple(f"package[{package.name}]/install[{name}]" for name in folders))
 
 
-def _is_left_in_source(mention: PackageMention, package: Package, installed: InstalledFiles) -> bool:
-    """Whether a package is named by its own launch file of ROS 1, which is not installed either: a left-over."""
+def _collect_missing_folders(package: Package, installed: InstalledFiles) -> dict[str, list[PackageMention]]:
+    """Return the folders that are not installed, with the mentions of them."""
+    missing: dict[str, list[PackageMention]] = {}
+    for mention in iter_package_mentions(package):
+        folder = mention.folder
+        if not folder or installed.may_fill(folder) or not (package.path / folder).is_dir():
+            continue
+        if not _is_left_over(mention, package, installed):
+            missing.setdefault(folder, []).append(mention)
+    return missing
+
+
+def _is_left_over(mention: PackageMention, package: Package, installed: InstalledFiles) -> bool:
+    """Whether nothing reads the file of a mention after the build, which does not install it.
+
+    That is a launch file of ROS 1, or a model of this package that names a folder whose files are installed in another place.
+    """
     span = mention.location.span
-    if span is None or not span.file.endswith(_OLD_LAUNCH):
+    own, file = package.path.absolute(), None if span is None else Path(os.path.abspath(span.file))
+    inside = file.relative_to(own) if file is not None and file.is_relative_to(own) else None
+    if inside is None:
         return False
-    own, file = package.path.absolute(), Path(os.path.abspath(span.file))
-    folders = file.relative_to(own).parts[:-1] if file.is_relative_to(own) else ()
-    return bool(folders) and not installed.may_fill(folders[0])
+    if inside.suffix == _OLD_LAUNCH and len(inside.parts) > 1 and not installed.may_fill(inside.parts[0]):
+        return True
+    is_elsewhere = inside.suffix in _MODEL_SUFFIXES and any(True for _ in installed.find_places(mention.folder))
+    return is_elsewhere and not installed.may_install(inside.as_posix())
+
+
+def _describe_loss(package: Package, folders: Iterable[str]) -> dict[str, str]:
+    """Describe what programs do without the files in these folders."""
+    files = (path for name in folders for path in iter_package_files(package, package.path / name))
+    suffixes = {path.suffix.lower() for path in islice(files, _MOST_FILES)}
+    lost: dict[str, str] = {}
+    if not suffixes.isdisjoint(MESH_SUFFIXES):
+        lost["rviz"] = f"drops the meshes, because `package://{package.name}` is the install folder, which lacks them"
+    if ".xacro" in suffixes:
+        lost["xacro"] = "stops if the file that it needs is not installed"
+    return lost or {"roslaunch": "stops where the file is read, or starts the program without it"}

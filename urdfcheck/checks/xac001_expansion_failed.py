@@ -266,7 +266,7 @@ def _explain_unknown_parameter(failure: _ExpansionFailure, match: re.Match[str])
         macro=failure.macro,
         name=name,
         takes=join_names(parameters) or "none",
-        hint=format_name_hint(name, parameters),
+        hint=format_name_hint(name, set(parameters) - (set() if call is None else call.attributes.keys())),
     )
 
 

@@ -11,7 +11,7 @@ from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls
 from urdfcheck.source.text.xml import Element, SourceFile
-from urdfcheck.source.xacro.usage import find_unprefixed_tags
+from urdfcheck.source.xacro.usage import collect_uncalled_links, find_unprefixed_tags
 
 # At most so many tags of one file are listed, and renamed by one fix.
 _MAX_EDITED = 500
@@ -30,6 +30,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     left_over = _find_places_in_robot(source)
     # The links of a robot without links are in the macros that it does not call.
     explained = [f"KIN007 {source.root.subject}"] if source.root and has_unprefixed_calls(source, source.root) else []
+    explained += _list_joints_to_uncalled_links(source)
     by_file: dict[str, list[Element]] = {}
     for element in find_unprefixed_tags(source.trees):
         span = element.span
@@ -51,6 +52,21 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             consequences=WITHOUT_LINKS if explained and source.root and not source.root.find_children("link") else {},
         )
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
+
+
+def _list_joints_to_uncalled_links(source: Source) -> list[str]:
+    """Return the joints of which all missing links are those that the calls would make, as claims of what explains KIN002."""
+    if source.root is None or not source.is_xacro:
+        return []
+    made = collect_uncalled_links(source.trees, source.root)
+    links = {link.get("name") for link in source.root.find_children("link")}
+    explained: list[str] = []
+    for joint in source.root.find_children("joint") if made else ():
+        ends = (joint.find_child(tag) for tag in ("parent", "child"))
+        missing = {end.get("link") for end in ends if end is not None} - links
+        if missing and missing <= made:
+            explained.append(f"KIN002 {joint.subject}")
+    return explained
 
 
 def _find_places_in_robot(source: Source) -> set[tuple[str, int]]:

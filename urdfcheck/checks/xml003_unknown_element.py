@@ -52,6 +52,11 @@ _SDF = frozenset({
     "kp", "kd", "minDepth", "maxVel", "fdir1", "implicitSpringDamper", "provideFeedback", "stopCfm", "stopErp",
     "fudgeFactor", "plugin", "pose", "static",
 })  # fmt: skip
+# Those of a shape: sdformat hands them to it only inside <collision> or <visual>.
+_SDF_OF_SHAPES = frozenset({"surface", "max_contacts", "laser_retro"})
+# The texts of SDF that are nearly all defaults, besides that of gravity.
+_DEFAULT_TEXTS = frozenset({"", "0", "false"})
+_GRAVITY_TEXTS = frozenset({"", "1", "true"})
 # XAC007 reports xacro without its prefix.
 _XACRO = frozenset(["macro", "property", "include", "arg", "if", "unless", "insert_block"])
 
@@ -77,6 +82,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         message, severity, data = verdict
         if message in {"misspelt", "misplaced"} and all(map(_holds_zeros, places)):
             severity = Severity.INFO
+        if message == "sdf" and all(map(_holds_sdf_defaults, places)):
+            severity = Severity.INFO
+        if parent_tag == "geometry" and severity is Severity.ERROR and not any(map(_is_in_place_of_shape, places)):
+            severity = Severity.WARNING
         is_of_moving = message == "misspelt" and data["near"] in _OF_MOVING_JOINTS
         if is_of_moving and all(_is_in_fixed_joint(place) or _holds_zeros(place) for place in places):
             severity = Severity.INFO
@@ -101,20 +110,21 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             severity=severity,
             related=places[1:10],
             edits=edits,
-            consequences=_describe_consequences(message, parent_tag, places),
+            consequences=_describe_consequences(message, places),
             **data,
         )
         yield replace(finding, subjects=tuple(place.subject for place in places))
 
 
-def _describe_consequences(message: str, parent: str, places: list[Element]) -> dict[str, str]:
+def _describe_consequences(message: str, places: list[Element]) -> dict[str, str]:
     """Return the reactions of urdfdom, MuJoCo, Drake and Bullet, which miss a shape in a geometry, and of Gazebo to SDF."""
-    if parent != "geometry":
+    taken = list(filter(_is_in_place_of_shape, places))
+    if not taken:
         gazebo = {"gazebo": "ignores it outside <gazebo>"} if message == "sdf" else {}
         return gazebo | dict.fromkeys(
             ("urdfdom", "mujoco", "drake", "bullet", "yourdfpy"), "ignores it, without a message"
         )
-    drawn = not any(map(is_collision_part, places))
+    drawn = not any(map(is_collision_part, taken))
     return {
         "urdfdom": "drops the shape, and every visual and collision of the link after it",
         "mujoco": "loads it without shapes that are only drawn" if drawn else "refuses the file",
@@ -122,6 +132,21 @@ def _describe_consequences(message: str, parent: str, places: list[Element]) -> 
         "bullet": "refuses the file",
         "yourdfpy": "refuses the file",
     }
+
+
+def _is_in_place_of_shape(element: Element) -> bool:
+    """Whether an element is the first one in a geometry, where urdfdom and Bullet look for the shape."""
+    return element.parent is not None and element.parent.tag == "geometry" and element.parent.children[0] is element
+
+
+def _holds_sdf_defaults(element: Element) -> bool:
+    """Whether an element of SDF holds only what counts without it."""
+    if element.tag == "gravity":
+        return element.text.strip() in _GRAVITY_TEXTS
+    values = [
+        v for inner in element.walk() for v in (inner.text.strip(), *(a.value for a in inner.attributes.values()))
+    ]
+    return all(word in _DEFAULT_TEXTS or parse_number(word) == 0 for value in values for word in value.split())
 
 
 def _holds_zeros(element: Element) -> bool:
@@ -200,10 +225,19 @@ def _classify_element(parent: str, child: Element) -> tuple[str, Severity, dict[
         listed = " or ".join(f"<{home}>" for home in homes)
         repair = "delete it: it is empty" if _is_empty(child) else f"move it into {listed}"
         return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
-    if parent == "geometry":
-        return "shape", Severity.ERROR, {}
+    if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
+        is_first = _is_in_place_of_shape(child)
+        repair = "replace it by a box, cylinder, sphere or mesh" if is_first else "delete it: the shape is before it"
+        return "shape", Severity.ERROR, {"repair": repair}
     if parent == "robot":
         return None
     if child.tag in _SDF:
-        return "sdf", Severity.WARNING, {}
+        around = parent if parent == "visual" else "collision"
+        block = f"<{around}>…</{around}>" if child.tag in _SDF_OF_SHAPES else "…"
+        repair = (
+            "delete it: in URDF `<origin>` gives the place"
+            if child.tag == "pose"
+            else f'move it into `<gazebo reference="LINK_OR_JOINT">{block}</gazebo>` at the end of the robot'
+        )
+        return "sdf", Severity.WARNING, {"repair": repair}
     return "ignored", Severity.INFO, {}

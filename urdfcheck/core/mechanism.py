@@ -5,8 +5,9 @@ Poses are 4x4 row-major; lengths are in m, masses in kg, angles in rad. A value 
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from urdfcheck.core.findings import Span
 
@@ -45,6 +46,8 @@ class MechanismShape:
     """The mesh file as typed."""
     digest: str = ""
     """Digest of the content of the mesh file, if it was read."""
+    file: str = ""
+    """Path of the mesh file on this machine, if it was read."""
     low: tuple[float, ...] = ()
     """Lower bound of the mesh along x y z, scaled, in m."""
     high: tuple[float, ...] = ()
@@ -120,6 +123,24 @@ class MechanismExtra:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MechanismStance:
+    """How a robot stands that is meant to, upright on level ground with all joints at zero."""
+
+    margin: float
+    """Distance from the COM's plumb line to the nearest edge of the support polygon in m, negative outside."""
+    tip_angle: float
+    """Angle in rad by which the ground can be tilted before the robot tips over; negative if it tips over on level ground."""
+    tilt: float
+    """Angle in rad by which the robot leans at rest; infinite if it falls over."""
+    polygon: tuple[tuple[float, ...], ...]
+    """Corners of the support polygon, x y z in root coordinates, anticlockwise from above."""
+    supports: tuple[str, ...]
+    """The links that touch the ground."""
+    com: tuple[float, ...]
+    """Of the whole robot, in root coordinates."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RobotMechanism:
     """A robot that is one tree of links."""
 
@@ -137,11 +158,34 @@ class RobotMechanism:
     """In the order of their children in `links`."""
     is_grounded: bool = False
     """Whether the root is the ground itself, to which simulators hold what is fixed to it."""
+    stance: MechanismStance | None = None
+    """None for a robot that is not meant to stand by itself, or of which that is not known."""
     extras: tuple[MechanismExtra, ...] = ()
     main_file: str = ""
     """Name of the file that the model was read from, as spans call it."""
     digests: Mapping[str, str] = field(default_factory=dict)
     """Digest of the text of each file that makes up the model, by name."""
+    idle_lines: Mapping[str, frozenset[int]] = field(default_factory=dict)
+    """Lines of xacro files, by name, with tags that make no part of the robot: of branches that its arguments leave out, and
+    of macros that nothing calls."""
+    conditions: tuple[tuple[Span, int], ...] = ()
+    """The tags of ``xacro:if`` and ``xacro:unless``, each with the last line of what it may leave out."""
+
+    def compute_digest(self) -> str:
+        """Return a digest of everything that is compared: robots with one digest are the same, whatever files they are from."""
+        links = [
+            replace(link, traces={}, shapes=tuple(replace(shape, file="", traces={}) for shape in link.shapes))
+            for link in self.links
+        ]
+        joints = [replace(joint, traces={}) for joint in self.joints]
+        extras = sorted((extra.label, extra.content) for extra in self.extras)
+        values = (self.name, self.root, links, joints, self.is_grounded, self.stance, extras)
+        return hashlib.sha256(repr(values).encode("utf-8", "surrogatepass")).hexdigest()
+
+    @property
+    def mesh_files(self) -> set[str]:
+        """The paths of the mesh files that were read."""
+        return {shape.file for link in self.links for shape in link.shapes if shape.file}
 
     @property
     def trace_files(self) -> set[str]:

@@ -25,14 +25,17 @@ _NAMED = re.compile(r"\w+\[(.*?)\](?=[/@]|$)", re.DOTALL)
 def merge_same_text(findings: Iterable[Finding]) -> list[Finding]:
     """Merge findings of one code, source text, message and measured values into one with several subjects.
 
-    One typo is one finding. Where a macro line gives each link another value, each value stays a finding with its own call.
+    One typo is one finding. Where a macro line gives each link another value, each value stays a finding with its own call, and
+    so does each of several texts about one element (the packages that one package.xml lacks).
     """
     groups: dict[tuple[Any, ...], list[Finding]] = {}
+    texts: dict[tuple[Any, ...], dict[str, int]] = {}
     for finding in findings:
         numbers = tuple(sorted((k, v) for k, v in finding.data.items() if isinstance(v, (int, float))))
         place = finding.location.span or finding.location.subject
         key = finding.code, finding.message_id, finding.model, place, numbers, finding.suppressed
-        groups.setdefault(key, []).append(finding)
+        told = texts.setdefault((*key, finding.location.subject), {})
+        groups.setdefault((*key, told.setdefault(finding.message, len(told))), []).append(finding)
     return [
         replace(
             group[0],

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from urdfcheck.core.findings import Finding
+from urdfcheck.core.findings import Finding, Span
 from urdfcheck.core.mechanism import NO_TRACE, Trace
 
 if TYPE_CHECKING:
@@ -18,7 +18,11 @@ CATEGORIES = ("structure", "kinematic", "limits", "dynamic", "collision", "visua
 IDENTICAL, COSMETIC = "identical", "cosmetic"
 # The model cannot be compared, because one side gives no robot.
 UNKNOWN = "unknown"
-VERDICTS = (UNKNOWN, *CATEGORIES, COSMETIC, IDENTICAL)
+# What the effects of changes are about.
+EFFECTS = ("collision", "inertia", "stability")
+# No model changes, and a file around them does: an SRDF file, a controller, a launch file, a manifest.
+SEAMS = "seams"
+VERDICTS = (UNKNOWN, *CATEGORIES, SEAMS, COSMETIC, IDENTICAL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,6 +78,40 @@ class JointTorque:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MechanismEffect:
+    """Something that changes because something else was edited, such as two links that collide now."""
+
+    kind: str
+    """What it is about, one of `EFFECTS`."""
+    id: str
+    """What happens, such as ``pair-collides``."""
+    subject: str
+    """The part as the first version names it, ``link[hand]``; as the second does where the part is new."""
+    other: str = ""
+    """The second part of a pair."""
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    """The sizes, by name: lengths in m, angles in rad."""
+    words: Mapping[str, str] = field(default_factory=dict)
+    """Names and units that belong to it."""
+    configuration: Mapping[str, float] = field(default_factory=dict)
+    """Joint positions at which it is largest; empty where it is at rest, or the same in all."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CollisionDiff:
+    """What was compared of the collisions of pairs of links."""
+
+    samples: int
+    """Number of joint configurations that were compared."""
+    pairs: int
+    """Number of pairs of links with another geometry, relative motion or range."""
+    unread: tuple[str, ...] = ()
+    """Links that were left out, because a shape of them could not be read."""
+    effects: tuple[MechanismEffect, ...] = ()
+    """The pairs that collide in one version only."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ChangeCause:
     """The lines that caused one or more changes."""
 
@@ -105,6 +143,10 @@ class MechanismDiff:
     samples: int
     """Number of joint configurations in which motion was compared; 0 where none was needed."""
     causes: tuple[ChangeCause, ...] = ()
+    collisions: CollisionDiff | None = None
+    """What was compared of collisions; None where nothing can have changed, or coal is not installed."""
+    effects: tuple[MechanismEffect, ...] = ()
+    """What follows from the changes beside shifts and torques, the most important of each kind first."""
     root_pose: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
     """Pose of the first version's root in the second's root frame, 4x4 row-major, as the two are laid over each other: they need
     not have the same root."""
@@ -118,6 +160,24 @@ class MechanismDiff:
             for kind in ("link", "joint")
             if change.id == f"{kind}-renamed"
         }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SeamChange:
+    """One difference in the files around the models."""
+
+    kind: str
+    """srdf | controllers | launch | package | argument."""
+    id: str
+    """removed | added | changed | old-name."""
+    subject: str
+    """What it is about: ``joint elbow of group arm``."""
+    text: str
+    """In words."""
+    before: Span | None = None
+    """Where the first version has it."""
+    after: Span | None = None
+    """Where the second version has it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,6 +207,10 @@ class ModelDiff:
     """Each change in words, in the order of ``mechanism.changes``."""
     notes: tuple[str, ...] = ()
     """Each note in words."""
+    idle_edits: tuple[tuple[str, int, str], ...] = ()
+    """File, line and text of edited tags that make no part of the robot in either version: other arguments may use them."""
+    effects: tuple[str, ...] = ()
+    """Each effect in words, in the order of ``mechanism.effects``."""
     problem: str = ""
     """Why the models cannot be compared."""
     matched_by: str = "path"
@@ -163,17 +227,21 @@ class Diff:
     """The second version as it was named."""
     models: tuple[ModelDiff, ...]
     findings: FindingsDiff = field(default_factory=FindingsDiff)
+    seams: tuple[SeamChange, ...] = ()
+    """What differs in the files around the models."""
     failures: tuple[str, ...] = ()
     """Why a side or a part of it is unknown: they make the exit code 2."""
     notes: tuple[str, ...] = ()
     """What of the versions of a repository was not compared."""
     version: str = ""
     """Version of urdfcheck."""
+    files: frozenset[str] = frozenset()
+    """The names of the files that the models of both versions are made of."""
     runs: tuple[Run, Run] | None = None
     """The checks of both versions with what draws their models; None where no output draws."""
 
     @property
     def verdict(self) -> str:
         """The most important verdict of all models."""
-        found = {model.verdict for model in self.models}
+        found = {model.verdict for model in self.models} | ({SEAMS} if self.seams else set())
         return next((verdict for verdict in VERDICTS if verdict in found), UNKNOWN if self.failures else IDENTICAL)

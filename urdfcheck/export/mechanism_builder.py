@@ -15,6 +15,7 @@ from urdfcheck.core.mechanism import (
     MechanismJoint,
     MechanismLink,
     MechanismShape,
+    MechanismStance,
     RobotMechanism,
     Trace,
 )
@@ -25,6 +26,7 @@ from urdfcheck.model.parts import GROUND_NAMES, TENSOR_NAMES, Inertial, Joint, L
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
 from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -59,12 +61,36 @@ def build_mechanism(model: Model, model_id: str) -> RobotMechanism:
         links=tuple(_build_link(model, model.link_by_name[name]) for name in tree.order),
         joints=tuple(_build_joint(tree.parent_joint[name]) for name in tree.order[1:]),
         is_grounded=tree.root in GROUND_NAMES,
+        stance=_find_stance(model),
         extras=tuple(_iter_extras(model)),
         main_file=model.source.name,
         digests={
             name: hashlib.sha256(file.text.encode("utf-8", "surrogatepass")).hexdigest()
             for name, file in model.source.files.items()
         },
+        idle_lines=dict(_list_idle_lines(model)),
+        conditions=tuple(_list_conditions(model)),
+    )
+
+
+def _find_stance(model: Model) -> MechanismStance | None:
+    """Return how the robot stands; None where it does not, or where that is not known."""
+    from urdfcheck.model.ground.stance import find_stance  # loads numpy
+
+    try:
+        found = find_stance(model)
+    except FactUnavailableError:
+        return None
+    if found is None:
+        return None
+    touching = {model.tree.order[owner] for owner in found.owners[found.now.touching].tolist()}
+    return MechanismStance(
+        margin=found.now.margin,
+        tip_angle=found.now.tip_angle,
+        tilt=found.measure_rest_tilt(found.com).tilt,
+        polygon=tuple(tuple(map(float, corner)) for corner in found.now.polygon),
+        supports=tuple(name for name in model.tree.order if name in touching),
+        com=tuple(map(float, found.com)),
     )
 
 
@@ -131,6 +157,7 @@ def _build_shape(model: Model, shape: Shape) -> MechanismShape:
         pose=() if pose is None else _flatten(pose),
         mesh="" if shape.mesh_filename is None else _name_file(model, shape.mesh_filename.value),
         digest="" if path is None else model.meshes.digests.get(path, ""),
+        file=str(path) if path in model.meshes.digests else "",
         low=low,
         high=high,
         volume=None if solid is None else _scale_volume(solid.volume, shape, size),
@@ -141,7 +168,7 @@ def _build_shape(model: Model, shape: Shape) -> MechanismShape:
             "shape": whole,
             "pose": _trace_pose(shape.origin) or whole,
             "geometry": whole if geometry is None else _trace_attributes(geometry.attributes.values()) or whole,
-            "material": whole if material is None else _trace_element(material),
+            "material": whole if material is None else _trace_material(model, material),
         },
     )
 
@@ -299,6 +326,41 @@ def _iter_content(model: Model, element: Element) -> Iterator[str]:
     yield "</>"
 
 
+# -- what the expansion leaves out -------------------------------------------------------------------------------------
+
+
+def _list_idle_lines(model: Model) -> Iterator[tuple[str, frozenset[int]]]:
+    """Yield the names of the files that xacro expanded, with the lines of tags that made nothing."""
+    if not model.source.is_xacro:
+        return
+    used: set[tuple[str, int]] = set()
+    for element in model.robot.walk():
+        used.update(_list_lines((element.span, *element.via)))
+    for name, tree in model.source.trees.items():
+        typed = _list_lines(e.span for e in tree.walk() if e is not tree and _makes_elements(e))
+        idle = frozenset(line for file, line in set(typed) - used if file == name)
+        if idle:
+            yield name, idle
+
+
+def _list_conditions(model: Model) -> Iterator[tuple[Span, int]]:
+    for tree in model.source.trees.values():
+        for element in tree.walk():
+            if element.tag in {"xacro:if", "xacro:unless"} and element.span is not None:
+                lines = [inner.span.end_line for inner in element.walk() if inner.span is not None]
+                yield element.span, max(lines)
+
+
+def _list_lines(spans: Iterable[Span | None]) -> Iterator[tuple[str, int]]:
+    return ((span.file, line) for span in spans if span is not None for line in range(span.line, span.end_line + 1))
+
+
+def _makes_elements(element: Element) -> bool:
+    """Whether an element of a xacro file is one of the robot, or calls a macro."""
+    prefix, _, name = element.tag.partition(":")
+    return prefix != "xacro" or name not in BUILT_IN_TAGS
+
+
 # -- traces ------------------------------------------------------------------------------------------------------------
 
 
@@ -320,6 +382,16 @@ def _trace_attributes(attributes: Iterable[Attribute | None]) -> Trace | None:
 def _trace_pose(pose: Pose) -> Trace | None:
     found = _trace_attributes(pose.get_attribute(name) for name in ("xyz", "rpy", "quat_xyzw"))
     return found if found is not None or pose.element is None else _trace_element(pose.element)
+
+
+def _trace_material(model: Model, material: Element) -> Trace:
+    """Return where a material is typed, and the robot's material of its name, with colour and texture."""
+    of_this_name = [
+        other for other in model.robot.find_children("material") if other.get("name") == material.get("name")
+    ]
+    parts = [part for element in (material, *of_this_name) for part in element.walk()]
+    spans = [span for part in parts for span in (part.span, *_list_definitions(part)) if span is not None]
+    return Trace(tuple(dict.fromkeys(spans)), tuple(reversed(material.via)))
 
 
 def _flatten(matrix: Array) -> tuple[float, ...]:

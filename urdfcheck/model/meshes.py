@@ -132,6 +132,27 @@ class ModelMeshes:
         return replace(self, facts=facts, errors=errors, digests=digests)
 
 
+def recall_mesh(path: Path, digest: str, cache: ArrayCache) -> MeshFacts | None:
+    """Return the facts of a mesh file that was measured, from the cache or anew; None where its content is another by now.
+
+    :param digest: as of `ModelMeshes.digests`. Of glTF with files of its own for buffers only the cache has the facts.
+    """
+    from urdfcheck.facts.mesh.decode_limits import MeshError
+
+    kind = _get_file_kind(path)
+    parts = cache.entry("meshes", f"{digest}-{kind}-{_compute_reader_version(kind)}")
+    try:
+        data = None
+        if "summary" not in parts:
+            data = read_regular(path, MAX_MESH)
+            if hashlib.sha256(data).hexdigest() != digest:
+                return None
+        found = _recall_or_measure(_Content(path, digest, data), parts)
+    except (OSError, ImportError):
+        return None
+    return None if isinstance(found, MeshError) else found
+
+
 @dataclass(slots=True, eq=False)
 class _Content:
     """A mesh file, and of glTF the files in which it keeps its geometry."""

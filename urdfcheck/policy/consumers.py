@@ -27,8 +27,8 @@ OTHERS = (
 )
 # Those that are asked what they do with a model if they are targets and installed: the ones that answer in a second.
 ASKED_ENGINES = ("mujoco", "drake", "bullet")
-# They read the file through urdfdom: what it rejects or drops, they do not get.
-THROUGH_URDFDOM = frozenset({"pinocchio", "gazebo", "kdl", "moveit", "rviz"})
+# They read the file through another program: what it rejects or drops, they do not get.
+PARSERS = {**dict.fromkeys(("pinocchio", "gazebo", "kdl", "moveit", "rviz"), "urdfdom"), "isaac": "newton"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +55,8 @@ def predict_outcomes(findings: Iterable[Finding], names: Sequence[str] = CONSUME
 def get_verdict(consequences: Mapping[str, str], consumer: str) -> Verdict:
     """Return what one program does with one defect."""
     sentence = consequences.get(consumer)
-    if sentence is None and consumer in THROUGH_URDFDOM:
-        through = Verdict.from_sentence(consequences.get("urdfdom", ""))
+    if sentence is None and consumer in PARSERS:
+        through = Verdict.from_sentence(consequences.get(PARSERS[consumer], ""))
         return through if through >= Verdict.DROPS else Verdict.LOADS
     return Verdict.from_sentence(sentence or "")
 

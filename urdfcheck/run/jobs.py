@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest
     from urdfcheck.core.mechanism import RobotMechanism
     from urdfcheck.core.scene import Scene
+    from urdfcheck.core.seams import SeamFact
     from urdfcheck.export.link_pairs import LinkPairs
     from urdfcheck.export.outline import ModelOutline
     from urdfcheck.policy.baseline import Baseline
@@ -200,6 +201,8 @@ class UnitReport:
     pairs: LinkPairs | None = None
     drop: DropTest | None = None
     mechanism: RobotMechanism | None = None
+    seams: tuple[SeamFact, ...] = ()
+    """What files around the model say about it, or a launch file or manifest says."""
     outline: ModelOutline | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
     """Text of the files with findings."""

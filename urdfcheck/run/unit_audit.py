@@ -28,6 +28,7 @@ from urdfcheck.core import (
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.export.link_pairs import LinkPairs, compute_link_pairs
 from urdfcheck.export.outline import ModelOutline, build_outline
+from urdfcheck.export.seam_builder import list_launch_seams, list_model_seams, list_package_seams
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.policy.fix_safety import withdraw_shared_edits
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest
     from urdfcheck.core.mechanism import RobotMechanism
     from urdfcheck.core.scene import Scene
+    from urdfcheck.core.seams import SeamFact
     from urdfcheck.source.launch.launch_file import Launch
 
 _TIER_OF_NEED = {
@@ -109,6 +111,7 @@ class _UnitAudit:
         self.pairs: LinkPairs | None = None
         self.drop: DropTest | None = None
         self.mechanism: RobotMechanism | None = None
+        self.seams: list[SeamFact] = []
         self.outline: ModelOutline | None = None
         self.findings_cache: FindingsCache | None = None
         self.source: Source | None = None
@@ -271,6 +274,7 @@ class _UnitAudit:
             from urdfcheck.export.mechanism_builder import build_mechanism  # only a comparison pays for it
 
             self.mechanism = self.run_guarded("diff", lambda: build_mechanism(model, self.unit.id))
+            self.collect_seams(lambda: list_model_seams(model))
         if self.options.drop:
             self.drop = self.run_guarded("drop", lambda: self.run_drop_test(model))
 
@@ -282,6 +286,11 @@ class _UnitAudit:
             return replace(run_drop_test(model), model=self.unit.id)
         except FactUnavailableError:  # DYN005 reports why
             return None
+
+    def collect_seams(self, list_seams: Callable[[], Iterable[SeamFact]]) -> None:
+        """Keep what files around the models say, where versions are compared."""
+        if self.options.mechanism:
+            self.seams += self.run_guarded("diff", list_seams) or ()
 
     def audit_launches(self, model: Model | None) -> None:
         """Check the launch files of the unit with the model that they lead to."""
@@ -295,6 +304,7 @@ class _UnitAudit:
             self.loaded_launches.append(launch)
             self.texts.update({name: file.text for name, file in launch.files.items()})
             self.run_checks("launch", LaunchContext(launch, model, is_explicit=self.unit.is_explicit))
+            self.collect_seams(partial(list_launch_seams, launch))
 
     def audit_package(self) -> None:
         """Check a package."""
@@ -304,6 +314,7 @@ class _UnitAudit:
             return
         if package.file is not None:
             self.texts[package.file.name] = package.file.text
+        self.collect_seams(partial(list_package_seams, package))
         self.run_checks(
             "package", replace(package, finder=self.make_finder(folder), is_fully_checked=self.unit.is_explicit)
         )
@@ -433,6 +444,7 @@ class _UnitAudit:
             pairs=self.pairs,
             drop=self.drop,
             mechanism=mechanism,
+            seams=tuple(self.seams),
             outline=self.outline,
             sources=sources,
             failures=tuple(self.failures),
@@ -455,7 +467,7 @@ class _UnitAudit:
         )
         names = {span.file for span in spans if span is not None}
         if self.mechanism is not None:
-            names |= self.mechanism.trace_files
+            names |= self.mechanism.trace_files | self.mechanism.idle_lines.keys()
         for name in sorted(names - set(self.texts)):
             text = self.read_text(Path(name))
             if text is not None:

@@ -72,6 +72,7 @@ def judge_outcome(robot: EngineInput, outcome: LoadOutcome) -> EngineJudgement:
         *_iter_frame_differences(typed, loaded),
         *_iter_drawn_differences(typed, loaded),
     ]
+    same = max(SAME, loaded.accuracy)
     matrix, torque = None, None
     if loaded.motion is not None:
         observed += _iter_nan(loaded.motion)
@@ -79,11 +80,11 @@ def judge_outcome(robot: EngineInput, outcome: LoadOutcome) -> EngineJudgement:
             free = all(lower < upper for lower, upper in typed.limits.values())  # no limit holds a joint
             mass = sum(known for known in typed.masses.values() if known is not None)
             matrix, torque, falls = _compare_dynamics(typed.motion, loaded.motion, mass, free=free)
-            if matrix is not None and not matrix <= SAME:
+            if matrix is not None and not matrix <= same:
                 observed.append((Verdict.REPLACES, f"the mass matrix differs by {matrix:.1e} of its largest element"))
-            if torque is not None and not torque <= SAME:
+            if torque is not None and not torque <= same:
                 observed.append((Verdict.REPLACES, f"the gravity torques differ by {torque:.1e} of the largest"))
-            if falls is not None and not falls <= _SIMULATED and matrix is not None and matrix <= SAME:
+            if falls is not None and not falls <= _SIMULATED and matrix is not None and matrix <= same:
                 observed.append((Verdict.REPLACES, f"the accelerations differ by {falls:.1e} of the largest"))
     worst = max((verdict for verdict, _ in observed), default=Verdict.LOADS)
     reasons = tuple(text for _, text in sorted(observed, key=lambda f: -f[0]))
@@ -145,6 +146,7 @@ def _iter_frame_differences(typed: TypedRobot, loaded: LoadedRobot) -> Iterator[
     """Yield the links whose frames differ, in the order from the root: the first is where it began."""
     if not typed.frames or loaded.frames is None:
         return
+    same = max(SAME, loaded.accuracy)
     differing: set[str] = set()
     moved = 0.0
     for expected, found in zip(typed.frames, loaded.frames, strict=True):
@@ -154,12 +156,12 @@ def _iter_frame_differences(typed: TypedRobot, loaded: LoadedRobot) -> Iterator[
                 continue
             shift = math.dist(frame[3::4], found[name][3::4])
             turn = max(abs(frame[i] - found[name][i]) for i in (0, 1, 2, 4, 5, 6, 8, 9, 10))
-            if not (shift <= SAME * max(1.0, reach) and turn <= SAME):
+            if not (shift <= same * max(1.0, reach) and turn <= same):
                 differing.add(name)
                 moved = max(moved, shift)
     if differing:
         names = [name for name in typed.frames[0] if name in differing]
-        much = f"by up to {moved:.2g} m" if moved > SAME else "in orientation"
+        much = f"by up to {moved:.2g} m" if moved > same * max(1.0, reach) else "in orientation"
         yield Verdict.REPLACES, f"at random configurations the frame of {_join_names('link', names)} differs {much}"
 
 

@@ -83,6 +83,8 @@ class LoadedRobot:
     """As in `TypedRobot`; None where the engine does not report them."""
     drawn: Mapping[str, Vector] | None = None
     """As in `TypedRobot`, of the links that draw something; None where the engine does not report it."""
+    accuracy: float = 0.0
+    """Relative accuracy of its numbers, where they are coarser than those of other engines."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ from urdfcheck.system.files import read_start
 from urdfcheck.system.process_pool import Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 # The engines in the order of the report; urdfdom is seen through pinocchio.
-ENGINES = ("pinocchio", "urdfdom", "mujoco", "drake", "bullet", "gazebo", "yourdfpy", "newton")
+ENGINES = ("pinocchio", "urdfdom", "mujoco", "drake", "bullet", "gazebo", "yourdfpy", "newton", "isaac")
 # Lines, and characters per line, that are kept of an engine's output.
 MOST_LINES, LONGEST = 40, 400
 # Of a file that an engine writes, its output among them, in MiB.
@@ -29,11 +29,17 @@ LARGEST_FILE = 1024
 # Colours, and the source positions that engines print before their messages.
 _MARKS = re.compile(
     r"\x1b\[[0-9;]*m|b3(?:Warning|Error|Printf)\[[^\]\n]*\]:\s*|b3Printf: "
+    r"|^\[(?:Error|Warning)\] \[[\w.]+\] "
     r"|^(?:Error|Warning) \[\w+\.\w+:\d+\] *$|^ *at line \d+ in /?[\w./-]+ *$|/\S*/urdfcheck-\w+/\d+/",
     re.MULTILINE,
 )
 # Lines that engines print for any model.
-_NOISE = ("pybullet build time", "Library error: libignition-tools-backward", "Valid.")
+_NOISE = (
+    "pybullet build time",
+    "Library error: libignition-tools-backward",
+    "Valid.",
+    "``addDiffuseTextureToPreviewMaterial`` was deprecated",
+)
 
 
 def list_versions() -> dict[str, str | None]:

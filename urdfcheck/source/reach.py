@@ -16,6 +16,8 @@ _PARTS = frozenset({
 })  # fmt: skip
 # One of these words makes a longer name that of a robot's part (basic_urdf, visual_meshes).
 _PART_WORDS = frozenset({"mesh", "meshes", "mjcf", "stl", "textures", "urdf", "urdfs", "xacro"})
+# What marks the outermost folder of a project, the first kind that is found: a repository, or a package (of rosbuild).
+_MARKS = (".git", "package.xml", "manifest.xml")
 _TEMPORARY = ("/tmp", "/var/tmp", "/dev/shm")
 # The one hidden file that belongs to a robot: what the MoveIt Setup Assistant was told.
 _VISIBLE = f"{os.sep}.setup_assistant"
@@ -54,7 +56,7 @@ def find_project_folder(path: Path) -> Path:
     folder = _find_own_folder(path)
     shared = list_shared_folders()  # a whole home folder may be a repository
     around = [f for f in (folder, *folder.parents) if not is_shared_by_all(f, shared)]
-    for mark in (".git", "package.xml"):
+    for mark in _MARKS:
         for outer in around:
             if os.path.exists(os.path.join(outer, mark)):
                 return outer
@@ -72,7 +74,7 @@ def list_project_folders(path: Path) -> list[Path]:
     if is_shared_by_all(project):
         place = _find_place(path)
         return [] if place == project or os.path.islink(place) else [place]
-    is_marked = any(os.path.exists(project / mark) for mark in (".git", "package.xml"))
+    is_marked = any(os.path.exists(project / mark) for mark in _MARKS)
     return [project] if is_marked else [project, *_list_sibling_parts(project)]
 
 
@@ -121,20 +123,21 @@ def _resolve_all(folders: tuple[str, ...]) -> frozenset[str]:
 def _list_sibling_parts(folder: Path) -> list[Path]:
     """Return the folders beside one that make up a robot with it; none if anything else is there."""
     above = folder.parent
-    if not _is_part_of_robot(folder.name) or is_shared_by_all(above) or _is_writable_by_others(above):
+    if not is_part_of_robot(folder.name) or is_shared_by_all(above) or _is_writable_by_others(above):
         return []
     try:
         with os.scandir(above) as entries:
             beside = [entry for entry in entries if not entry.name.startswith(".")]
         # A linked folder may be anything.
         folders = [above / entry.name for entry in beside if entry.is_dir(follow_symlinks=False)]
-        is_robot = all(_is_part_of_robot(entry.name) for entry in beside if entry.is_dir())
+        is_robot = all(is_part_of_robot(entry.name) for entry in beside if entry.is_dir())
     except OSError:
         return []
     return sorted(other for other in folders if other != folder) if is_robot else []
 
 
-def _is_part_of_robot(name: str) -> bool:
+def is_part_of_robot(name: str) -> bool:
+    """Whether a folder's name is that of a part of a robot (urdf, meshes, visual_meshes)."""
     words = name.lower()
     return words in _PARTS or not _PART_WORDS.isdisjoint(words.replace("-", "_").split("_"))
 

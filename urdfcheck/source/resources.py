@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -11,9 +12,13 @@ from pathlib import Path
 from urdfcheck.core import Location
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Resource
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.grammar import is_unexpanded
 from urdfcheck.source.text.xml import Attribute, Definition, Element
+from urdfcheck.system.files import note_lookup
 
+# What Bullet leaves out of a path.
+_DROPPED_SCHEME = re.compile(r"^(?:package|model)://")
 _ONE_SLASH = re.compile(r"^(package|model|file):/?(?=[^/])")
 _COMPUTED = re.compile(r"\$\((?:find|dirname|cwd|env|optenv|eval)\b|abs_filename")
 
@@ -95,6 +100,54 @@ def find_missing_path(use: ResourceUse, source: Source) -> Path | None:
     if resource.exists or resource.actual_spelling is not None or not resource.allowed:
         return None
     return resource.path if resource.path is not None and find_machine_path(use, source) is None else None
+
+
+def find_above(use: ResourceUse, source: Source) -> Path | None:
+    """Return the file that a path without its scheme names in the model's folder or the nearest one above it that has it.
+
+    None if there is none in reach, or the path is absolute.
+    """
+    if use.resource.kind not in {"package", "relative"}:
+        return None
+    inside = _DROPPED_SCHEME.sub("", use.resource.text).lstrip("/")
+    for folder in source.path.absolute().parents:
+        path = folder / inside
+        if not source.finder.can_open(path):
+            continue
+        note_lookup(path)
+        if os.path.isfile(path):
+            return Path(os.path.normpath(path))
+    return None
+
+
+def format_path_from_model(path: Path, source: Source) -> str:
+    """Return a file's path from the folder of the model, as a model names it."""
+    return Path(os.path.relpath(path, source.path.absolute().parent)).as_posix()
+
+
+def describe_missing_uses(uses: Iterable[ResourceUse], source: Source) -> dict[str, str]:
+    """Describe what MuJoCo, yourdfpy and Bullet do with meshes that are not where their paths lead.
+
+    Bullet drops the scheme and tries each path in every folder above the model (checked with PyBullet 3.2.7).
+    """
+    missing = list(uses)
+    told = describe_missing_mesh(use.attribute.owner for use in missing)
+    if all(find_above(use, source) for use in missing):
+        return told | {"bullet": "loads it: it tries the paths in every folder above the model"}
+    if _is_only_folder_in_reach(source) and all(use.resource.kind in {"package", "relative"} for use in missing):
+        return told | {"bullet": "loads it if a folder above has the files, otherwise refuses it"}
+    return told
+
+
+def _is_only_folder_in_reach(source: Source) -> bool:
+    """Whether the model belongs to no repository or package that is known, so that its surroundings were not read."""
+    levels = source.finder.list_parent_folders()
+    is_repository = bool(levels) and (levels[-1] / ".git").exists()
+    return (
+        source.package is None
+        and not is_repository
+        and not source.finder.can_open(source.path.absolute().parent.parent)
+    )
 
 
 def _read_definition(definition: Definition, source: Source) -> str:

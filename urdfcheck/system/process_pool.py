@@ -118,6 +118,7 @@ class _PlainUnpickler(pickle.Unpickler):
             "core.rule",
             "core.run",
             "core.scene",
+            "core.seams",
             "export.link_pairs",
             "fix.repair.steps",
             "export.outline",

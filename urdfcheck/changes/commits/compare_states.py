@@ -22,6 +22,7 @@ from urdfcheck.changes.commits.state_folders import (
 from urdfcheck.changes.compare_versions import compare_versions
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.core.model_diff import Diff
+from urdfcheck.core.text import join_names
 from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import IN_WORKERS, Execution, plan_units
 from urdfcheck.source.package.file_kinds import is_buffer, is_launch, is_mesh, is_model, is_srdf, is_yaml
@@ -56,10 +57,11 @@ def compare_states(
     paths: Sequence[str],
     make_request: RequestMaker,
     *,
+    around: Path | None = None,
     allowed: Sequence[str] = (),
     execution: Execution = IN_WORKERS,
 ) -> Diff:
-    """Compare two states of the repository around the working directory, or around the first path.
+    """Compare two states of the repository around a folder, or else around the first path or the working directory.
 
     :param revisions: ``REV``, ``REV..REV`` or ``REV...REV``; empty for HEAD. Without dots the second state is the work tree.
     :param paths: the models, and what they use, to which the comparison is limited; none for everything.
@@ -67,9 +69,9 @@ def compare_states(
     :raises UrdfcheckError: if there is no repository or revision, or it cannot be read.
     :raises KeyboardInterrupt: if the user interrupts.
     """
-    repository = Repository.find(
-        Path(paths[0]) if paths and os.path.lexists(paths[0]) else Path(), list(map(Path, allowed))
-    )
+    if around is None:
+        around = Path(paths[0]) if paths and os.path.lexists(paths[0]) else Path()
+    repository = Repository.find(around, list(map(Path, allowed)))
     old, new = repository.resolve_range(revisions)
     wanted = [_find_place(path, repository.top) for path in paths]
     with _make_folder() as folder:
@@ -84,9 +86,11 @@ def compare_states(
             _ReadableState(revision, state, _make_request(repository.top, state, make_request))
             for revision, state in ((old, first), (new, second))
         ]
-        touched = _find_touched(sides, list_changed_paths(first, second), wanted, execution)
+        changed = list_changed_paths(first, second)
+        touched = _find_touched(sides, changed, wanted, execution)
         found = _compare(sides, touched, execution.without_start())
         notes = (
+            *_describe_unused(sides, (path for path in changed if _is_below(path, wanted)), found.files),
             *_describe_submodules(first, second),
             *describe_left_out((_prefix(s.revision), s.state) for s in sides),
         )
@@ -154,13 +158,20 @@ def _find_users(sides: Sequence[_ReadableState], paths: Sequence[str], execution
         named = [path for path in here if _is_asked_about(Path(path))]
         if named:
             request = replace(side.request, paths=tuple(side.state.folder / path for path in named))
-            _, units = plan_units(request, in_process=execution.audit is not None)
+            plan, units = plan_units(request, in_process=execution.audit is not None)
+            users |= {_name_in_state(side, Path(unit.path)) for unit in units if unit.kind in {"model", "launch"}}
+            # Macros that no file is known to include: one may that computes the name, or that cannot be expanded.
             users |= {
-                Path(os.path.relpath(os.path.realpath(unit.path), side.root)).as_posix()
-                for unit in units
-                if unit.kind in {"model", "launch"}
+                _find_package(_name_in_state(side, target.path), side.state.digests)
+                for target in (*plan.models, *plan.candidates)
+                if target.tentative and not target.is_part
             }
     return users
+
+
+def _name_in_state(side: _ReadableState, path: Path) -> str:
+    """Return the path from the top of the repository of a file in the folder of a state."""
+    return Path(os.path.relpath(os.path.realpath(path), side.root)).as_posix()
 
 
 def _is_asked_about(path: Path) -> bool:
@@ -178,6 +189,12 @@ def _find_dependent_folder(path: str, files: Mapping[str, str]) -> str | None:
         and not files[path].startswith("link ")
     ):
         return None
+    return _find_package(path, files)
+
+
+def _find_package(path: str, files: Mapping[str, str]) -> str:
+    """Return the folder of the package that a file belongs to; that of the repository for a file of none."""
+    folder = path.rpartition("/")[0]
     while folder and f"{folder}/package.xml" not in files:
         folder = folder.rpartition("/")[0]
     return folder
@@ -196,11 +213,28 @@ def _compare(sides: Sequence[_ReadableState], touched: frozenset[str], execution
     return compare_versions(before, after, execution)
 
 
+def _describe_unused(sides: Sequence[_ReadableState], changed: Iterable[str], used: frozenset[str]) -> Iterator[str]:
+    """Yield a line about the descriptions that differ and of which no model that was compared is made."""
+    unused = [
+        path
+        for path in sorted(changed)
+        if is_model(Path(path))
+        if not any(path in s.state.digests and format_path(s.state.folder / path) in used for s in sides)
+    ]
+    if unused:
+        yield f"{join_names(unused, 3)}: no model that was compared is made of {'it' if len(unused) == 1 else 'them'}"
+
+
 def _describe_submodules(before: StateFolder, after: StateFolder) -> Iterator[str]:
+    still = []
     for path in sorted(before.submodules.keys() | after.submodules.keys()):
         old, new = before.submodules.get(path), after.submodules.get(path)
-        moves = f", which moves from {old[:12]} to {new[:12]}" if old and new and old != new else ""
-        yield f"{path}: it is a submodule{moves}"
+        if old and new and old != new:
+            yield f"{path}: it is a submodule, which moves from {old[:12]} to {new[:12]}"
+        else:
+            still.append(path)
+    if still:
+        yield f"{join_names(still, 3)}: {'it is a submodule' if len(still) == 1 else 'they are submodules'}"
 
 
 def _prefix(revision: Revision) -> str:

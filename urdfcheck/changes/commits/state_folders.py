@@ -12,6 +12,7 @@ from pathlib import Path
 from urdfcheck.changes.commits.large_files import find_content, find_pointer_digest
 from urdfcheck.changes.commits.repository import Repository, Revision, TreeEntry
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.text import join_names
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
 from urdfcheck.system.git import GitError
 
@@ -228,10 +229,12 @@ def list_changed_paths(before: StateFolder, after: StateFolder) -> set[str]:
 
 
 def describe_left_out(sides: Iterable[tuple[str, StateFolder]], most: int = 3) -> tuple[str, ...]:
-    """Return what was not compared, a line for each reason and state."""
-    lines = []
+    """Return what was not compared, a line for each reason and the states that it holds for."""
+    names: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for name, state in sides:
         for reason, paths in state.skipped.items():
-            more = f" and {len(paths) - most} more" if len(paths) > most else ""
-            lines.append(f"{name}{', '.join(paths[:most])}{more}: {reason}")
-    return tuple(lines)
+            names.setdefault((reason, tuple(paths)), []).append(name)
+    return tuple(
+        f"{'' if len(of) > 1 else of[0]}{join_names(paths, most)}: {reason}{', in both versions' if len(of) > 1 else ''}"
+        for (reason, paths), of in names.items()
+    )

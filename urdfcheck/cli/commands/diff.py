@@ -68,7 +68,8 @@ def build_parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="KINDS",
-        help="exit 1 for these changes: kinematic, dynamic, limits, collision, findings (new ones), any (whatever is not "
+        help="exit 1 for these changes: kinematic, dynamic, limits, collision, seams (SRDF, controllers, launch "
+        "files, manifests, arguments), findings (new ones), any (whatever is not "
         "cosmetic), never (default)",
     )
     p.add_argument(

@@ -107,14 +107,15 @@ class _Contents:
     """See `_collect_body_shapes`."""
 
     def are_left_behind(self, name: str, above: Mat4, by_frame: Mat4) -> bool:
-        """Whether the contents of a link are where its parent takes them, or more of them than are where its frame takes them.
+        """Whether the contents of a link are where its parent takes them, or a larger share than is where its frame takes them.
 
         Where both hold, as for a wheel whose frame is rotated about its axis, nothing but the frame moved either.
         """
         stays = list(self._compare(name, above))
         if not any(stays):
             return False
-        return all(stays) or sum(stays) > sum(self._compare(name, by_frame))
+        goes = list(self._compare(name, by_frame))  # not as many where a child is as a whole where it was
+        return all(stays) or sum(stays) * len(goes) > sum(goes) * len(stays)
 
     def _compare(self, name: str, taken: Mat4) -> Iterator[bool]:
         """Yield for the mass, each shape and each child of a link whether it is where ``taken`` takes it.

@@ -3,40 +3,53 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from urdfcheck.core.mechanism import MechanismExtra, RobotMechanism, Trace
-from urdfcheck.core.model_diff import CATEGORIES, MechanismChange, MechanismDiff
+from urdfcheck.core.model_diff import CATEGORIES, CollisionDiff, MechanismChange, MechanismDiff, MechanismEffect
 from urdfcheck.facts.arrays import Mat4, Vec3
 from urdfcheck.facts.comparison.alignment import PlacedPair, align_links
-from urdfcheck.facts.comparison.bodies import pair_bodies
+from urdfcheck.facts.comparison.bodies import BodyPair, pair_bodies
 from urdfcheck.facts.comparison.contents import compare_masses, compare_shapes
 from urdfcheck.facts.comparison.home_pose import HomePose, compute_home_pose, invert_pose
+from urdfcheck.facts.comparison.joint_inertias import compare_joint_inertias
 from urdfcheck.facts.comparison.joints import compare_joints
 from urdfcheck.facts.comparison.matching import Correspondence, match_mechanisms
 from urdfcheck.facts.comparison.motion import compare_torques, compute_displacements, measure_shifts, sample_joints
+from urdfcheck.facts.comparison.stances import compare_stances
 from urdfcheck.facts.comparison.structure import NOTE, compare_structure, list_frame_notes
+from urdfcheck.facts.comparison.surfaces import GeometryReader, SurfaceComparison
 
-# What may move a link or load a joint.
+# What may change how a robot stands; of a link without collision shapes the drawn ones count.
+_STANDING = frozenset({"structure", "kinematic", "dynamic", "collision", "visual"})
+# What may change the inertia of a joint, apart from places, which are reported as such.
+_ACCELERATING = frozenset({"structure", "dynamic"})
+# What may move a link, load a joint or bring two shapes together.
+_COLLIDING = frozenset({"structure", "kinematic", "limits", "collision"})
 _MOVING, _LOADING = frozenset({"structure", "kinematic"}), frozenset({"structure", "kinematic", "dynamic"})
 
 
-def compare_mechanisms(before: RobotMechanism, after: RobotMechanism) -> MechanismDiff:
-    """Compare two versions of a robot. Without changes they move and weigh alike, which is proven, not sampled."""
+def compare_mechanisms(
+    before: RobotMechanism, after: RobotMechanism, read: GeometryReader | None = None, *, with_collisions: bool = True
+) -> MechanismDiff:
+    """Compare two versions of a robot. Without changes they move and weigh alike, which is proven, not sampled.
+
+    ``read``: gives the geometry of shapes; without it, surfaces and collisions are not compared.
+    """
     with np.errstate(all="ignore"):  # numbers that overflow are findings, not warnings of numpy
-        return _compare_placed(_place_pair(before, after, match_mechanisms(before, after)))
+        return _compare_placed(_place_pair(before, after, match_mechanisms(before, after)), read, with_collisions)
 
 
-def _compare_placed(pair: PlacedPair) -> MechanismDiff:
+def _compare_placed(pair: PlacedPair, read: GeometryReader | None, with_collisions: bool) -> MechanismDiff:
     before, after = pair.before.mechanism, pair.after.mechanism
     bodies = pair_bodies(pair)
     found = [
         *compare_structure(pair, bodies),
         *compare_joints(pair),
         *(change for body in bodies for change in compare_masses(pair, body)),
-        *compare_shapes(pair, bodies),
+        *compare_shapes(pair, bodies, SurfaceComparison(read)),
         *_compare_robot_names(before, after),
         *_compare_extras(before, after),
     ]
@@ -45,6 +58,7 @@ def _compare_placed(pair: PlacedPair) -> MechanismDiff:
     changes.sort(key=lambda change: CATEGORIES.index(change.category))
     categories = {change.category for change in changes}
     shifts, torques, count = [], [], 0
+    effects: list[MechanismEffect] = []
     if categories & _LOADING:
         samples = sample_joints(pair)
         moved = (
@@ -54,7 +68,14 @@ def _compare_placed(pair: PlacedPair) -> MechanismDiff:
         count = samples.count
         if categories & _MOVING:
             shifts = measure_shifts(pair, samples, *moved)
+        if categories & _ACCELERATING:
+            effects += compare_joint_inertias(pair, samples, *moved)
         torques = sorted(compare_torques(pair, *moved), key=lambda t: -abs(t.after - t.before) / max(t.before, t.after))
+    if categories & _STANDING:
+        effects += compare_stances(pair)
+    collisions = None
+    if read is not None and with_collisions and categories & _COLLIDING:
+        collisions = _compare_collisions(pair, bodies, read)
     masses = [sum(link.mass or 0.0 for link in mechanism.links) for mechanism in (before, after)]
     return MechanismDiff(
         changes=tuple(changes),
@@ -64,8 +85,19 @@ def _compare_placed(pair: PlacedPair) -> MechanismDiff:
         mass=(masses[0], masses[1]),
         com_shift=float(np.linalg.norm(_compute_com(pair.after) - _compute_com(pair.before))) if all(masses) else 0.0,
         samples=count,
+        collisions=collisions,
+        effects=(*(() if collisions is None else collisions.effects), *effects),
         root_pose=tuple(map(float, _compute_root_pose(pair).ravel())),
     )
+
+
+def _compare_collisions(pair: PlacedPair, bodies: Sequence[BodyPair], read: GeometryReader) -> CollisionDiff | None:
+    from urdfcheck.facts.comparison.collisions import compare_collisions  # loads coal, which masses do not need
+
+    try:
+        return compare_collisions(pair, bodies, read)
+    except ImportError:  # there are no wheels of coal for every platform
+        return None
 
 
 def _place_pair(before: RobotMechanism, after: RobotMechanism, match: Correspondence) -> PlacedPair:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from urdfcheck.core.mechanism import NO_TRACE, MechanismLink, MechanismShape, Trace
 from urdfcheck.core.model_diff import MechanismChange
-from urdfcheck.facts.arrays import Mat3, Mat4, Vec3
+from urdfcheck.facts.arrays import Array, Mat3, Mat4, Vec3
 from urdfcheck.facts.comparison.alignment import (
     PlacedPair,
     build_tensor,
@@ -19,7 +19,11 @@ from urdfcheck.facts.comparison.alignment import (
 )
 from urdfcheck.facts.comparison.bodies import BodyPair
 from urdfcheck.facts.comparison.home_pose import LENGTH_TOLERANCE, is_same_number, measure_shift
+from urdfcheck.facts.comparison.surfaces import SurfaceComparison
 from urdfcheck.facts.inertials.inertia_tensor import compute_parallel_axis_term, compute_principal_moments
+
+# Share of what links of a body gain and lose together that may remain: they only share the mass of the body otherwise.
+_SHARED, _ROUNDING = 1e-3, 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,12 +67,37 @@ def compare_masses(pair: PlacedPair, body: BodyPair) -> Iterator[MechanismChange
     before, after = pair.before, pair.after
     olds = [(before.links[name], pair.maps[name] @ before.frames[name]) for name in body.before]
     news = [(after.links[name], after.frames[name]) for name in body.after]
-    if is_same_body(sum_inertias(olds), sum_inertias(news)):
+    if is_same_body(sum_inertias(olds), sum_inertias(news)) and _is_only_shared_otherwise(pair, olds, news):
         return
     for link, frame in olds:
         new = pair.match.links.get(link.name)
         if new is not None:
             yield from _compare_link_inertials(link, frame, after.links[new], after.frames[new])
+
+
+def _is_only_shared_otherwise(
+    pair: PlacedPair, olds: Sequence[tuple[MechanismLink, Mat4]], news: Sequence[tuple[MechanismLink, Mat4]]
+) -> bool:
+    """Whether what some links of a body lost others have: a light link may change by much, and the body by almost nothing."""
+    before = {pair.match.links.get(link.name, ""): _compute_moments(link, frame) for link, frame in olds}
+    gone = [_compute_moments(link, frame) for link, frame in olds if link.name not in pair.match.links]
+    after = {link.name: _compute_moments(link, frame) for link, frame in news}
+    nothing = np.zeros(10)
+    names = (before.keys() | after.keys()) - {""}
+    shifts = np.array([*(after.get(name, nothing) - before.get(name, nothing) for name in names), *(-m for m in gone)])
+    sizes = np.abs(shifts).sum(axis=0)
+    # A moment that is zero but for rounding has no share; those of one order have one unit.
+    noise = np.repeat([_ROUNDING * part.max() for part in (sizes[:1], sizes[1:4], sizes[4:])], (1, 3, 6))
+    return bool(np.all(np.abs(shifts.sum(axis=0)) <= _SHARED * sizes + noise))
+
+
+def _compute_moments(link: MechanismLink, frame: Mat4) -> Array:
+    """Return mass, first moments and the six second moments (10,) about the anchor of a link whose frame is given."""
+    if not link.mass or not link.com or not link.tensor:
+        return np.zeros(10)
+    place = frame[:3, :3] @ np.array(link.com) + frame[:3, 3]
+    tensor = build_tensor(link, frame) + compute_parallel_axis_term(link.mass, place)
+    return np.array((link.mass, *(link.mass * place), *tensor[np.triu_indices(3)]))
 
 
 def _compare_link_inertials(
@@ -115,10 +144,13 @@ def _compare_link_inertials(
 _Placed = tuple[str, MechanismShape, Mat4]
 
 
-def compare_shapes(pair: PlacedPair, bodies: Sequence[BodyPair]) -> Iterator[MechanismChange]:
+def compare_shapes(
+    pair: PlacedPair, bodies: Sequence[BodyPair], surfaces: SurfaceComparison
+) -> Iterator[MechanismChange]:
     """Yield what differs in the shapes of links that both versions have, and their materials.
 
-    Shapes that a body has in both versions are set aside first, whatever links of it they are given in.
+    Shapes that a body has in both versions are set aside first, whatever links of it they are given in. ``surfaces`` measures
+    meshes that were replaced.
     """
     olds: list[_Placed] = []
     news: list[_Placed] = []
@@ -138,7 +170,7 @@ def compare_shapes(pair: PlacedPair, bodies: Sequence[BodyPair]) -> Iterator[Mec
             yield _change_shape(shape.role, "shape-removed", name, before=shape)
             continue
         _, other, there_frame = news.pop(place)
-        yield from _compare_pair(name, shape, other, frame, there_frame)
+        yield from _compare_pair(name, shape, other, frame, there_frame, surfaces)
     known = set(pair.match.links.values())
     for owner, shape, _ in news:
         if owner in known:
@@ -155,6 +187,16 @@ def list_lost_shapes(pair: PlacedPair, bodies: Sequence[BodyPair]) -> tuple[set[
         olds |= {name for name, _, _ in here}
         news |= {name for name, _, _ in there}
     return olds, news
+
+
+def has_moved_shapes(pair: PlacedPair, before: Sequence[str], after: Sequence[str]) -> bool:
+    """Whether the collision shapes of links of one body are others, or elsewhere on the first of the links."""
+    taken = pair.maps[before[0]]
+    here = [(n, s, taken @ pair.before.frames[n]) for n in before for s in pair.before.links[n].shapes]
+    there = [(n, s, pair.after.frames[n]) for n in after for s in pair.after.links[n].shapes]
+    olds, news = ([placed for placed in side if placed[1].role == "collision"] for side in (here, there))
+    list(_set_aside(pair, olds, news))
+    return bool(olds or news)
 
 
 def _set_aside(pair: PlacedPair, olds: list[_Placed], news: list[_Placed]) -> Iterator[MechanismChange]:
@@ -190,10 +232,15 @@ def _locate_shape(shape: MechanismShape, frame: Mat4) -> Vec3:
 
 
 def _compare_pair(
-    link: str, first: MechanismShape, second: MechanismShape, here: Mat4, there: Mat4
+    link: str,
+    first: MechanismShape,
+    second: MechanismShape,
+    here: Mat4,
+    there: Mat4,
+    surfaces: SurfaceComparison,
 ) -> Iterator[MechanismChange]:
     if not is_same_geometry(first, second):
-        yield _compare_geometries(link, first, second)
+        yield _compare_geometries(link, first, second, surfaces.measure(first, here, second, there))
     if first.pose and second.pose and not is_same_placement(first, here, second, there):
         one, two = here @ np.array(first.pose).reshape(4, 4), there @ np.array(second.pose).reshape(4, 4)
         distance, angle = measure_shift(one, two)
@@ -204,12 +251,23 @@ def _compare_pair(
     yield from _compare_materials(link, first, second)
 
 
-def _compare_geometries(link: str, first: MechanismShape, second: MechanismShape) -> MechanismChange:
-    """Return the change of a shape that has another form, another size or another file."""
+def _compare_geometries(
+    link: str, first: MechanismShape, second: MechanismShape, distances: Mapping[str, float]
+) -> MechanismChange:
+    """Return the change of a shape that has another form, another size or another file.
+
+    ``distances``: how far the surfaces are from each other, where that was measured.
+    """
     numbers: dict[str, float] = {}
     if first.volume is not None and second.volume is not None:
         numbers |= {"volume_before": abs(first.volume), "volume_after": abs(second.volume)}
     words = {"before": _describe_shape(first), "after": _describe_shape(second)}
+    if first.kind == second.kind == "mesh" and first.mesh != second.mesh:
+        if words["before"] == words["after"]:
+            words |= {"before": first.mesh, "after": second.mesh}
+        if not (first.digest and second.digest):
+            read = {(False, True): "only now", (True, False): "no longer", (False, False): "neither"}
+            words["read"] = read[bool(first.digest), bool(second.digest)]
     what = "shape-replaced"
     if first.kind == second.kind == "mesh" and first.mesh == second.mesh and first.digest != second.digest:
         what = "mesh-changed"
@@ -223,6 +281,7 @@ def _compare_geometries(link: str, first: MechanismShape, second: MechanismShape
         numbers["bounds"] = float(np.abs(bounds[1] - bounds[0]).max())
         if first.closed != second.closed:
             words["closed"] = "closed" if second.closed else "open"
+        numbers |= distances
     return _change_shape(
         first.role, what, link, before=first, after=second, numbers=numbers, words=words, trace="geometry"
     )

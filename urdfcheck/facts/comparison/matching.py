@@ -36,8 +36,30 @@ def match_mechanisms(before: RobotMechanism, after: RobotMechanism) -> Correspon
     """Match links and joints: equal names first, then what is alike at the same place of the tree."""
     first, second = compute_home_pose(before), compute_home_pose(after)
     links = {name: name for name in first.links if name in second.links}
-    confidences = dict(_match_renamed(first, second, links))
+    confidences = dict(_match_below_joints(first, second, links))
+    confidences.update(_match_renamed(first, second, links))
+    links = {name: links[name] for name in first.order if name in links}
     return Correspondence(links=links, joints=_match_joints(first, second, links), confidences=confidences)
+
+
+def _match_below_joints(first: HomePose, second: HomePose, links: dict[str, str]) -> Iterator[tuple[str, float]]:
+    """Match links with different names below joints of one name, from the ends inwards, and note them in ``links``.
+
+    Yields them with their confidence. What hangs on them, and on what they hang, need not be matched yet.
+    """
+    taken = set(links.values())
+    for old in reversed(first.order):
+        upper = first.joint_above.get(old)
+        if old in links or upper is None or upper.name not in second.joints:
+            continue
+        new = second.joints[upper.name].child
+        if new in taken:
+            continue
+        confidence, weight = _weigh_evidence(first, second, links, taken, (old, new))
+        if confidence >= LEAST_CONFIDENCE and weight >= LEAST_WEIGHT:
+            links[old] = new
+            taken.add(new)
+            yield old, confidence
 
 
 def _match_renamed(first: HomePose, second: HomePose, links: dict[str, str]) -> Iterator[tuple[str, float]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from urdfcheck.core.drop_test import GRAVITY
 from urdfcheck.core.mechanism import MechanismJoint
 from urdfcheck.core.model_diff import JointTorque, LinkShift
-from urdfcheck.facts.arrays import Array
+from urdfcheck.facts.arrays import Array, Bools
 from urdfcheck.facts.comparison.alignment import PlacedPair
 from urdfcheck.facts.comparison.home_pose import ANGLE_TOLERANCE, LENGTH_TOLERANCE, HomePose, locate_screw
 from urdfcheck.facts.comparison.joints import ONE_DOF
@@ -37,19 +37,72 @@ class JointSamples:
     count: int
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class LimitSamples:
+    """Positions within the limits of either version."""
+
+    joints: JointSamples
+    is_allowed_before: Bools
+    """(N,), whether they are within the limits of the first version."""
+    is_allowed_after: Bools
+    """(N,), whether they are within the limits of the second version."""
+    ranged: frozenset[str]
+    """The joints that have other limits, as the first version names them."""
+
+
+# A joint in both versions.
+_Joints = tuple[MechanismJoint, MechanismJoint]
+
+
 def sample_joints(pair: PlacedPair) -> JointSamples:
     """Sample joint positions that both versions allow, the same for matched joints; followers follow in either version."""
-    joints = [(pair.before.joints[old], pair.after.joints[new]) for old, new in pair.match.joints.items()]
-    joints = [both for both in joints if any(map(_is_free, both))]
+    joints = _list_free_joints(pair)
     ranges = np.array([_choose_range(both) for both in joints]).reshape(-1, 2)
+    return _build_samples(pair, joints, _draw_positions(pair, ranges))
+
+
+def sample_limits(pair: PlacedPair) -> LimitSamples:
+    """Sample what both versions allow, like `sample_joints`, and then as much of what either allows."""
+    joints = _list_free_joints(pair)
+    ranges = np.array([_list_ranges(both) for both in joints]).reshape(-1, 2, 2)
+    values = _draw_positions(pair, np.array([_choose_range(both) for both in joints]).reshape(-1, 2))
+    differs = np.abs(ranges[:, 0] - ranges[:, 1]).max(axis=1, initial=0.0) > ANGLE_TOLERANCE
+    if differs.any():
+        either = np.column_stack((ranges[:, :, 0].min(axis=1), ranges[:, :, 1].max(axis=1)))
+        values = np.concatenate((values, _draw_positions(pair, either)))
+    ranged = frozenset(one.name for (one, _), other in zip(joints, differs.tolist(), strict=True) if other)
+    samples = _build_samples(pair, joints, values)
+    return LimitSamples(samples, _are_within(values, ranges[:, 0]), _are_within(values, ranges[:, 1]), ranged)
+
+
+def _are_within(values: Array, ranges: Array) -> Bools:
+    """Return which positions (N, J) are within ranges (J, 2), to the tolerance."""
+    is_inside = (values >= ranges[:, 0] - ANGLE_TOLERANCE) & (values <= ranges[:, 1] + ANGLE_TOLERANCE)
+    return np.asarray(is_inside.all(axis=1))
+
+
+def _list_free_joints(pair: PlacedPair) -> list[_Joints]:
+    joints = [(pair.before.joints[old], pair.after.joints[new]) for old, new in pair.match.joints.items()]
+    return [both for both in joints if any(map(_is_free, both))]
+
+
+def _draw_positions(pair: PlacedPair, ranges: Array) -> Array:
+    """Return positions (N, J) within ``ranges`` (J, 2): zero as far as that is possible, each end alone, then drawn ones."""
     links = max(len(pair.before.links), len(pair.after.links))
+    joints = range(len(ranges))
+    if not joints:
+        return np.zeros((1, 0))  # there is one configuration
     count = min(SAMPLES, max(10, MOST_POSES // links - 2 * len(joints)))
     middle = np.clip(0.0, ranges[:, 0], ranges[:, 1])
     ends = np.repeat(middle[None], 2 * len(joints), axis=0)
     for place in range(len(joints)):
         ends[2 * place : 2 * place + 2, place] = ranges[place]
     drawn = np.random.default_rng(_SEED).uniform(ranges[:, 0], ranges[:, 1], (count, len(joints)))
-    values = np.concatenate((middle[None], ends[: MOST_POSES // links], drawn))
+    return np.concatenate((middle[None], ends[: MOST_POSES // links], drawn))
+
+
+def _build_samples(pair: PlacedPair, joints: Sequence[_Joints], values: Array) -> JointSamples:
+    """Return the positions (N,) of all joints of both versions at ``values`` (N, J) of those that both have."""
     before, after = (
         {both[side].name: values[:, place] for place, both in enumerate(joints) if _is_free(both[side])}
         for side in (0, 1)
@@ -62,10 +115,16 @@ def _is_free(joint: MechanismJoint) -> bool:
     return joint.type in ONE_DOF and joint.mimic is None
 
 
-def _choose_range(joints: tuple[MechanismJoint, MechanismJoint]) -> tuple[float, float]:
+def _choose_range(joints: _Joints) -> tuple[float, float]:
     ranges = [_get_range(joint) for joint in joints if joint.type in ONE_DOF]
     low, high = max(low for low, _ in ranges), min(high for _, high in ranges)
     return (low, high) if low <= high else ranges[0]
+
+
+def _list_ranges(joints: _Joints) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the range in either version; where it does not move in one, that of the other."""
+    one, two = joints
+    return _get_range(one if one.type in ONE_DOF else two), _get_range(two if two.type in ONE_DOF else one)
 
 
 def _get_range(joint: MechanismJoint) -> tuple[float, float]:
@@ -142,7 +201,7 @@ def measure_shifts(
             link=name,
             distance=float(distances[worst]),
             angle=float(angles.max()),
-            configuration={} if is_constant else _describe_configuration(pair, samples, name, worst),
+            configuration={} if is_constant else describe_positions(pair.before, samples.before, name, worst),
         )
         found.append((shift.distance, not pair.before.joints_below[name], depth, shift))
     farthest = max((distance for distance, _, _, _ in found), default=0.0)
@@ -150,14 +209,14 @@ def measure_shifts(
     return [shift for _, _, _, shift in found]
 
 
-def _describe_configuration(pair: PlacedPair, samples: JointSamples, link: str, row: int) -> dict[str, float]:
-    """Return the positions of the joints that carry a link."""
+def describe_positions(home: HomePose, values: Mapping[str, Array], link: str, row: int) -> dict[str, float]:
+    """Return the positions of the joints that carry a link in one configuration, from the root outwards."""
     positions: dict[str, float] = {}
-    joint = pair.before.joint_above.get(link)
+    joint = home.joint_above.get(link)
     while joint is not None:
-        if joint.name in samples.before:
-            positions[joint.name] = float(samples.before[joint.name][row])
-        joint = pair.before.joint_above.get(joint.parent)
+        if joint.name in values:
+            positions[joint.name] = float(values[joint.name][row])
+        joint = home.joint_above.get(joint.parent)
     return dict(reversed(positions.items()))
 
 

@@ -78,7 +78,9 @@ def _compare_names(pair: PlacedPair) -> Iterator[MechanismChange]:
 
 
 def _list_users(mechanism: RobotMechanism, name: str) -> list[str]:
-    """Return what in the description still uses a name that no part has any longer."""
+    """Return what in the description still uses a name that no part has any longer; nothing where a part still has it."""
+    if name in {*(link.name for link in mechanism.links), *(joint.name for joint in mechanism.joints)}:
+        return []
     quoted = repr(name)
     users = [extra.label for extra in mechanism.extras if quoted in extra.content or f"[{name}]" in extra.label]
     users += [f"mimic of joint[{j.name}]" for j in mechanism.joints if j.mimic is not None and j.mimic[0] == name]
@@ -124,7 +126,8 @@ def _list_lone_links(
             continue
         joint = home.joint_above.get(name)
         is_note = name in regrouped
-        parent = None if joint is None else top.get(joint.parent)
+        # What hangs on a lone root did not come or go with the root, which is reported as the root.
+        parent = None if joint is None or joint.parent == home.order[0] else top.get(joint.parent)
         top[name] = name if parent is None or is_note != (parent in regrouped) else parent
         branches.setdefault(top[name], []).append(home.links[name])
     for name, links in branches.items():

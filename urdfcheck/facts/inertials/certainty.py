@@ -13,6 +13,7 @@ from urdfcheck.facts.inertials.mistakes.mistake import EFFECT, Mistake
 from urdfcheck.facts.inertials.ranking import COM_FITS, MARGIN, Ranking, is_whole_com
 
 if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Mat3
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
     from urdfcheck.facts.inertials.mistakes.file_habits import Habit
 
@@ -142,8 +143,10 @@ def _is_convincing(ranking: Ranking, reference: Reference, *, is_habit: bool = F
         return equal and bool(moments[-1] - moments[0] > _NOT_A_SPHERE * moments[-1])
     if twin is not None:  # the reference is not a uniform solid, but the numbers as they should be
         return worst < EXACT
-    if best.id == "decimal_point" and best.detail.startswith(("mass ", "tensor ")) and not is_habit:
-        return worst < EFFECT  # a ratio of mass and tensor near ten may be a changed mass or a motor
+    # A ratio of mass and tensor near ten may be a changed mass or a motor, and numbers of one digit were guessed.
+    is_alone = not is_habit or _has_single_digits(ranking.numbers[none].tensor)
+    if best.id == "decimal_point" and best.detail.startswith(("mass ", "tensor ")) and is_alone:
+        return worst < EFFECT
     sizes = np.trace(ranking.numbers.tensor[[none, 0]], axis1=1, axis2=2) / ranking.numbers.mass[[none, 0]]
     is_vast = best.id in _UNITS and sizes[0] >= VAST**2 * sizes[1]
     if best.borrowed == (0, 0) and not is_vast:
@@ -157,6 +160,11 @@ def _is_convincing(ranking: Ranking, reference: Reference, *, is_habit: bool = F
         return best.id in _OF_ORIGIN and bool(fit.inside[0] and not fit.inside[none]) and worst < 0.5 * NEAR
     one_number = best.id == "decimal_point" and not is_whole_com(best)
     return worst < (FAR if is_habit or is_vast else NEAR / 2 if one_number else NEAR)
+
+
+def _has_single_digits(tensor: Mat3) -> bool:
+    """Whether all moments of a tensor (3, 3) have one significant digit."""
+    return all(float(f"{value:.0e}") == value for value in tensor.diagonal().tolist())
 
 
 def _measure_effect(declared: DeclaredInertial, mended: DeclaredInertial, factor: float) -> float:

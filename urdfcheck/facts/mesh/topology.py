@@ -369,6 +369,27 @@ def label_components(faces: Indices, n_vertices: int) -> Indices:
     return labels
 
 
+def label_bodies(faces: Indices, n_vertices: int) -> Indices:
+    """Number the closed bodies of a closed surface, from 0, and return that of each face: bodies of an assembly that only touch
+    have corners in common, and are connected where two faces share an edge. Where a piece of these is open, the pieces are those
+    of `label_components`."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    keys, _, backward = _build_half_edges(faces, n_vertices)
+    edges, inverse = np.unique(keys, return_inverse=True)
+    owner, by_edge = np.tile(np.arange(len(faces)), 3), np.argsort(inverse, kind="stable")
+    counts = np.bincount(inverse, minlength=len(edges))
+    first = (np.cumsum(counts) - counts)[counts == 2]
+    pairs = owner[by_edge[first]], owner[by_edge[first + 1]]
+    graph = coo_array((np.ones(len(first), dtype=bool), pairs), shape=(len(faces), len(faces)))
+    pieces, labels = connected_components(graph, directed=False)
+    # Of each edge of a piece there are as many half edges in either direction.
+    sides, of_piece = np.unique(inverse * pieces + labels[owner], return_inverse=True)
+    uneven = np.bincount(of_piece, weights=np.where(backward, -1.0, 1.0), minlength=len(sides))
+    return label_components(faces, n_vertices) if uneven.any() else labels.astype(np.int64)
+
+
 def find_boundaries(vertices: Array, open_edges: Indices) -> tuple[Boundary, ...]:
     """Find the boundaries (longest first) that the edges (n, 2) of one face form."""
     boundaries = [_build_boundary(vertices, path, closed) for path, closed in _iter_boundary_paths(open_edges.tolist())]

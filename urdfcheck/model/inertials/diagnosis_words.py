@@ -281,11 +281,12 @@ def _describe_mismatch(
     if of_com > NOTABLE and shows_com(of_com, drawn):
         differences.append(f"the COM is {format_length(apart)} off")
     size = compare_sizes(moments, uniform, "{moments} {factor} times too {size}", digits=3)
+    shape = _measure_shape_mismatch(moments, uniform)
     if size:
         differences.append(f"{size} for this mass at uniform density")
-    elif of_tensor > max(NOTABLE, _ROTATED * _measure_shape_mismatch(moments, uniform)):
+    elif of_tensor > max(NOTABLE, _ROTATED * shape) and measure_difference(numbers, drawn) > NOTABLE:
         differences.append("the inertia tensor is about other axes")
-    elif of_tensor > NOTABLE:
+    elif of_tensor > NOTABLE < _ROTATED * shape:  # a tilt of a tenth of a degree makes a mismatch of a thin part
         actual, expected = join_numbers(moments, digits=3), join_numbers(uniform, digits=3)
         differences.append(f"the principal moments are {actual} instead of {expected} kg·m²")
     return " and ".join(differences) or "the inertial is only slightly off"
@@ -293,7 +294,7 @@ def _describe_mismatch(
 
 def compare_sizes(moments: Moments, uniform: Moments, template: str, *, digits: int) -> str:
     """Say how much too large or too small principal moments (3,) are; nothing if they are ``SIMILAR`` in size. If they are wrong
-    by different factors, it is the one, or the two, wrong most."""
+    by different factors, it is the one, or the two, wrong most, or how far they are off at most."""
     ratio = float(moments.sum() / uniform.sum())
     if 1 / SIMILAR < ratio < SIMILAR:
         return ""
@@ -302,8 +303,12 @@ def compare_sizes(moments: Moments, uniform: Moments, template: str, *, digits: 
     is_uneven = exact < _SAME_SIZE and float(factors.max()) > SIMILAR * float(factors.min())
     factor = float(f"{float(factors.max()) if is_uneven else exact:.{digits}g}")
     alike = int((factors > _AS_WRONG * factors.max()).sum())
-    names = ("one moment", "one moment of inertia is") if alike == 1 else ("two moments", "two moments of inertia are")
-    inertia, verb = names if is_uneven else ("inertia", "the moments of inertia are")
+    inertia, verb = "inertia", "the moments of inertia are"
+    if is_uneven and int((factors > SIMILAR).sum()) > alike:  # the others are wrong as well, by less
+        inertia, verb = "inertia up to", "the moments of inertia are up to"
+    elif is_uneven:
+        one = ("one moment", "one moment of inertia is")
+        inertia, verb = one if alike == 1 else ("two moments", "two moments of inertia are")
     return template.format(
         inertia=inertia,
         moments=verb,

@@ -12,6 +12,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import Diagnosis
 from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
 from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.diagnosis.computed_tensors import name_computed_mass
 from urdfcheck.model.inertials.diagnosis.inertial_references import collect_references
 from urdfcheck.model.inertials.diagnosis.kept_verdicts import (
     KeptVerdicts,
@@ -28,6 +29,7 @@ from urdfcheck.model.inertials.unmoved_pieces import join_unmoved_pieces
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.repeated_drawings import find_repeated_drawings
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 from urdfcheck.system.array_cache import compute_code_version
 
@@ -60,11 +62,16 @@ class DiagnosedInertial:
 
 @fact
 def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
-    """Diagnose every link that has a mass and a tensor, and draws something or has a twin; by name.
+    """Diagnose every link that has a mass and a tensor, and draws something or has a twin; by name. Not those that draw one thing
+    in one place, which is not the part.
 
     A link whose numbers and drawing are those of an earlier run is not diagnosed again.
     """
-    numbers = {name: d for name, link in model.link_by_name.items() if (d := read_declared_inertial(link)) is not None}
+    numbers = {
+        name: declared
+        for name, link in model.link_by_name.items()
+        if name not in find_repeated_drawings(model) and (declared := read_declared_inertial(link)) is not None
+    }
     text = f"{model.source.path}\0{model.name}\0{compute_code_version(*_CODE_MODULES)}"
     key = hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()  # a file name may not be valid text
     entry = model.cache.entry("diagnosis", key)
@@ -79,7 +86,8 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     diagnosed = {}
     for name, diagnosis in join_unmoved_pieces(model, numbers, decoded).items():
         is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
-        diagnosed[name] = DiagnosedInertial(numbers[name], diagnosis, tuple(known.links[name][1]), is_habit)
+        named = diagnosis if is_habit else name_computed_mass(model, model.link_by_name[name], numbers[name], diagnosis)
+        diagnosed[name] = DiagnosedInertial(numbers[name], named, tuple(known.links[name][1]), is_habit)
     return diagnosed
 
 

@@ -146,7 +146,8 @@ def is_proven(model: Model, link: Link) -> bool:
 
 
 def find_disputed_units(model: Model) -> dict[str, str]:
-    """Return the causes (`UNIT_CAUSES`) for which links of the model fit different units, with what fits them in words.
+    """Return the causes (`UNIT_CAUSES`) for which links of the model fit different units, with what fits them in words; empty
+    words where one unit fits some links and none fits the others.
 
     No program writes one link in inches and the next in centimetres, so a unit that fits one of them is a coincidence.
     """
@@ -160,11 +161,14 @@ def find_disputed_units(model: Model) -> dict[str, str]:
         elif diagnosis.cause is None and not diagnosis.fits_geometry and diagnosis.com_mismatch > FAR:
             units.setdefault("com_unit", {})[name] = "none"
     return {
-        cause: join_names(f"{name} {detail}" for name, detail in links.items())
+        cause: join_names(f"{name} {detail}" for name, detail in links.items()) if len(_name_units(links)) > 1 else ""
         for cause, links in units.items()
-        if set(links.values()) != {"none"}
-        and not set.intersection(*(set(detail.split(" or ")) for detail in links.values()))
+        if _name_units(links) and not set.intersection(*(set(detail.split(" or ")) for detail in links.values()))
     }
+
+
+def _name_units(links: Mapping[str, str]) -> set[str]:
+    return set(links.values()) - {"none"}
 
 
 @fact

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Located
+from urdfcheck.model.fact import fact
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.robot import Model
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS
@@ -58,7 +59,8 @@ class ParameterFile:
     """Whether the author typed the path as it is, without an expression."""
 
 
-def find_controller_configs(model: Model) -> list[AssociatedConfiguration]:
+@fact
+def find_controller_configs(model: Model) -> tuple[AssociatedConfiguration, ...]:
     """Find the controller configurations of a model.
 
     Those that it names; and those that fit it in its package, in its MoveIt configuration and in packages that bring it up.
@@ -74,21 +76,21 @@ def find_controller_configs(model: Model) -> list[AssociatedConfiguration]:
     for path in (*list_yaml_files([*folders, *list_srdf_folders(srdfs)]), *find_bringup_configs(model.source)):
         if os.path.realpath(path) not in configs:
             _add_configuration(configs, path, finder, named_at=None, known=known)
-    return list(configs.values())
+    return tuple(configs.values())
 
 
-def find_launched_configs(launch: Launch, model: Model) -> list[AssociatedConfiguration]:
+def find_launched_configs(launch: Launch, model: Model) -> tuple[AssociatedConfiguration, ...]:
     """Find the configurations that a launch file loads beside its one robot and that fit the robot."""
     configs: dict[str, AssociatedConfiguration] = {}
     if launch.root is None or len({description.path for description in launch.descriptions}) != 1:
-        return []
+        return ()
     for element in launch.root.walk():
         name = {"rosparam": "file", "param": "from"}.get(element.tag, "")
         attribute = element.attributes.get(name)
         path = None if attribute is None else _resolve_launch_path(attribute.value, launch)
         if attribute is not None and path is not None:
             _add_configuration(configs, path, launch.finder, named_at=attribute, known=frozenset(model.joint_by_name))
-    return list(configs.values())
+    return tuple(configs.values())
 
 
 def _add_configuration(

@@ -77,6 +77,14 @@ def is_bolted_arm(model: Model) -> bool:
     return is_bolted(model) and len(_list_limb_joints(model, model.tree.list_body_links(model.tree.root))) == 1
 
 
+def list_bolted_links(model: Model) -> Sequence[str]:
+    """List the links of a base that cannot move: nothing depends on their inertia. Empty where it can, or that is not known."""
+    try:
+        return model.tree.list_body_links(model.tree.root) if is_bolted_arm(model) else ()
+    except FactUnavailableError:  # the mass of the base is not known
+        return ()
+
+
 def is_ballast(model: Model, links: Sequence[str]) -> bool:
     """Whether the body of these ``links`` is the stand of a robot that it outweighs: what it weighs is a choice and has no
     effect.

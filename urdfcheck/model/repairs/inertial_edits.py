@@ -37,6 +37,8 @@ class InertialRepair:
     """What the edits say, for a person: ``ixy="…" iyz="…"``."""
     places: tuple[Attribute | Element | None, ...] = ()
     """The attributes in question, or the elements that lack them."""
+    where: str = ""
+    """The end of the words where the numbers do not belong at these places, starting with a space."""
 
     @property
     def words(self) -> str:
@@ -45,7 +47,7 @@ class InertialRepair:
         Edits of values that a macro hands on are withdrawn where others read the values too, so these are spelled.
         """
         is_sure = self.edits and all(isinstance(place, Attribute) and place.literal for place in self.places)
-        return "the computed numbers" if is_sure and len(self.places) > _MOST_SPELLED else self.text
+        return "the computed numbers" if is_sure and len(self.places) > _MOST_SPELLED else self.text + self.where
 
 
 def build_inertial_repair(inertial: Inertial, expected: DeclaredInertial, digits: int = 6) -> InertialRepair:

@@ -11,7 +11,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import Primitive, VisualGeomet
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_box_solid, transform_solid
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
 from urdfcheck.facts.mesh.moments import MeshMoments, compute_mesh_moments
-from urdfcheck.facts.mesh.topology import label_components
+from urdfcheck.facts.mesh.topology import label_bodies, label_components
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
@@ -25,6 +25,8 @@ _NEARER = 0.5
 _LOOSE = 10.0
 # More bodies than this in an assembly, and nobody added up their inertias.
 _MOST_PIECES = 40
+# Triangles that enclose less than this part of a mesh's volume are a sheet.
+_FLAT = 1e-9
 
 
 @fact
@@ -111,22 +113,21 @@ def has_loose_hull(model: Model, link: Link) -> bool:
 def split_visual_bodies(model: Model, link: Link) -> tuple[Solid, ...]:
     """Split the closed visual meshes of a link into their separate bodies, in its frame: the parts of a CAD assembly.
 
-    Empty where a mesh is open or one of its bodies is, or if there are too many bodies to add up.
+    Empty where a mesh is open or there is one body, or if there are too many bodies to add up.
     """
     bodies: list[Solid] = []
     for shape in link.visuals:
         facts, scale, pose = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True), shape.origin.matrix
         if facts is None or scale is None or pose is None or not facts.closed or len(facts.components) > _MOST_PIECES:
             return ()
-        if len(link.visuals) == 1 and len(facts.components) < 2:
+        labels = label_bodies(facts.faces, len(facts.vertices))
+        count = int(labels.max()) + 1
+        if count > _MOST_PIECES or (len(link.visuals) == 1 and count < 2):
             return ()
-        labels = label_components(facts.faces, len(facts.vertices))
-        for label in range(int(labels.max()) + 1):
-            part = compute_mesh_moments(facts.vertices, facts.faces[labels == label])
-            if not np.isfinite(part.com).all():
-                return ()
-            solid = _scale_solid(part, scale)
-            bodies.append(transform_solid(solid, pose[:3, :3], pose[:3, 3]))
+        parts = [compute_mesh_moments(facts.vertices, facts.faces[labels == label]) for label in range(count)]
+        for part in parts:
+            if abs(part.volume) > _FLAT * abs(facts.volume) and np.isfinite(part.com).all():
+                bodies.append(transform_solid(_scale_solid(part, scale), pose[:3, :3], pose[:3, 3]))
     return tuple(bodies)
 
 

@@ -6,7 +6,16 @@ import json
 from typing import Any
 
 from urdfcheck.core import Span
-from urdfcheck.core.model_diff import ChangeCause, Diff, MechanismChange, MechanismDiff, ModelDiff
+from urdfcheck.core.model_diff import (
+    ChangeCause,
+    CollisionDiff,
+    Diff,
+    MechanismChange,
+    MechanismDiff,
+    MechanismEffect,
+    ModelDiff,
+    SeamChange,
+)
 from urdfcheck.output.shared.escaping import escape_for_json
 from urdfcheck.output.shared.json_objects import build_finding_object, to_json_value
 
@@ -22,6 +31,7 @@ def render(diff: Diff) -> str:
         "after": diff.after,
         "verdict": diff.verdict,
         "models": [_build_model(model) for model in diff.models],
+        "seams": list(map(_build_seam, diff.seams)),
         "findings": {
             "new": [build_finding_object(finding) for finding in diff.findings.new],
             "gone": [build_finding_object(finding) for finding in diff.findings.gone],
@@ -44,7 +54,10 @@ def _build_model(model: ModelDiff) -> dict[str, Any]:
         "problem": model.problem or None,
         "changes": [] if found is None else list(map(_build_change, found.changes, model.texts)),
         "notes": [] if found is None else list(map(_build_change, found.notes, model.notes)),
+        "idle_edits": [{"file": file, "line": line, "text": text} for file, line, text in model.idle_edits],
         "causes": [] if found is None else list(map(_build_cause, found.causes)),
+        "effects": [] if found is None else list(map(_build_effect, found.effects, model.effects)),
+        "collisions": None if found is None or found.collisions is None else _build_collisions(found.collisions),
         "motion": None if found is None else _build_motion(found),
         "dynamics": None if found is None else _build_dynamics(found),
     }
@@ -62,6 +75,34 @@ def _build_change(change: MechanismChange, text: str) -> dict[str, Any]:
         "before": _build_place(change.before.start),
         "after": _build_place(change.after.start),
     }
+
+
+def _build_seam(change: SeamChange) -> dict[str, Any]:
+    return {
+        "kind": change.kind,
+        "id": change.id,
+        "subject": change.subject,
+        "text": change.text,
+        "before": _build_place(change.before),
+        "after": _build_place(change.after),
+    }
+
+
+def _build_effect(effect: MechanismEffect, text: str) -> dict[str, Any]:
+    return {
+        "kind": effect.kind,
+        "id": effect.id,
+        "subject": effect.subject,
+        "other": effect.other or None,
+        "text": text,
+        "numbers": to_json_value(effect.numbers),
+        "words": to_json_value(effect.words),
+        "configuration": to_json_value(effect.configuration),
+    }
+
+
+def _build_collisions(found: CollisionDiff) -> dict[str, Any]:
+    return {"samples": found.samples, "pairs": found.pairs, "unread": list(found.unread)}
 
 
 def _build_place(span: Span | None) -> dict[str, Any] | None:

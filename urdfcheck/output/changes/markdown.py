@@ -5,14 +5,21 @@ Untrusted text is code or plain words, like in the report of a check.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, ModelDiff
 from urdfcheck.core.text import format_count
 from urdfcheck.output.changes.causes import SharedCause, merge_causes
 from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
-from urdfcheck.output.changes.text import describe_torque, has_headline
+from urdfcheck.output.changes.text import (
+    describe_idle_edits,
+    describe_seam,
+    describe_torque,
+    group_alike,
+    has_headline,
+    name_models,
+)
 from urdfcheck.output.markdown.bounded_page import BoundedPage, make_fold, truncate_text
 from urdfcheck.output.markdown.explanations import wrap_in_fence
 from urdfcheck.output.markdown.finding_rows import SIGNS
@@ -62,15 +69,17 @@ def _describe_verdict(diff: Diff) -> str:
 
 def _add_changes(page: BoundedPage, diff: Diff) -> None:
     """Add a table of the models and their changes, those beyond the first rows folded."""
-    rows = [[row] for model in diff.models for row in _iter_rows(model, is_only=len(diff.models) == 1)]
+    rows = [[row] for alike in group_alike(diff.models) for row in _iter_rows(alike, is_only=len(diff.models) == 1)]
+    rows += [[_format_row("", change.kind, describe_seam(change))] for change in diff.seams]
     page.add_group("change", head=_TABLE, blocks=rows[:MOST_ROWS], foot=[""])
     head, foot = make_fold(format_count(len(rows) - MOST_ROWS, "more change"))
     page.add_group("change", head=[*head, *_TABLE], blocks=rows[MOST_ROWS:], foot=foot)
 
 
-def _iter_rows(model: ModelDiff, *, is_only: bool) -> Iterator[str]:
-    """Yield a row for the verdict of a model, unless the title has it, and one for each change."""
-    name = "" if is_only else format_code_span(model.after or model.before)
+def _iter_rows(alike: Sequence[ModelDiff], *, is_only: bool) -> Iterator[str]:
+    """Yield a row for the verdict of models that change alike, unless the title has it, and one for each change."""
+    model = alike[0]
+    name = "" if is_only else format_code_span(name_models(alike))
     if not is_only and model.verdict != IDENTICAL:
         yield _format_row(name, f"**{model.verdict}**", model.headline)
         name = ""
@@ -81,6 +90,8 @@ def _iter_rows(model: ModelDiff, *, is_only: bool) -> Iterator[str]:
         yield _format_row(name, get_label(change.category), text)
     for torque in found.torques:
         yield _format_row(name, "gravity", describe_torque(torque))
+    for effect, text in zip(found.effects, model.effects, strict=True):
+        yield _format_row(name, effect.kind, text)
 
 
 def _format_row(name: str, kind: str, text: str) -> str:
@@ -134,7 +145,7 @@ def _add_notes(page: BoundedPage, diff: Diff) -> None:
     blocks = [
         [f"- {format_code_span(model.after or model.before)}: {escape_for_markdown(truncate_text(note))}"]
         for model in diff.models
-        for note in model.notes
+        for note in (*model.notes, *([describe_idle_edits(model)] if model.idle_edits else ()))
     ]
     head, foot = make_fold(f"{SIGNS[Severity.INFO]} other descriptions of the same ({len(blocks)})")
     page.add_group("note", head=head, blocks=blocks, foot=foot)

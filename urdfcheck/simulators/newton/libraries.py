@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
+from urdfcheck.simulators.newton import ENVIRONMENT_VARIABLE
+from urdfcheck.simulators.usd.environment import import_libraries
 
-from urdfcheck.simulators.newton import find_library_folder
-
-if (_folder := find_library_folder()) is not None:
-    sys.path.insert(0, _folder)
-for _name in ("urdf_usd_converter", "usdex.core", "pxr.UsdPhysics"):
-    importlib.import_module(_name)
+import_libraries(ENVIRONMENT_VARIABLE, ("urdf_usd_converter", "usdex.core", "pxr.UsdPhysics"))

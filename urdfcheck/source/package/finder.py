@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
+from urdfcheck.core.text import SLIP_LIKENESS
 from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type, read_installed_files
 from urdfcheck.source.package.installed_files import InstalledFiles
 from urdfcheck.source.package.package_folders import (
@@ -289,17 +290,33 @@ class PackageFinder:
             self._workspace = {**deeper, **near, **self._scan_paths(), **self.explicit}
         return self._workspace
 
-    def suggest_names(self, name: str) -> list[str]:
-        """Return the names of packages in reach that are spelled like ``name``."""
+    def suggest_names(self, name: str, files: Collection[str] = ()) -> list[str]:
+        """Return the names of packages in reach that are spelled like ``name`` and have one of these files.
+
+        Without its files, a similar name is another package's; only a hyphen for an underscore and the case say enough.
+        """
+        names = self._list_similar_names(name)
+        return [n for n in names if not files or _fold_name(n) == _fold_name(name) or self._has_any_file(n, files)]
+
+    def _has_any_file(self, package: str, files: Iterable[str]) -> bool:
+        folder = self.find(package)
+        paths = [] if folder is None else [self.find_source(folder / name) for name in files]
+        return any(self.can_open(path) and path.is_file() for path in paths)
+
+    def _list_similar_names(self, name: str) -> list[str]:
         known = self.list_packages()
-        folded = name.replace("-", "_").lower()
-        alike = [k for k in sorted(known) if k.replace("-", "_").lower() == folded]
+        alike = [k for k in sorted(known) if _fold_name(k) == _fold_name(name)]
         # Suffixes such as `_description` are common to all: the part before them must be similar.
         stem, suffix = _split_suffix(name)
         stems = {_split_suffix(k)[0]: k for k in sorted(known) if _split_suffix(k)[1] == suffix}
         import difflib
 
-        return alike or [stems[s] for s in difflib.get_close_matches(stem, sorted(stems), n=3, cutoff=0.75)]
+        close = [stems[s] for s in difflib.get_close_matches(stem, sorted(stems), n=3, cutoff=0.75)]
+        # A suffix that is misspelt is none of these: then the part before it must be the same.
+        first, _, last = name.rpartition("_")
+        ends = {k.rpartition("_")[2]: k for k in sorted(known) if first and k.rpartition("_")[0] == first}
+        spelt = [e for e in difflib.get_close_matches(last, sorted(ends), n=1, cutoff=SLIP_LIKENESS) if e in _SUFFIXES]
+        return alike or close or [ends[end] for end in spelt]
 
     def find_package_of(self, path: Path) -> Package | None:
         """Return the package that a file belongs to: the nearest folder above it with a package.xml."""
@@ -461,6 +478,11 @@ def _find_actual_spelling(path: Path) -> str | None:
 def _take_first(folders: PackagesByName) -> dict[str, Path]:
     """Return the first folder of each name."""
     return {name: places[0] for name, places in folders.items() if places}
+
+
+def _fold_name(name: str) -> str:
+    """Return the name of a package in lower case with underscores for hyphens."""
+    return name.replace("-", "_").lower()
 
 
 def _split_suffix(name: str) -> tuple[str, str]:

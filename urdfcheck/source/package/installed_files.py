@@ -54,6 +54,15 @@ class InstalledEntry:
             return None
         return self.target if self.kind == "pattern" else posixpath.dirname(self.target)
 
+    def takes_file(self, file: str) -> bool:
+        """Whether a file before the build is installed."""
+        if self.kind == "file":
+            return file == self.source
+        if self.kind == "pattern":
+            return posixpath.dirname(file) == posixpath.dirname(self.source) and fnmatch.fnmatchcase(file, self.source)
+        inside = _strip_folder(file, self.source)
+        return inside is not None and self._takes(inside)
+
     def _takes(self, inside: str) -> bool:
         """Whether a path in the folder is installed with it."""
         parts = inside.split("/")
@@ -93,6 +102,12 @@ class InstalledFiles:
         if not self.is_complete or folder in self.other_names:
             return True
         return any(_has_part_in(entry, folder) for entry in self.entries)
+
+    def may_install(self, file: str) -> bool:
+        """Whether a file before the build may be installed anywhere."""
+        if not self.is_complete or not self.other_names.isdisjoint(file.split("/")):
+            return True
+        return any(entry.takes_file(file) for entry in self.entries)
 
     def resolve_path(self, path: str) -> Iterator[str]:
         """Yield the files before the build that a path means after it.

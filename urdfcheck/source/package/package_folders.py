@@ -22,6 +22,9 @@ _LEVELS_LEFT_OUT = 4
 # Of a package, so many texts of at most so many bytes are read.
 _TEXTS = (".py", ".xml", ".launch", ".txt", ".in", ".dsv", ".sh", ".yaml", ".env")
 _MOST_TEXTS, _LARGEST_TEXT = 300, 300_000
+# The manifest of a package; rosbuild's has no name: there the folder's name is the package's.
+_MANIFESTS = frozenset({"package.xml", "manifest.xml"})
+_ROSBUILD = re.compile(r"<package[\s>]")
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 # The folders of each package, by its name.
 PackagesByName = Mapping[str, Sequence[Path]]
@@ -56,16 +59,33 @@ def list_subfolders(path: Path) -> list[Path]:
 
 
 def read_manifest_name(folder: Path, allows: Callable[[Path], bool] = lambda _: True) -> str | None:
-    """Return the name in the package.xml of a folder; None where it has none, or is a link that may not be followed."""
-    manifest = folder / "package.xml"
+    """Return the name in the package.xml of a folder, or the folder's own for a package of rosbuild.
+
+    None where the manifest has none, or is a link that may not be followed.
+    """
+    text = _read_manifest(folder / "package.xml", allows)
+    if text is None:
+        return folder.name if is_rosbuild_package(folder, allows) else None
+    match = _NAME.search(text)
+    return match.group(1) if match else None
+
+
+def is_rosbuild_package(folder: Path, allows: Callable[[Path], bool] = lambda _: True) -> bool:
+    """Whether a folder has the manifest.xml of rosbuild and no package.xml: its name is then that of the package."""
+    if os.path.lexists(folder / "package.xml"):
+        return False
+    return _ROSBUILD.search(_read_manifest(folder / "manifest.xml", allows) or "") is not None
+
+
+def _read_manifest(manifest: Path, allows: Callable[[Path], bool]) -> str | None:
+    """Return the text of a manifest; None if it cannot be read, or is a link that may not be followed."""
     if os.path.islink(manifest) and not allows(manifest):
         return None
     try:
         with record_reads():  # apart: of all packages that are searched, only the one that is found affects the result
-            match = _NAME.search(read_regular(manifest).decode("utf-8", "replace"))
+            return read_regular(manifest).decode("utf-8", "replace")
     except OSError:
         return None
-    return match.group(1) if match else None
 
 
 def find_nearest_folder(folders: Sequence[Path], start: Path) -> Path:
@@ -108,13 +128,13 @@ def _has_models(folder: Path) -> bool:
 
 
 def _list_folder(path: Path) -> tuple[bool, list[Path]]:
-    """Return whether a folder has a package.xml, and its folders without hidden ones; nothing if it cannot be read."""
+    """Return whether a folder has a manifest, and its folders without hidden ones; nothing if it cannot be read."""
     names: list[str] = []
     has_manifest = False
     try:
         with os.scandir(path) as entries:
             for entry in entries:
-                has_manifest |= entry.name == "package.xml"
+                has_manifest |= entry.name in _MANIFESTS
                 if not entry.name.startswith(".") and _is_folder(entry):
                     names.append(entry.name)
     except OSError:

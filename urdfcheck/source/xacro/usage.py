@@ -32,6 +32,7 @@ _FOREIGN_TAGS = frozenset({"gazebo", "transmission", "ros2_control", "sensor", "
 # None of these patterns searches to the end of the text from each of many places: the next opening bracket ends the search.
 FORWARDED = re.compile(r"""(?<![^\s:="'])([^\s:="']+)\s*:?=\s*\^""")
 ARGUMENT = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
+_PARAMETER = re.compile(r"\$\{\s*(\w+)\s*\}")
 _CONDITIONS = {"xacro:if": "if", "xacro:unless": "unless"}
 
 
@@ -67,7 +68,12 @@ def collect_properties(trees: Mapping[str, Element]) -> dict[str, list[Attribute
 
 def collect_macros(trees: Mapping[str, Element]) -> dict[str, Macro]:
     """Return the macros by name; the last definition of a name counts."""
-    macros: dict[str, Macro] = {}
+    return {name: definitions[-1] for name, definitions in _collect_definitions(trees).items()}
+
+
+def _collect_definitions(trees: Mapping[str, Element]) -> dict[str, list[Macro]]:
+    """Return all definitions of each macro."""
+    macros: dict[str, list[Macro]] = {}
     for element in iter_elements_by_tag(trees, "xacro:macro"):
         parameters, optional, blocks, rest = [], set(), set(), element.get("params")
         while rest.strip():
@@ -76,13 +82,14 @@ def collect_macros(trees: Mapping[str, Element]) -> dict[str, Macro]:
             optional |= {parameter} if default is not None else set()
             blocks |= {parameter.lstrip("*")} if parameter.startswith("*") else set()
         name = element.get("name").removeprefix("xacro:")
-        macros[name] = Macro(
+        macro = Macro(
             element=element,
             name=name,
             parameters=tuple(parameters),
             optional=frozenset(optional),
             blocks=frozenset(blocks),
         )
+        macros.setdefault(name, []).append(macro)
     return macros
 
 
@@ -135,7 +142,7 @@ def find_unprefixed_tags(
     ``robot``: the expanded root, to find what is left of them there instead of in the files as typed. ``only_calls``: leave
     out xacro's own.
     """
-    calls = {name: macro for name, macro in collect_macros(trees).items() if name not in _URDF_TAGS}
+    calls = {name: macros for name, macros in _collect_definitions(trees).items() if name not in _URDF_TAGS}
     unprefixed: list[Element] = []
     for tree in trees.values() if robot is None else [robot]:
         below = [tree]
@@ -144,7 +151,9 @@ def find_unprefixed_tags(
             if element.tag in _FOREIGN_TAGS:
                 continue
             below += reversed(element.children)
-            if (not only_calls and _is_builtin(element)) or _is_call(element, calls.get(element.tag)):
+            if (not only_calls and _is_builtin(element)) or any(
+                _is_call(element, macro) for macro in calls.get(element.tag, ())
+            ):
                 unprefixed.append(element)
     return unprefixed
 
@@ -154,8 +163,21 @@ def _is_builtin(element: Element) -> bool:
     return needed is not None and needed <= element.attributes.keys()
 
 
-def _is_call(element: Element, macro: Macro | None) -> bool:
-    if macro is None or element.parent is None or element.tag in _REQUIRED_BY_TAG:
+def collect_uncalled_links(trees: Mapping[str, Element], robot: Element) -> set[str]:
+    """Return the names of the links that the calls left in the robot would make with their prefix, without computed names."""
+    macros = collect_macros(trees)
+    names: set[str] = set()
+    for call in find_unprefixed_tags(trees, robot, only_calls=True):
+        for made in macros[call.tag].element.walk():
+            if made.tag == "link":
+                parts = _PARAMETER.split(made.get("name"))
+                words = [call.get(part, f"${part}") if n % 2 else part for n, part in enumerate(parts)]
+                names.add("".join(words))
+    return {name for name in names if "$" not in name}
+
+
+def _is_call(element: Element, macro: Macro) -> bool:
+    if element.parent is None or element.tag in _REQUIRED_BY_TAG:
         return False
     given = element.attributes.keys()
     return set(macro.parameters) - macro.optional <= {*given, *macro.blocks} and given <= set(macro.parameters)

@@ -29,7 +29,13 @@ from urdfcheck.facts.inertials.mistakes.mistake import (
     make_mistake,
 )
 from urdfcheck.facts.inertials.mistakes.multiplying_mistakes import stack_multipliers
-from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_tensor_of, list_wrong_formulas, measure_decimal
+from urdfcheck.facts.inertials.mistakes.wrong_formulas import (
+    ROUNDING_SLACK,
+    is_rounding_of,
+    is_tensor_of,
+    list_wrong_formulas,
+    measure_decimal,
+)
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Mat3, Vec3
@@ -53,7 +59,9 @@ TENSOR_ALONE = "the tensor alone"
 # Detail of a COM that is missing beside a tensor that is not about it.
 ABOUT_ORIGIN = "tensor about the link's origin"
 # Half a unit of the last decimal, and what tessellation adds. Rounding that changes no moment by this part is not worth saying.
-_HALF, _LOST = 0.51, 1.0 / 3.0
+_HALF, _LOST = 0.5 * ROUNDING_SLACK, 1.0 / 3.0
+# Programs print six decimals or more.
+_PRINTED = 1e-5
 # The tensor of pieces without extent is known to this share of itself: what tessellation and different densities leave.
 _SAME_TERM = 0.05
 
@@ -212,12 +220,13 @@ def _has_telling_digits(value: float) -> bool:
 
 def _undo_rounded(suspect: Suspect) -> Corrected:
     """So few decimals that the part's numbers, which are taken from the reference, round to those typed."""
-    declared, reference = suspect.declared, suspect.reference
+    declared = suspect.declared
     least = float(declared.tensor.diagonal().min())
     if float(f"{least:.0e}") != least:  # a moment of which rounding took a third has no more than one digit
         return
-    uniform = compute_covariance_inertia(reference.covariance, declared.mass)
-    typed_axes = declared.rotation.T @ uniform @ declared.rotation
+    if least > _PRINTED and (declared.tensor == least * np.eye(3)).all():  # a placeholder is near by chance
+        return
+    typed_axes = _compute_reference_tensor(suspect)
     off = np.abs(typed_axes - declared.tensor)
     if not (np.diag(off) > _LOST * np.diag(typed_axes)).any():
         return
@@ -227,10 +236,22 @@ def _undo_rounded(suspect: Suspect) -> Corrected:
         yield replace(make_mistake("rounded", detail), borrowed=(6, 0)), replace(declared, tensor=typed_axes)
 
 
+def _compute_reference_tensor(suspect: Suspect) -> Mat3:
+    """Compute the reference's tensor (3, 3) at the declared mass, in the inertial frame's axes."""
+    uniform = compute_covariance_inertia(suspect.reference.covariance, suspect.declared.mass)
+    tensor: Mat3 = suspect.declared.rotation.T @ uniform @ suspect.declared.rotation
+    return tensor
+
+
+def _shows_rounding_alone(suspect: Suspect) -> bool:
+    """Whether the tensor is the reference's to the digits typed, so that neither another solid nor another mass shows in it."""
+    return is_rounding_of(suspect.declared.tensor, _compute_reference_tensor(suspect))
+
+
 def _undo_wrong_formula(suspect: Suspect) -> Corrected:
     """The numbers are those of a textbook formula for another solid than the one that is drawn."""
     declared, geometry = suspect.declared, suspect.geometry
-    if geometry is None or geometry.primitive is None:
+    if geometry is None or geometry.primitive is None or _shows_rounding_alone(suspect):
         return
     own = suspect.reference.twin or replace(
         declared, tensor=declared.rotation.T @ compute_solid_inertia(geometry.solid, declared.mass) @ declared.rotation
@@ -247,7 +268,7 @@ def _undo_other_mass(suspect: Suspect) -> Corrected:
     """The size of the tensor is taken from the reference; a mass that is farther from the declared one is less likely."""
     declared = suspect.declared
     scale = _compute_tensor_scale(declared, suspect.reference)
-    if scale is None:
+    if scale is None or _shows_rounding_alone(suspect):
         return
     log_prior = LOG_PRIORS["other_mass"] - 0.5 * (math.log(scale) / _REVISION) ** 2 - math.log(_REVISION) - LOG_SQRT_2PI
     detail = f"{declared.mass / scale:.3g} kg"

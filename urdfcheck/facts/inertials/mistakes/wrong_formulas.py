@@ -32,6 +32,8 @@ _SAME = 3e-3
 # With so few digits that half a unit is more than this part of the largest number, agreement shows nothing.
 # Two digits are enough for two or three moments; one that stands for all three, a sphere's, has to be closer.
 _TELLING, _TELLING_OF_ONE = 0.05, 0.02
+# Half a unit of the last place, and what tessellation adds to it.
+ROUNDING_SLACK = 1.02
 
 
 def list_wrong_formulas(primitive: Primitive) -> Iterator[tuple[str, bool, Solid]]:
@@ -67,6 +69,9 @@ def _iter_bodies(primitive: Primitive) -> Iterator[tuple[str, Solid]]:
         yield "a cylinder with the radius for the diameter", make_cylinder_solid(0.5 * radius, length)
         yield "a cylinder of twice the length", make_cylinder_solid(radius, 2.0 * length)
         yield "a cylinder of half the length", make_cylinder_solid(radius, 0.5 * length)
+        # Four and a quarter times the moments: without these, another mass fits as well.
+        yield "a cylinder of twice the size", make_cylinder_solid(2.0 * radius, 2.0 * length)
+        yield "a cylinder of half the size", make_cylinder_solid(0.5 * radius, 0.5 * length)
         if primitive.kind == "capsule":
             yield "a cylinder without the rounded ends", make_cylinder_solid(radius, length)
 
@@ -103,8 +108,20 @@ def is_tensor_of(declared: DeclaredInertial, body: Solid) -> bool:
     if not halves.any() or not halves[int(np.argmax(np.abs(typed)))] <= telling * largest:
         return False
     halves[halves == 0.0] = halves[halves > 0.0].min()  # a zero was rounded like the finest of the others
-    slack = np.maximum(_SAME * largest, np.minimum(1.02 * halves, telling * largest))
+    slack = np.maximum(_SAME * largest, np.minimum(ROUNDING_SLACK * halves, telling * largest))
     return bool((off <= slack).all())
+
+
+def is_rounding_of(typed: Mat3, tensor: Mat3) -> bool:
+    """Whether the six numbers of a tensor (3, 3) are those of another one, each to its last typed digit. Then no mistake but
+    rounding shows in them."""
+    texts = [repr(value) for value in list_inertia_components(typed)]
+    halves = np.array(list_half_units(texts))
+    if not halves.any():
+        return False
+    halves[halves == 0.0] = halves[halves > 0.0].min()  # a zero was rounded like the finest of the others
+    off = np.abs(np.subtract(list_inertia_components(typed), list_inertia_components(tensor)))
+    return bool((off <= ROUNDING_SLACK * halves).all())
 
 
 def measure_decimal(tensor: Mat3) -> float | None:

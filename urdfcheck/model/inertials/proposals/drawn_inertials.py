@@ -12,7 +12,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST
 from urdfcheck.model.fact import fact
-from urdfcheck.model.inertials.proposals.inertial_texts import links_by_inertial_text
+from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
@@ -38,13 +38,15 @@ def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False)
     change, drawn = _compute_from_geometry(model, link, with_com=with_com), measure_link_geometry(model, link)
     if change is None or drawn is None or not change.text or has_loose_hull(model, link):
         return ""
+    if drawn.primitive is None and _is_air(link, drawn):
+        return ""
     if with_com and (not drawn.closed or _is_replaced_by_collision(model, link)):
         return ""
     body, why = "the drawn part" if drawn.closed else "the convex hull of the open mesh", ""
     if drawn.closed and (reason := explain_collision_stand_in(model, link)) is not None:
         body = "the collision shape"
         why = {"open": "; the visual mesh is open", "unread": "; the visual mesh could not be read"}.get(reason, "")
-    return f"{change.text} ({body} at this mass and uniform density{why})"
+    return f"{change.text}{describe_own_call(model, link, change)} ({body} at this mass and uniform density{why})"
 
 
 def lacks_only_com(model: Model, link: Link) -> bool:
@@ -89,6 +91,12 @@ def _list_changed(change: InertialRepair) -> list[str]:
 def _is_replaced_by_collision(model: Model, link: Link) -> bool:
     """Whether the collision shapes replace a visual mesh that is open or could not be read."""
     return explain_collision_stand_in(model, link) in {"open", "unread"}
+
+
+def _is_air(link: Link, drawn: VisualGeometry) -> bool:
+    """Whether no material is so light: then a mesh is drawn many times too large, and its tensor and COM are as wrong."""
+    mass = None if link.inertial is None else link.inertial.mass
+    return mass is not None and mass < LIGHTEST * drawn.solid.volume
 
 
 def _has_ordinary_density(link: Link, drawn: VisualGeometry | None) -> bool:

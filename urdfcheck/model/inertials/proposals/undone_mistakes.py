@@ -13,7 +13,7 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
-from urdfcheck.model.inertials.proposals.inertial_texts import links_by_inertial_text
+from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text
 from urdfcheck.model.parts import Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
@@ -56,6 +56,7 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
         and not _is_lone_unit(model, diagnosed)
         and not _is_of_either_side(model, link, diagnosed)
     )
+    change = replace(change, where=describe_own_call(model, link, change))
     return change if is_certain else replace(change, edits=())
 
 

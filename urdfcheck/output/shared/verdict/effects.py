@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from urdfcheck.core import Finding, Run, Verdict
 from urdfcheck.output.shared.wording import PROGRAM_NAMES, join_with_and
-from urdfcheck.policy.consumers import THROUGH_URDFDOM, is_news
+from urdfcheck.policy.consumers import PARSERS, is_news
 
 # What was told: a rule, and the effects in their words.
 ToldEffects = set[tuple[str, str]]
@@ -140,7 +140,7 @@ def _group_effects(run: Run, finding: Finding, *, every: bool = False) -> dict[s
 
 def _matters(name: str, effect: str, targets: Sequence[str]) -> bool:
     """Whether a program is a target, or the parser of one that loses what the parser rejects or drops."""
-    is_parser = name == "urdfdom" and not THROUGH_URDFDOM.isdisjoint(targets)
+    is_parser = any(PARSERS.get(target) == name for target in targets)
     return name in targets or (is_parser and Verdict.from_sentence(effect) >= Verdict.DROPS)
 
 

@@ -1,0 +1,201 @@
+"""PKG001, PKG002, PKG004: a path that leads nowhere while the project has the file in another place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import link, mesh, visual
+from conftest import check
+
+from urdfcheck.core import Finding, Severity
+
+
+def write(root: Path, *names: str, text: str = "") -> None:
+    for name in names:
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text, encoding="utf-8")
+
+
+def find(model: Path, *filenames: str, code: str) -> Finding:
+    """Return the only finding about a model that draws these meshes."""
+    links = "\n".join(link(f"l{n}", visual(mesh(name))) for n, name in enumerate(filenames))
+    write(model.parent, model.name, text=f'<robot name="r">\n{links}</robot>')
+    run = check(model, codes={code})
+    assert not run.failures
+    (finding,) = run.findings
+    return finding
+
+
+@pytest.mark.parametrize(
+    ("files", "old", "severity", "message", "repair", "bullet"),
+    [
+        # Bullet joins the path to the model's folder; no ROS package is around it.
+        ("robot/a.stl", "package:///a.stl", Severity.WARNING, "beside the model", "`a.stl`", "loads it"),
+        (
+            "meshes/a.stl",
+            "package://robot_description/meshes/a.stl",
+            Severity.ERROR,
+            "in ../meshes",
+            "`../me",
+            "refuses",
+        ),
+        ("other/a.stl", "package://meshes/a.stl", Severity.ERROR, "", "package://NAME/meshes/", "refuses"),
+        ("robot/a.txt", "package://gone/a.stl", Severity.ERROR, "", "correct the name", "refuses"),
+    ],
+)
+def test_the_place_of_files_is_named_where_there_is_no_package(
+    tmp_path: Path, files: str, old: str, severity: Severity, message: str, repair: str, bullet: str
+) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, files)
+    finding = find(tmp_path / "robot/r.urdf", old, code="PKG001")
+    assert finding.severity == severity
+    assert message in finding.message
+    assert finding.fix is not None
+    assert repair in finding.fix.title
+    assert "package.xml or" not in finding.fix.title
+    assert finding.consequences["bullet"].startswith(bullet)
+
+
+def test_nothing_is_said_of_folders_above_a_lone_model_that_were_not_read(tmp_path: Path) -> None:
+    write(tmp_path, "urdf/r.urdf", "notes/a.txt")
+    finding = find(tmp_path / "urdf/r.urdf", "package://gone/a.stl", code="PKG001")
+    assert finding.consequences["bullet"].startswith("loads it if a folder above has the files")
+
+
+@pytest.mark.parametrize(("folder", "findings"), [("arm", []), ("clone", [("rosbuild", Severity.INFO)])])
+def test_a_package_of_rosbuild_has_the_name_of_its_folder(
+    tmp_path: Path, folder: str, findings: list[tuple[str, Severity]]
+) -> None:
+    root = tmp_path / folder
+    write(root, "manifest.xml", text="<package><author>me</author></package>")
+    write(root, "meshes/a.stl")
+    links = link("l", visual(mesh("package://arm/meshes/a.stl")))
+    write(root, "robots/r.urdf", text=f'<robot name="r">{links}</robot>')
+    run = check(root / "robots/r.urdf", codes={"PKG001", "PKG002"})
+    assert [(f.message_id, f.severity) for f in run.findings] == findings
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_similar_package_without_the_file_is_not_suggested(tmp_path: Path, named: bool) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path / "p", "package.xml", text="<package><name>p</name></package>")
+    write(tmp_path / "robot_description", "package.xml", text="<package><name>robot_description</name></package>")
+    write(tmp_path / "robot_description", *(["meshes/a.stl"] if named else []))
+    # Two files: no package has all of them.
+    urls = ("package://rrbot_description/meshes/a.stl", "package://rrbot_description/meshes/b.stl")
+    finding = find(tmp_path / "p/urdf/r.urdf", *urls, code="PKG001")
+    assert finding.data["near"] == (["robot_description"] if named else [])
+    assert ("did you mean" in finding.message) == named
+
+
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [("ercole_desription", ["ercole_description"]), ("ercole_navigation", []), ("arm2_desription", [])],
+)
+def test_a_misspelt_suffix_is_recognised(tmp_path: Path, name: str, near: list[str]) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path / "e", "package.xml", text="<package><name>ercole_description</name></package>")
+    write(tmp_path / "e", "urdf/b.xacro", text='<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>')
+    include = f'<xacro:include filename="$(find {name})/urdf/b.xacro"/>'
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}<link name="l"/></robot>'
+    write(tmp_path / "e", "urdf/r.urdf.xacro", text=text)
+    (finding,) = check(tmp_path / "e/urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    assert finding.data["near"] == near
+
+
+def test_relative_paths_to_a_folder_one_level_up_are_written_from_the_model(tmp_path: Path) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, "meshes/a.stl", "meshes/b.stl")
+    finding = find(tmp_path / "urdf/r.urdf", "meshes/a.stl", "meshes/b.stl", code="PKG002")
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == ["../meshes/a.stl", "../meshes/b.stl"]
+    assert "in ../meshes)" in finding.message
+    assert finding.consequences["bullet"].startswith("loads it")
+    assert finding.consequences["drake"] == "refuses the file"
+
+
+SETUP = """from glob import glob
+from setuptools import setup
+setup(data_files=[("share/p", ["package.xml"]), ("share/p", glob("urdf/*")){}])
+"""
+
+
+@pytest.mark.parametrize(
+    ("installs", "place", "programs"),
+    [
+        # An old copy, and the files that it names are installed in the share folder itself.
+        (', ("share/p", glob("meshes/*"))', "old/b.urdf", None),
+        (', ("share/p", glob("meshes/*"))', "urdf/b.urdf", {"colcon", "rviz"}),
+        ("", "old/b.urdf", {"colcon", "rviz"}),
+    ],
+)
+def test_an_old_copy_of_a_model_needs_no_folder(
+    tmp_path: Path, installs: str, place: str, programs: set[str] | None
+) -> None:
+    build = "<export><build_type>ament_python</build_type></export>"
+    write(tmp_path, "package.xml", text=f'<package format="3"><name>p</name>{build}</package>')
+    write(tmp_path, "setup.py", text=SETUP.format(installs))
+    write(tmp_path, "meshes/a.stl")
+    shape = link("l", visual(mesh("package://p/meshes/a.stl")))
+    write(tmp_path, place, text=f'<robot name="r">{shape}</robot>')
+    findings = check(tmp_path, codes={"PKG008"}).findings
+    assert [set(f.consequences) for f in findings] == ([] if programs is None else [programs])
+
+
+def test_a_folder_without_meshes_loses_none(tmp_path: Path) -> None:
+    build = "<export><build_type>ament_python</build_type></export>"
+    write(tmp_path, "package.xml", text=f'<package format="3"><name>p</name>{build}</package>')
+    write(tmp_path, "setup.py", text=SETUP.format(', ("share/p/launch", glob("launch/*"))'))
+    write(tmp_path, "rviz/a.rviz")
+    write(tmp_path, "urdf/r.urdf", text='<robot name="r"><link name="l"/></robot>')
+    write(
+        tmp_path,
+        "launch/a.launch.xml",
+        text='<launch><arg name="r" default="$(find-pkg-share p)/rviz/a.rviz"/></launch>',
+    )
+    (finding,) = check(tmp_path, codes={"PKG008"}).findings
+    assert set(finding.consequences) == {"colcon", "roslaunch"}
+
+
+@pytest.mark.parametrize(
+    ("typed", "edit"),
+    [
+        ("/home/ann/ws/src/p/meshes/a.stl", "package://p/meshes/a.stl"),
+        ("C:/Users/ann/p/meshes/a.stl", "package://p/meshes/a.stl"),
+        ("/home/ann/ws/src/q/meshes/a.stl", None),
+        ("/home/ann/ws/src/p/meshes/b.stl", None),
+    ],
+)
+def test_the_end_of_a_machine_path_may_be_a_file_of_the_package(tmp_path: Path, typed: str, edit: str | None) -> None:
+    write(tmp_path / "p", "package.xml", text="<package><name>p</name></package>")
+    write(tmp_path / "p", "meshes/a.stl")
+    finding = find(tmp_path / "p/urdf/r.urdf", typed, code="PKG004")
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == ([] if edit is None else [edit])
+    assert finding.fix.title.startswith("move the file into") == (edit is None)
+
+
+@pytest.mark.parametrize(("place", "told"), [("meshes/robot.urdf", False), ("urdf/robot.urdf", True)])
+def test_a_model_that_an_exporter_left_beside_the_meshes_names_no_package(
+    tmp_path: Path, place: str, told: bool
+) -> None:
+    write(tmp_path, "package.xml", text='<package format="3"><name>p</name></package>')
+    write(tmp_path, "meshes/a.stl")
+    shape = link("l", visual(mesh("package://meshes/a.stl")))
+    write(tmp_path, place, text=f'<robot name="r">{shape}</robot>')
+    assert bool(check(tmp_path, codes={"PKG007"}).findings) == told
+
+
+@pytest.mark.parametrize(("manifest", "message"), [("manifest.xml", "unknown"), ("notes.xml", "package")])
+def test_a_launch_file_of_rosbuild_names_the_folder_that_the_clone_should_have(
+    tmp_path: Path, manifest: str, message: str
+) -> None:
+    write(tmp_path, manifest, text="<package><author>me</author></package>")
+    write(tmp_path, ".git/HEAD")
+    write(tmp_path, "urdf/r.urdf", text='<robot name="r"><link name="l"/></robot>')
+    command = '<param name="robot_description" textfile="$(find hand)/urdf/r.urdf"/>'
+    write(tmp_path, "launch/a.launch", text=f"<launch>{command}</launch>")
+    (finding,) = check(tmp_path / "launch/a.launch", codes={"LCH001"}).findings
+    assert finding.message_id == message
