@@ -11,9 +11,8 @@ from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.xml import Element
 
-# Elements of a robot that only simulators read, and the targets that are simulators.
+# Elements of a robot that only simulators read.
 _ELEMENTS = ("gazebo", "mujoco")
-_TARGETS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac", "newton"})
 # Hardware of ros2_control that a simulator provides.
 _HARDWARE = re.compile(r"gazebo|gz_|ign_|mujoco|isaac", re.IGNORECASE)
 # Packages, plugins and programs of simulators, as manifests, launch files and scripts name them.
@@ -32,9 +31,9 @@ def is_simulated_hardware(control: Element) -> bool:
 
 @fact
 def is_simulated(model: Model) -> bool:
-    """Whether the robot has elements for a simulator, a target is one, or a file of the model's package, or of a package that
-    depends on it, names one."""
-    if any(model.robot.find_child(tag) is not None for tag in _ELEMENTS) or _TARGETS.intersection(model.targets):
+    """Whether the robot has elements for a simulator, or a file of the model's package, or of a package that depends on it,
+    names one."""
+    if any(model.robot.find_child(tag) is not None for tag in _ELEMENTS):
         return True
     if any(map(is_simulated_hardware, model.robot.find_children("ros2_control"))):
         return True
