@@ -13,7 +13,7 @@ from urdfcheck.model.simulation_use import is_simulated
 from urdfcheck.source.text.grammar import JOINT_TYPES
 
 # The targets that simulate robots.
-_SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac", "newton"})
+_SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
 # MuJoCo's treatment of a body without mass.
 INFERS = "replaces the missing inertial by that of the collision geometry at 1000 kg/m³"
 REFUSES = "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL"

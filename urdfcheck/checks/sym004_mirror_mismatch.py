@@ -172,12 +172,11 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
             repair = f"correct the wrong one: {_describe_remedy(both[1], note)}, or {other_way}"
         if len(barred) == len(both):
             repair = f"{_COMPUTE_TENSOR}: neither has products of inertia with the signs of its drawing"
-        if repair is _EXPORT_BOTH:
-            # Neither COM was right before it was copied.
-            cause = None
-            place |= {"cause": None, "severity": shares.choose_severity(deviation.worst, pair)}
         # Several numbers that are off by a few percent are two exports of one assembly; one that was lost is a slip.
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
+        if repair is _EXPORT_BOTH:
+            # Neither COM was right before it was copied.
+            place |= {"cause": None, "severity": shares.choose_severity(deviation.worst, pair)}
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
     if written is not None and deviation.com_offset > note and _has_com_outside(model, side.twin):
         written = None
