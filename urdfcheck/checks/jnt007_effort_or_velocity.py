@@ -77,13 +77,11 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     # If no joint has either, the fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all
     # four, and this finding gives way to it.
     is_empty = len(without) == len(driven) > 1 and all(joint.name in still for joint in without)
-    if is_empty:
-        # A plugin that drives the joints (rotors) reads no limit.
-        named = collect_plugin_texts(model)
-        is_empty = not all(joint.name in named for joint in without)
-    message = "both-zero" if is_empty else "effort-unused"
+    named = collect_plugin_texts(model) if is_empty else frozenset()
     for is_locked in (True, False):
         if alike := [joint for joint in without if (joint.name in still and _is_locked(joint)) == is_locked]:
+            # A plugin that drives the joints (rotors) reads no limit.
+            message = "both-zero" if is_empty and not {joint.name for joint in alike} <= named else "effort-unused"
             yield _build_finding(rule, message, "effort", alike, severity=Severity.INFO)
     is_odd = any((joint.get_limit_value("velocity") or 0.0) > 0 for joint in driven)
     # A joint without effort has no motor, unless no joint has any: then nobody wrote the efforts.
