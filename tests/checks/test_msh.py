@@ -147,7 +147,7 @@ def test_what_only_assimp_loads_is_a_warning_that_names_the_line(tmp_path: Path)
     finding = find_broken(tmp_path, "part.dae", "\n<?xml version='1.0'?>" + collada(1.0, 1.0))
     assert (finding.severity, finding.message_id) == (Severity.WARNING, "tolerated")
     assert "line 2: the XML declaration" in finding.message
-    assert set(finding.consequences) == {"trimesh", "yourdfpy"}
+    assert set(finding.consequences) == {"newton", "trimesh", "yourdfpy"}
     # Its numbers are those of the mesh: the tetrahedron lacks a side.
     assert find(tmp_path, robot(link("a", shape("collision", "part.dae"))), "MSH002")
 
@@ -168,7 +168,7 @@ def test_a_missing_image_of_a_texture_is_a_note(tmp_path: Path) -> None:
     finding = find_broken(tmp_path, "part.dae", text.replace('<instance_geometry url="#g"/>', bound))
     assert (finding.message_id, finding.severity) == ("tolerated", Severity.INFO)
     assert "missing image" in finding.message
-    assert set(finding.consequences) == {"trimesh", "yourdfpy"}
+    assert set(finding.consequences) == {"newton", "trimesh", "yourdfpy"}
 
 
 def test_consequences_are_told_of_programs_whose_loader_was_asked(tmp_path: Path) -> None:
