@@ -35,7 +35,7 @@ def emphasize_parts(text: str, *subjects: str) -> str:
 
 
 def render_row(entry_id: str, what: str, more: str = "", *, is_shown: bool = True, button: str = BUTTON) -> str:
-    """Render a row that can be chosen; ``more`` is before the button, which ``is_shown`` leaves out."""
+    """Render a row that can be chosen; ``more`` comes before the button, which ``is_shown`` leaves out."""
     ways = f'<span class="ways">{more}{button if is_shown else ""}</span>'
     return f'<li class="entry" id="{entry_id}" tabindex="-1"><span class="what">{what}</span>{ways}</li>'
 
