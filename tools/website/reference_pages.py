@@ -7,6 +7,7 @@ import inspect
 import json
 import re
 from collections.abc import Iterator
+from enum import Enum
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -43,10 +44,9 @@ def render_python_api() -> str:
         "[CONTRIBUTING](../CONTRIBUTING.md#what-is-stable) says what stays stable. `AnyPath` is a string or a `Path`. "
         "`Paths` are one or several of them, `Words` one or several strings.\n",
     ]
-    public = {name: getattr(urdfcheck, name) for name in urdfcheck.__all__ if not name.startswith("_")}
-    functions = [value for value in public.values() if isinstance(value, FunctionType)]
-    parts += (_render_function(function) for function in functions)
-    parts += (_render_class(kind) for kind in public.values() if inspect.isclass(kind))
+    public = [inspect.unwrap(getattr(urdfcheck, name)) for name in urdfcheck.__all__ if not name.startswith("_")]
+    parts += (_render_function(thing) for thing in public if isinstance(thing, FunctionType))
+    parts += (_render_class(thing) for thing in public if inspect.isclass(thing))
     return "\n".join(parts)
 
 
@@ -69,6 +69,8 @@ def _render_class(kind: type) -> str:
     text = render_class(_find_definition(kind), f"`{kind.__name__}`").strip("\n")
     if text.endswith("|---|"):  # an exception has no fields
         text = text.rpartition("\n\n")[0]
+    if issubclass(kind, Enum):
+        text += f"\n\nMembers: {', '.join(f'`{member.name}`' for member in kind)}"
     return _convert_inline(text) + "\n"
 
 

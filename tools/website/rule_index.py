@@ -13,6 +13,7 @@ from website.rule_pages import list_worst_verdicts, place_rule, render_severity
 INTRODUCTION = """\
 ---
 hide: [toc]
+search: {{ exclude: true }} # the pages of the rules are found
 ---
 
 # Rules

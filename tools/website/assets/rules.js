@@ -68,8 +68,11 @@
       shown += left;
     }
     count.value = shown === rows.length ? `${shown} rules` : `${shown} of ${rows.length} rules`;
-    const query = new URLSearchParams();
-    for (const control of Object.values(controls)) if (control.value) query.set(control.name, control.value);
+    const query = new URLSearchParams(location.search);
+    for (const control of Object.values(controls)) {
+      if (control.value) query.set(control.name, control.value);
+      else query.delete(control.name);
+    }
     history.replaceState(null, "", `${location.pathname}${query.size ? `?${query}` : ""}${location.hash}`);
   };
 
