@@ -72,7 +72,8 @@ def test_the_page_of_a_rule_says_in_words_what_its_toml_says() -> None:
     assert "```toml\nseverity" not in page
     assert "| **repair** | `--fix --unsafe-fixes` repairs it" in page
     assert "| **gives way to** | INR004 on the same element |" in page
-    assert '| **mujoco** | <span class="verdict refuses">refuses</span> | refuses to compile' in page
+    assert '| **mujoco** | <span class="outcome refuses">refuses</span> | refuses to compile' in page
+    assert "| **pinocchio** |  | computes the dynamics of an impossible body" in page
     assert "For “<var>link</var>: <var>claim</var>, fixed part (<var>reason</var>)”:" in page
     assert "| `rel_tol` | `1e-9` | Slack relative" in page
     sections = re.findall(r"^## (.+)$", page, re.MULTILINE)
@@ -85,9 +86,18 @@ def test_every_rule_has_all_of_its_page_and_a_row_in_the_index() -> None:
         page = rule_pages.render_rule(rule)
         for section in re.findall(r"^## .+$", rule.page, re.MULTILINE):
             assert section in page, code
-        for sentence in rule.consumers.values():
-            assert not isinstance(sentence, str) or rule_pages.escape_markdown(sentence) in page, code
+        for program in rule.consumers:
+            assert program in rule.messages or f"\n| **{program}** | " in page, code
+        assert not re.search(
+            r"\{\w+[^{}]*\}", re.sub(r"```.*?```|`[^`]*`", "", page.partition("## Bad")[0], flags=re.DOTALL)
+        ), code
         assert f"\n| [{code}]({code}.md) <small>{rule.name}</small> |" in index
+
+
+def test_the_index_of_the_rules_names_every_program_that_minds() -> None:
+    affected = rule_pages.list_outcomes(load_rules()["LCH001"])
+    assert affected == {"rviz": "affected", "roslaunch": "refuses"}
+    assert "pinocchio" not in rule_pages.list_outcomes(load_rules()["SYM001"])  # it loads what was typed
 
 
 def test_the_reference_names_the_whole_interface() -> None:

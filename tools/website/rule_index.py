@@ -8,7 +8,7 @@ from urdfcheck.core import Applicability, Rule, Verdict
 from urdfcheck.rules import load_families, load_rules
 from website.markdown import relate
 from website.navigation import RULES_INDEX
-from website.rule_pages import list_worst_verdicts, place_rule, render_severity
+from website.rule_pages import AFFECTED, list_outcomes, place_rule, render_outcome, render_severity
 
 INTRODUCTION = """\
 ---
@@ -22,11 +22,13 @@ search: {{ exclude: true }} # the pages of the rules are found
 `urdfcheck rule CODE` prints a page in the terminal.
 
 *repair*: `--fix` repairs it (**safe**), repairs it with `--unsafe-fixes` (**unsafe**), or a person has to (–).
-*programs*: the worst that programs do with the defect, if they do not just load what was typed.
+*programs*: the worst that programs do with the defect, if they do not just load what was typed
+(*affected*: in another way, which the page of the rule describes).
 
 <div class="rule-filter" hidden></div>
 """
 _REPAIRS = {Applicability.SAFE: "**safe**", Applicability.UNSAFE: "unsafe", Applicability.DISPLAY: "–"}
+_OUTCOMES = (*(str(verdict) for verdict in sorted(Verdict, reverse=True) if verdict), AFFECTED)
 _FIRST_SENTENCE = re.compile(r".+?[.:](?=\s+[A-Z`*]|\s*$)", re.DOTALL)
 
 
@@ -56,9 +58,10 @@ def _shorten_summary(rule: Rule) -> str:
 
 def _list_programs(rule: Rule) -> str:
     """The programs by what they do at worst, the worst first."""
-    worst = list_worst_verdicts(rule)
-    told = []
-    for verdict in sorted({*worst.values()} - {Verdict.LOADS}, reverse=True):
-        names = ", ".join(name for name in worst if worst[name] is verdict)
-        told.append(f'<span class="verdict {verdict.name.lower()}">{verdict}</span> {names}')
+    outcomes = list_outcomes(rule)
+    told = [
+        f"{render_outcome(word)} {', '.join(name for name in outcomes if outcomes[name] == word)}"
+        for word in _OUTCOMES
+        if word in outcomes.values()
+    ]
     return "<br>".join(told) or "–"

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from urdfcheck.core import Applicability, Confidence, Rule, Severity, Verdict
-from urdfcheck.policy.consumers import CONSUMERS
+from urdfcheck.policy.consumers import CONSUMERS, is_news
 from urdfcheck.rules import describe_on_request, describe_pedantic, split_page
 
 SEVERITIES = {
@@ -34,6 +34,8 @@ NEEDS = {
     "simulator": "an installed simulator",
     "package": "the files of the package",
 }
+# Of a program whose sentence begins with no verdict: a joint sags, a plugin drives nothing.
+AFFECTED = "affected"
 # Where the generated sections belong: before the examples.
 _EXAMPLES = re.compile(r"^## Bad$", re.MULTILINE)
 
@@ -64,13 +66,28 @@ def render_severity(severity: Severity) -> str:
     return f'<span class="tone {severity}">{severity}</span>'
 
 
-def list_worst_verdicts(rule: Rule) -> dict[str, Verdict]:
-    """Return the worst that each program does with the defect, in the order of the programs."""
-    worst: dict[str, Verdict] = {}
-    for sentences in _iter_consumer_tables(rule):
+def list_outcomes(rule: Rule) -> dict[str, str]:
+    """Return the worst that each program does with the defect, in one word, in the order of the programs.
+
+    Programs that load what was typed are left out.
+    """
+    outcomes: dict[str, tuple[Verdict, str]] = {}
+    for _, sentences in _iter_tables(rule):
         for name, sentence in sentences.items():
-            worst[name] = max(worst.get(name, Verdict.LOADS), Verdict.from_sentence(sentence))
-    return {name: worst[name] for name in (*CONSUMERS, *sorted(worst)) if name in worst}
+            if is_news(sentence):
+                verdict = Verdict.from_sentence(sentence)
+                outcomes[name] = max(outcomes.get(name, (Verdict.LOADS, "")), (verdict, _name_outcome(sentence)))
+    return {name: outcomes[name][1] for name in (*CONSUMERS, *sorted(outcomes)) if name in outcomes}
+
+
+def render_outcome(word: str) -> str:
+    """Return what a program does, in one word, as it is shown everywhere on the site."""
+    return f'<span class="outcome {word.split()[0]}">{word}</span>'
+
+
+def _name_outcome(sentence: str) -> str:
+    verdict = Verdict.from_sentence(sentence)
+    return AFFECTED if verdict is Verdict.LOADS and is_news(sentence) else str(verdict)
 
 
 def _split_examples(body: str) -> tuple[str, str]:
@@ -125,18 +142,22 @@ def escape_markdown(text: str) -> str:
 
 def _render_programs(rule: Rule) -> str:
     tables = []
-    for message, sentences in _iter_tables_by_message(rule):
-        rows = []
-        for name, sentence in sentences.items():
-            verdict = Verdict.from_sentence(sentence)
-            word = f'<span class="verdict {verdict.name.lower()}">{verdict}</span>'
-            rows.append((f"**{name}**", word, escape_markdown(sentence)))
+    for message, sentences in _iter_tables(rule):
+        rows = [
+            (f"**{name}**", _render_verdict(sentence), _format_template(sentence))
+            for name, sentence in sentences.items()
+        ]
         heading = f"For “{_format_template(rule.headlines[message])}”:\n\n" if message else ""
         tables.append(heading + _render_table(("program", "", "what happens"), rows))
     return "## What each program does\n\n" + "\n\n".join(tables) if tables else ""
 
 
-def _iter_tables_by_message(rule: Rule) -> Iterator[tuple[str, Mapping[str, str]]]:
+def _render_verdict(sentence: str) -> str:
+    word = _name_outcome(sentence)
+    return "" if word == AFFECTED else render_outcome(word)
+
+
+def _iter_tables(rule: Rule) -> Iterator[tuple[str, Mapping[str, str]]]:
     """Yield the sentences about the programs: those of all messages under an empty name, then those of single ones."""
     common = {name: sentence for name, sentence in rule.consumers.items() if isinstance(sentence, str)}
     if common:
@@ -144,11 +165,6 @@ def _iter_tables_by_message(rule: Rule) -> Iterator[tuple[str, Mapping[str, str]
     for message, sentences in rule.consumers.items():
         if not isinstance(sentences, str):
             yield message, sentences
-
-
-def _iter_consumer_tables(rule: Rule) -> Iterator[Mapping[str, str]]:
-    for _, sentences in _iter_tables_by_message(rule):
-        yield sentences
 
 
 def _render_options(rule: Rule) -> str:

@@ -3,6 +3,11 @@
   const place = document.querySelector(".rule-filter");
   if (!place) return;
 
+  const listPrograms = (cell) => {
+    const names = cell.cloneNode(true);
+    for (const outcome of names.querySelectorAll(".outcome")) outcome.replaceWith(" ");
+    return names.textContent.match(/\w+/g) ?? [];
+  };
   const families = [...document.querySelectorAll(".rule-table")].map((table) => ({
     table,
     heading: table.previousElementSibling,
@@ -12,15 +17,13 @@
         row,
         code: rule.textContent.slice(0, 3),
         severity: severity.textContent.trim(),
-        programs: programs.textContent.split(/[^a-z0-9_]+/),
+        programs: listPrograms(programs),
         text: `${rule.textContent} ${finds.textContent}`.toLowerCase(),
       };
     }),
   }));
   const rows = families.flatMap((family) => family.rows);
-  const verdicts = new Set(["refuses", "drops", "computes", "swaps", "replaces", "ignores"]);
 
-  const list = (values) => [...new Set(values)].filter(Boolean);
   const count = document.createElement("output");
   const search = Object.assign(document.createElement("input"), {
     type: "search",
@@ -38,8 +41,8 @@
       const title = family.heading.firstChild.textContent.trim();
       return [title, title.slice(0, 3)];
     })),
-    severity: choose("severity", list(["error", "warning", "info"])),
-    program: choose("program", list(rows.flatMap((rule) => rule.programs)).filter((word) => !verdicts.has(word)).sort()),
+    severity: choose("severity", ["error", "warning", "info"]),
+    program: choose("program", [...new Set(rows.flatMap((rule) => rule.programs))].sort()),
   };
   for (const [name, control] of Object.entries(controls)) {
     const label = document.createElement("label");
