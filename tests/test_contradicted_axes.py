@@ -87,6 +87,20 @@ def test_nothing_is_found_where_the_bore_is_not_the_only_one(tmp_path: Path, bas
     assert not mismatches, why
 
 
+@pytest.mark.parametrize(("axis", "found"), [("0 0 1", False), ("0 1 0", True)])
+def test_a_part_of_a_wrist_is_round_about_the_axis_of_the_joint_behind_it(
+    tmp_path: Path, axis: str, found: bool
+) -> None:
+    """Both parts are tubes along z about the origin of a joint that pitches; the roll joint is 0.2 m farther along z."""
+    roll = (
+        '<axis xyz="1 0 0"/><limit lower="-0.1" upper="2" effort="1" velocity="1"/></joint>'
+        '<link name="tool"/><joint name="k" type="revolute"><parent link="arm"/><child link="tool"/>'
+        f'<origin xyz="0 0 0.2"/><axis xyz="{axis}"/>'
+    )
+    model = make_model(tmp_path, place_tubes("0 0 -0.05"), roll, place_tubes("0 0 0.05"))
+    assert [m.kind for m in find_contradicted_axes(model).bearings] == (["across"] if found else [])
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_only_the_blocked_side_is_reported(tmp_path: Path, sign: int) -> None:
     stops = place_tubes("-0.1 0 0.02", "-0.1 0 0", "-0.09 0 -0.04", "-0.06 0 -0.07")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -315,6 +316,35 @@ def test_two_changes_are_two_changes_with_a_cause_each(tmp_path: Path) -> None:
     mechanism = get_mechanism(compare_texts(tmp_path, ARM, changed))
     assert [change.id for change in mechanism.changes] == ["joint-moved", "effort"]
     assert [cause.changes for cause in mechanism.causes] == [(0,), (1,)]
+
+
+# Each change with the next one of another part.
+_PAIRS = [(a, b) for a, b in itertools.pairwise(CHANGES) if CHANGES[a].subject != CHANGES[b].subject]
+
+
+@pytest.mark.parametrize("pair", _PAIRS, ids=" and ".join)
+def test_two_steps_are_the_sum_of_each(tmp_path: Path, pair: tuple[str, str]) -> None:
+    """From A to B and from B to C the changes are those from A to C: nothing is lost or told twice on the way."""
+    one, other = (CHANGES[name] for name in pair)
+    middle = ARM.replace(one.old, one.new, 1)
+    last = middle.replace(other.old, other.new, 1)
+
+    def list_changes(name: str, before: str, after: str) -> list[tuple[str, str, dict[str, float]]]:
+        found = get_mechanism(compare_texts(tmp_path / name, before, after))
+        return [(change.id, change.subject, _round_numbers(change.numbers)) for change in found.changes]
+
+    steps = list_changes("first", ARM, middle) + list_changes("second", middle, last)
+    assert sorted(steps, key=str) == sorted(list_changes("both", ARM, last), key=str)
+    assert len(steps) == len(one.ids) + len(other.ids)
+
+
+def _round_numbers(numbers: Mapping[str, float]) -> dict[str, float]:
+    """Return the numbers without the digits of rounding; what is not rotated has an axis at random."""
+    return {
+        name: round(value, 9) + 0.0  # not -0.0
+        for name, value in numbers.items()
+        if not (name.startswith("axis_") and abs(numbers["angle"]) < 1e-9)
+    }
 
 
 @pytest.mark.parametrize(

@@ -259,6 +259,14 @@ def test_masses_are_to_blame_only_where_the_drawing_does_not_explain_them(
     assert finding.fix.title.startswith(message)
 
 
+@pytest.mark.parametrize(("place", "found"), [("0 0 0.5", True), ("0 0 -0.5", False)])
+def test_a_com_outside_its_part_shows_no_torque(tmp_path: Path, place: str, found: bool) -> None:
+    """The COM is at z = 0.5: in the drawn part, or half a metre above it."""
+    drawn = f'<visual><origin xyz="{place}"/><geometry><box size="0.1 0.1 1"/></geometry></visual></link>'
+    head, arm, rest = make_pendulum(5).partition('<link name="arm">')
+    assert bool(find(tmp_path, head + arm + rest.replace("</link>", drawn, 1), "DYN002")) is found
+
+
 def test_gravity_that_is_not_turned_off_counts(tmp_path: Path) -> None:
     off = '<gazebo reference="arm"><turnGravityOff>false</turnGravityOff></gazebo>'
     assert find(tmp_path, make_pendulum(5, "", off), "DYN002")
@@ -305,6 +313,15 @@ def test_a_dummy_link_between_two_joints_on_one_axis(tmp_path: Path, inertia: fl
         assert finding.data["own"] == pytest.approx(inertia)
         assert finding.data["moved"] == pytest.approx(0.1, rel=1e-3)
         assert finding.data["number"] == pytest.approx(4e5, rel=1e-2)
+
+
+@pytest.mark.parametrize(("size", "found"), [("0.5 0.5 0.5", ["DYN001"]), ("0.01 0.01 0.01", ["INR005"])])
+def test_nothing_is_light_beside_an_impossible_tensor(tmp_path: Path, size: str, found: list[str]) -> None:
+    text = make_robot_on_base(dummy("d", 1e-6))
+    head, load, rest = text.partition('<link name="d_load">')
+    drawn = f'<visual><geometry><box size="{size}"/></geometry></visual></link>'
+    findings = find(tmp_path, head + load + rest.replace("</link>", drawn, 1), {"DYN001", "INR005"})
+    assert [finding.code for finding in findings] == found
 
 
 def test_the_limit_is_an_option(tmp_path: Path) -> None:

@@ -238,8 +238,8 @@ def test_the_base_may_be_a_drawing(tmp_path: Path) -> None:
     [
         ("", "", "drawing"),
         (MASS, "", "none"),
-        ("", '<ros2_control name="a" type="system"/>', "none"),
-        ("", '<transmission name="t"/>', "none"),
+        ("", '<ros2_control name="a" type="system"/>', "drawing"),
+        ("", "<gazebo/>", "none"),
     ],
 )
 def test_a_model_without_any_collision_is_one_info(tmp_path: Path, mass: str, control: str, message: str) -> None:

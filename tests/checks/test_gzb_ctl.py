@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import box, collision, find, inertial, joint, link, robot
+from builders import box, collision, find, inertial, joint, link, robot, visual
 from conftest import check
 
 from urdfcheck.core import Severity
@@ -583,3 +583,26 @@ def test_driven_joint_must_turn(tmp_path: Path, named: str, kind: str, message: 
     assert [f.message_id for f in found] == ([message] if message else [])
     assert all(f.severity == Severity.ERROR for f in found)
     assert [f.data.get("near") for f in found] == ([near] if message else [])
+
+
+@pytest.mark.parametrize(
+    ("places", "drawn", "axis", "found"),
+    [
+        (("0 0.2 0", "0 -0.2 0"), "0", "1 0 0", True),
+        (("0 0.2 0", "0 -0.2 0"), "0", "0 0 1", True),
+        (("0 0.2 0", "0 -0.2 0"), "0", "0 1 0", False),
+        (("0.1 0 0", "-0.1 0 0"), "0.3", "0 1 0", False),  # the wheels are drawn on two sides of their joints
+    ],
+)
+def test_wheels_that_turn_across_the_line_between_them_do_not_drive(
+    tmp_path: Path, places: tuple[str, str], drawn: str, axis: str, found: bool
+) -> None:
+    plugin = "".join(f"<{side}_joint>{side}</{side}_joint>" for side in ("left", "right"))
+    parts = [
+        link(f"{side}_wheel", visual('<sphere radius="0.05"/>', xyz=f"0 {sign}{drawn} 0"))
+        + joint(side, "base", f"{side}_wheel", kind="continuous", xyz=place, axis=axis)
+        for side, sign, place in zip(("left", "right"), ("", "-"), places, strict=True)
+    ]
+    block = f'<gazebo><plugin filename="libgazebo_ros_diff_drive.so" name="d">{plugin}</plugin></gazebo>'
+    messages = [f.message_id for f in find(tmp_path, robot(link("base"), *parts, block), "CTL007")]
+    assert messages == (["sideways"] if found else [])

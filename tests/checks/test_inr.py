@@ -32,6 +32,32 @@ def fixed(name: str, content: str, parent: str = "arm") -> str:
 # -- INR001 ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        ({}, "display"),
+        ({"launch/show.launch": "<launch><!-- gazebo_ros --></launch>"}, "display"),
+        ({"launch/sim.launch": '<launch><include file="$(find gazebo_ros)/launch/x.launch"/></launch>'}, "kinematic"),
+        ({"scripts/sim.py": "import pybullet"}, "kinematic"),
+        (
+            {"../sim/package.xml": "<package><name>sim</name><depend>arm</depend><depend>ros_gz</depend></package>"},
+            "kinematic",
+        ),
+        ({"../sim/package.xml": "<package><name>sim</name><depend>ros_gz</depend></package>"}, "display"),
+    ],
+)
+def test_a_robot_without_inertials_matters_where_it_is_simulated(
+    tmp_path: Path, files: dict[str, str], message: str
+) -> None:
+    package = tmp_path / "src" / "arm"
+    files = {"package.xml": "<package><name>arm</name></package>", "arm.urdf": make_arm("")} | files
+    for name, text in files.items():
+        (package / name).parent.mkdir(parents=True, exist_ok=True)
+        (package / name).write_text(text.replace(SOUND, ""))
+    run = check(package / "arm.urdf", codes={"INR001"})
+    assert [finding.message_id for finding in run.findings] == [message]
+
+
 def test_a_link_on_a_fixed_joint_needs_no_inertial(tmp_path: Path) -> None:
     assert not find(tmp_path, make_arm("", kind="fixed"), "INR001")
 
@@ -64,8 +90,10 @@ def test_a_joint_that_moves_no_mass_at_all_falls_without_a_number(tmp_path: Path
 
 
 def test_a_description_without_any_inertial_is_one_info(tmp_path: Path) -> None:
-    (finding,) = find(tmp_path, make_arm(BOX, base=BOX), "INR001")
-    assert (finding.message_id, finding.severity) == ("kinematic", Severity.INFO)
+    (finding,) = find(tmp_path / "a", make_arm(BOX, base=BOX), "INR001")
+    assert (finding.message_id, finding.severity) == ("display", Severity.INFO)
+    (simulated,) = check_text(tmp_path / "b", make_arm(BOX, base=BOX), codes={"INR001"}, targets=("gazebo",)).findings
+    assert (simulated.message_id, simulated.severity) == ("kinematic", Severity.ERROR)
 
 
 def test_a_description_that_cannot_move_needs_no_inertial(tmp_path: Path) -> None:

@@ -102,6 +102,15 @@ def test_joints_locked_alike_are_one_finding_with_every_subject(tmp_path: Path) 
     assert finding.headline == "2 joints have limits 0 to 0: j, k"
 
 
+@pytest.mark.parametrize(("named", "kept"), [("b", True), ("c", False)])
+def test_a_locked_joint_may_keep_a_link_for_a_plugin(tmp_path: Path, named: str, kept: bool) -> None:
+    plugin = f'<gazebo><plugin name="p" filename="libimu.so"><linkName>{named}</linkName></plugin></gazebo>'
+    text = make_three_links(make_joint('<limit lower="0" upper="0" effort="1" velocity="1"/>'), plugin)
+    (finding,) = find(tmp_path, text, "JNT005")
+    assert finding.fix is not None
+    assert ('<gazebo reference="j"><preserveFixedJoint>true' in finding.fix.title) is kept
+
+
 @pytest.mark.parametrize("code", ["JNT005", "JNT007"])
 def test_a_limit_that_a_macro_makes_twice_is_one_place(tmp_path: Path, code: str) -> None:
     made = make_joint('<limit lower="0" upper="0" effort="0" velocity="1"/>', name="${n}", child="${c}")
@@ -141,6 +150,21 @@ def test_zero_effort_of_a_motor_that_no_simulator_makes_is_an_info(tmp_path: Pat
     idle = make_joint('<limit lower="0" upper="1" effort="0" velocity="1"/>')
     (finding,) = find(tmp_path, make_three_links(idle, text), "JNT007")
     assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
+
+
+@pytest.mark.parametrize(("named", "message"), [("jk", "effort-unused"), ("j", "both-zero")])
+def test_rotors_that_a_plugin_turns_need_no_limits(tmp_path: Path, named: str, message: str) -> None:
+    idle = '<limit lower="0" upper="1" effort="0" velocity="0"/>'
+    plugins = "".join(
+        f'<gazebo><plugin name="p" filename="libmotor.so"><jointName>{name}</jointName></plugin></gazebo>'
+        for name in named
+    )
+    # A joint of range zero keeps Gazebo from merging the link of a sensor.
+    sensor = make_joint(idle.replace('upper="1"', 'upper="0"'), name="i", child="d")
+    rotors = make_joint(idle), make_joint(idle, name="k", child="c")
+    findings = find(tmp_path, make_three_links(*rotors, sensor, plugins, links=link("d")), "JNT007")
+    (finding,) = (f for f in findings if f.data["joints"] == "j, k")
+    assert finding.message_id == message
 
 
 def test_a_rocker_without_effort_and_velocity_has_no_motor(tmp_path: Path) -> None:
@@ -717,6 +741,14 @@ def test_most_joints_of_a_limb_turn_through_their_stops(
 def test_an_angle_beyond_a_turn_is_degrees_unless_it_is_a_sum(tmp_path: Path, angle: str, degrees: bool) -> None:
     text = make_three_links(make_joint(f'<origin rpy="0 {angle} 0"/>', "fixed"))
     assert bool(find(tmp_path, text, "JNT012")) == degrees
+
+
+@pytest.mark.parametrize(("angle", "message"), [("300", "tried"), ("270", "degrees"), ("45", "degrees")])
+def test_degrees_are_not_meant_where_the_radians_are_nearly_square(tmp_path: Path, angle: str, message: str) -> None:
+    (finding,) = find(tmp_path, make_three_links(make_joint(f'<origin rpy="{angle} 0 0"/>', "fixed")), "JNT012")
+    assert finding.message_id == message
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) is (message == "degrees")
 
 
 def test_all_angles_of_an_origin_are_in_the_same_unit(tmp_path: Path) -> None:

@@ -154,6 +154,17 @@ class TestNAM004:
         body = links(parent, "camera_optical_frame") + make_joint("j", parent, "camera_optical_frame", origin)
         assert [f.message_id for f in find(tmp_path, robot(body), "NAM004")] == ([] if message is None else [message])
 
+    @pytest.mark.parametrize(("turned", "found"), [("0 1.5707963 0", False), ("0 0 1.5707963", True)])
+    def test_a_camera_link_that_is_turned_may_hold_an_unusual_optical_frame(
+        self, tmp_path: Path, turned: str, found: bool
+    ) -> None:
+        """Below a camera link that looks down, a quarter turn about z looks forward again, with the top of the picture up."""
+        body = links("base_link", "camera_link", "camera_optical") + make_joint(
+            "mount", "base_link", "camera_link", f'rpy="{turned}"'
+        )
+        body += make_joint("j", "camera_link", "camera_optical", 'rpy="0 0 -1.5707963"')
+        assert bool(find(tmp_path, robot(body), "NAM004")) is found
+
     @pytest.mark.parametrize(("sensor", "count"), [("gyro", 0), ("accel", 0), ("imu", 0), ("depth", 1)])
     def test_an_inertial_sensor_has_no_picture(self, tmp_path: Path, sensor: str, count: int) -> None:
         parent, child = f"camera_{sensor}_frame", f"camera_{sensor}_optical_frame"
@@ -258,6 +269,18 @@ class TestNAM005:
         pairs = [(left, right, -y) for left, right, y in self.USUAL]
         assert not find(tmp_path, robot(self.robot(*pairs, ("left_lidar", "right_lidar", -0.2))), "NAM005")
         assert find(tmp_path, robot(self.robot(*pairs, ("left_lidar", "right_lidar", 0.2))), "NAM005")
+
+    @pytest.mark.parametrize(("kind", "found"), [("fixed", False), ("continuous", True)])
+    def test_fixed_parts_alone_do_not_outvote_a_pair_on_the_usual_side(
+        self, tmp_path: Path, kind: str, found: bool
+    ) -> None:
+        body = self.robot(("left_wheel", "right_wheel", 0.4)) + "".join(
+            links(f"{end}_left", f"{end}_right")
+            + make_joint(f"{end}_l", "base_link", f"{end}_left", 'xyz="0 -0.1 0"', kind)
+            + make_joint(f"{end}_r", "base_link", f"{end}_right", 'xyz="0 0.1 0"', kind)
+            for end in ("front", "rear")
+        )
+        assert bool(find(tmp_path, robot(body), "NAM005")) is found
 
     def test_one_against_one_decides_nothing(self, tmp_path: Path) -> None:
         assert not find(tmp_path, robot(self.robot(self.USUAL[0], ("left_lidar", "right_lidar", -0.2))), "NAM005")

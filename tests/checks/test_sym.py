@@ -213,9 +213,15 @@ def test_a_degree_in_a_joint_that_nothing_commands_is_a_note_without_an_edit(
     assert bool(edits(finding)) is (severity is Severity.WARNING)
 
 
-@pytest.mark.parametrize(("angle", "message"), [("0.02", "pair_slight"), ("0.04", "pair")])
-def test_a_pair_that_is_a_degree_apart_is_on_request(tmp_path: Path, angle: str, message: str) -> None:
-    (finding,) = find(tmp_path, axle(f"0 {angle} 0", "0 0 0"), "SYM001")
+@pytest.mark.parametrize(
+    ("angle", "kind", "message"),
+    [("0.02", "revolute", "pair_slight"), ("0.04", "revolute", "pair"), ("0.04", "continuous", "pair_slight")],
+)
+def test_a_pair_that_is_a_degree_apart_or_of_wheels_is_on_request(
+    tmp_path: Path, angle: str, kind: str, message: str
+) -> None:
+    text = axle(f"0 {angle} 0", "0 0 0", kind=kind).replace("_arm", "_wheel")
+    (finding,) = find(tmp_path, text, "SYM001")
     assert (finding.message_id, finding.severity) == (message, Severity.INFO)
 
 
@@ -302,6 +308,23 @@ def test_of_three_in_a_row_numbers_have_to_decide(tmp_path: Path) -> None:
     assert "its siblings hip_1, hip_2 (mirror x) have round angles" in finding.message
 
 
+@pytest.mark.parametrize(("coxa", "tibia", "found"), [("0 0.03 0", "0 -0.02 0", 0), ("0 0 0", "0 -0.02 0", 1)])
+def test_a_joint_is_not_blamed_for_the_one_before_it(tmp_path: Path, coxa: str, tibia: str, found: int) -> None:
+    """Behind a coxa that is off, the pattern would turn the tibia farther away from the angle of its siblings."""
+    parts = ['<link name="base"/>']
+    for name, (xyz, _, _) in CORNERS.items():
+        odd = name == "rear_left"
+        parts.append(f'<link name="{name}_coxa"/><link name="{name}_tibia">{WHEEL}</link>')
+        turns = (coxa, tibia) if odd else ("0 0 0", "0 0 0")
+        parts.append(make_joint_on_base(f"{name}_hip", f"{name}_coxa", xyz, turns[0], "0 1 0", "revolute"))
+        parts.append(
+            make_joint_on_base(
+                f"{name}_knee", f"{name}_tibia", "0 0 0", turns[1], "0 1 0", "revolute", parent=f"{name}_coxa"
+            )
+        )
+    assert len(find(tmp_path, f'<robot name="legs">{"".join(parts)}</robot>', "SYM001")) == found
+
+
 def test_a_base_that_is_turned_in_the_world_changes_nothing(tmp_path: Path) -> None:
     world = '<link name="world"/>' + make_joint_on_base(
         "to_world", "base", "1 2 3", "0.3 -0.8 2", "0 0 1", "fixed", parent="world"
@@ -380,6 +403,27 @@ def test_of_four_wheels_the_odd_one_is_turned_over(tmp_path: Path) -> None:
     assert finding.message_id == "minority"
     assert finding.location.subject == "joint[wheel_2_joint]/axis@xyz"
     assert edits(finding) == [("0 1 0", "0 -1 0")]
+
+
+def drive(*joints: str) -> str:
+    named = "".join(f"<left_joint>{joint}</left_joint>" for joint in joints)
+    return f'<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so">{named}</plugin></gazebo></robot>'
+
+
+@pytest.mark.parametrize(
+    ("driven", "severity"),
+    [
+        ((), Severity.WARNING),
+        (("wheel_0_joint", "wheel_1_joint"), Severity.INFO),
+        (("wheel_2_joint",), Severity.WARNING),
+    ],
+)
+def test_a_wheel_that_nothing_drives_with_the_others_turns_freely(
+    tmp_path: Path, driven: tuple[str, ...], severity: Severity
+) -> None:
+    text = wheeled("0 1 0", "0 1 0", "0 -1 0").replace("</robot>", drive(*driven))
+    (finding,) = find(tmp_path, text, "SYM005")
+    assert (finding.message_id, finding.severity) == ("minority", severity)
 
 
 def test_casters_steered_and_standing_wheels_are_left_out(tmp_path: Path) -> None:

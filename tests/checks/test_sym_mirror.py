@@ -901,12 +901,15 @@ def test_no_side_gets_a_tensor_that_contradicts_the_drawing(tmp_path: Path) -> N
     )
 
 
-def test_neither_side_is_mirrored_where_both_coms_are_elsewhere(tmp_path: Path) -> None:
-    far = with_(ROBOT, f"{RIGHT}/origin", xyz="0.3 0.4 0.1")
-    far = with_(far, f"{RIGHT.replace('right', 'left')}/origin", xyz="0.3 0.4 0.1")
+@pytest.mark.parametrize(
+    "across", [0.002, 0.4]
+)  # however little it is: a sign that was not turned over is no second export
+def test_neither_side_is_mirrored_where_both_coms_are_elsewhere(tmp_path: Path, across: float) -> None:
+    far = with_(ROBOT, f"{RIGHT}/origin", xyz=f"0.3 {across} 0.1")
+    far = with_(far, f"{LEFT}/origin", xyz=f"0.3 {across} 0.1")
     found = [f for f in find_mirror_defects(tmp_path, far) if f.message_id == "pair"]
-    assert [f.fix and f.fix.title for f in found] == [
-        "export both again: neither COM is that of the part that it draws"
+    assert [(f.fix and f.fix.title, f.cause) for f in found] == [
+        ("export both again: neither COM is that of the part that it draws", None)
     ]
 
 
@@ -976,6 +979,16 @@ def test_a_joint_beside_its_place_takes_along_nothing_that_is_in_place(tmp_path:
     assert finding.message_id == "origin"
     assert finding.fix is not None
     assert 'write xyz="0.02 -0.07 0" in right_arm_joint and move what it carries back by as much' in finding.fix.title
+
+
+@pytest.mark.parametrize(("place", "found"), [((-0.00416, -0.319973), False), ((-0.00416, -0.32), True)])
+def test_a_joint_that_is_turned_about_the_axis_before_it_is_in_place(
+    tmp_path: Path, place: tuple[float, float], found: bool
+) -> None:
+    """The hand is 4.2 mm from the mirror image: turned by 0.013 rad about the arm's axis, or moved across it."""
+    robot = with_(ROBOT, "joint[@name='right_hand_joint']/origin", xyz=f"{place[0]} -0.01 {place[1]}")
+    findings = find(tmp_path, ET.tostring(robot, encoding="unicode"), "SYM004")
+    assert ("origin" in {finding.message_id for finding in findings}) is found
 
 
 def test_a_part_that_is_rotated_with_its_frame_has_another_zero(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from urdfcheck import cli
 from urdfcheck.cli import FINDINGS, OK, compute_exit_code
 from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.policy import config_resolver
+from urdfcheck.policy.baseline import DEFAULT_NAME
 from urdfcheck.policy.config_resolver import CliOverrides, ConfigResolver
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import load_rules
@@ -589,3 +591,21 @@ def test_a_wrong_configuration_below_is_a_finding_and_a_failure_and_the_others_a
     assert "did you mean 'select'?" in shown
     assert '2 │ slect = ["ALL"]' in shown
     assert "· 1 model ·" in shown
+
+
+def test_of_nested_paths_the_first_one_names_the_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    inner = tmp_path / "robots" / "arms"
+    inner.mkdir(parents=True)
+    for folder in (tmp_path, inner.parent, inner):
+        (folder / DEFAULT_NAME).write_text("{}", encoding="utf-8")
+    paths = (inner.parent / "other.urdf", inner, inner.parent)
+    assert ConfigResolver(paths=paths).for_path(inner / "a.urdf").root == inner
+    assert ConfigResolver(paths=paths[::-1]).for_path(inner / "a.urdf").root == inner.parent
+    assert ConfigResolver(paths=paths).for_path(tmp_path / "b.urdf").root == tmp_path
+    # A shell's * gives hundreds of paths: they are not gone through again for each file.
+    many = ConfigResolver(paths=tuple(inner / f"{number}.urdf" for number in range(100)))
+    asked: list[object] = []
+    make_absolute = os.path.abspath
+    monkeypatch.setattr(os.path, "abspath", lambda path: asked.append(path) or make_absolute(path))
+    assert many.for_path(inner / "7.urdf").root == inner
+    assert asked == [inner / "7.urdf"]

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from builders import inertial, joint, link, robot
+from builders import arm_on_base, box, collision, inertial, joint, link, robot, sphere, visual
 from conftest import check, command
 
 from urdfcheck.core import Severity
@@ -139,6 +139,38 @@ def test_errors_and_warnings_are_never_left_out(folder: Path) -> None:
         )
         assert bool(found) is is_reported
         assert bool(left_out) is not is_reported
+
+
+BALLS = [link(f"{side}_wheel", inertial(1, 0.01), visual(sphere(0.1))) for side in ("left", "right")]
+
+
+@pytest.mark.parametrize(
+    ("code", "text"),
+    [
+        ("INR001", arm_on_base()),
+        (
+            "INR001",
+            arm_on_base(
+                inertial(1, 0.1), more=link("pad", collision(box("1 1 1"))) + joint("k", "arm", "pad", kind="fixed")
+            ),
+        ),
+        (
+            "SYM005",
+            robot(
+                link("base", inertial(1, 0.1)),
+                *BALLS,
+                joint("l", "base", "left_wheel", kind="continuous", xyz="0 0.2 0", axis="0 1 0"),
+                joint("r", "base", "right_wheel", kind="continuous", xyz="0 -0.2 0", axis="0 -1 0"),
+            ),
+        ),
+    ],
+    ids=["drawing", "mass that MuJoCo adds", "wheels of an own program"],
+)
+def test_what_an_author_may_have_chosen_is_told_on_request(tmp_path: Path, code: str, text: str) -> None:
+    (tmp_path / "r.urdf").write_text(text)
+    for options, is_told in (((), False), (("-v",), True)):
+        report = json.loads(command("r.urdf", "--format", "json", *options, cwd=tmp_path).stdout)
+        assert (code in {finding["code"] for finding in report["findings"]}) is is_told
 
 
 def test_a_page_says_that_its_notes_are_on_request() -> None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import find_nearest_name, format_name_hint, join_names
+from urdfcheck.core.text import find_nearest_name, format_name_hint, format_point, join_names
 from urdfcheck.model.ground.drive_plugins import DrivePlugin, list_drive_plugins
 from urdfcheck.source.text.values import parse_number
 
@@ -41,8 +41,12 @@ def _check_plugin(model: Model, rule: Rule, plugin: DrivePlugin, rel_tol: float)
         )
     if unknown or fixed or not left or not right:
         return
-    from urdfcheck.model.ground.drive_wheels import measure_wheel_radii, measure_wheel_separations
+    from urdfcheck.model.ground.drive_wheels import are_wheels_sideways, measure_wheel_radii, measure_wheel_separations
 
+    sides = [[element.text.strip() for element in side] for side in (left, right)]
+    if are_wheels_sideways(model, *sides):
+        yield _build_sideways_finding(model, rule, sides)
+        return
     one, other = left[0].text.strip(), right[0].text.strip()
     for element, divisor in plugin.radii:
         radii = [radius for name in (one, other) for radius in measure_wheel_radii(model, name)]
@@ -51,6 +55,18 @@ def _check_plugin(model: Model, rule: Rule, plugin: DrivePlugin, rel_tol: float)
         for element in plugin.separations:
             separations = measure_wheel_separations(model, one, other)
             yield from _compare(rule, "separation", element, separations, rel_tol, one, other)
+
+
+def _build_sideways_finding(model: Model, rule: Rule, sides: Sequence[Sequence[str]]) -> Finding:
+    joints = [model.joint_by_name[name] for side in sides for name in side]
+    return rule.finding(
+        "sideways",
+        at=joints[0].axis_location,
+        related=[joint.axis_location for joint in joints[1:]],
+        left=sides[0][0],
+        right=sides[1][0],
+        axis=format_point(model.axes[joints[0].name], decimals=3),
+    )
 
 
 def _format_fixed_hint(name: str, fixed: Collection[str]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.motion.joint_loads import summarize_mass_matrix
+from urdfcheck.model.motion.joint_loads import list_carried_links, summarize_mass_matrix
 
 
 def check(model: Model, rule: Rule, *, limit: float) -> Iterator[Finding]:
@@ -27,4 +27,5 @@ def check(model: Model, rule: Rule, *, limit: float) -> Iterator[Finding]:
         moved=summary.moved_inertia,
         unit="kg" if joint.type == "prismatic" else "kg·m²",
         enough=0.01 * summary.moved_inertia,
+        between=[f"link[{name}]" for name in list_carried_links(model, joint)],
     )

@@ -8,12 +8,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.drop_test import GRAVITY
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
+from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.motion.buoyancy import find_submersible_name
-from urdfcheck.model.motion.joint_loads import Overload, find_overloads
+from urdfcheck.model.motion.joint_loads import Overload, find_overloads, list_carried_links
 from urdfcheck.model.shapes.bounds import compute_bounding_box
+from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 
 # An effort that this many joints or more have, and all that have one, does not come from their drives.
 _PLACEHOLDER_JOINTS = 3
@@ -21,6 +25,9 @@ _PLACEHOLDER_JOINTS = 3
 _EXPORTED_EFFORT = 1.0
 # kg/m³: no link is denser than a block of steel as large as its bounding box.
 _MAX_BOX_DENSITY = 7900.0
+# A COM is outside its part beyond this share of the part's size, as for INR006; then the torque is not known if the way back into
+# the parts may change it by more than this share.
+_OUTSIDE, _MISPLACED_SHARE = 0.1, 0.1
 # The share of the mass behind a joint whose links are drawn that says enough about all of it.
 _KNOWN_SHARE = 0.9
 
@@ -28,6 +35,8 @@ _KNOWN_SHARE = 0.9
 def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) -> Iterator[Finding]:
     groups: dict[tuple[float, bool], list[Overload]] = {}
     for load in find_overloads(model):
+        if _is_load_of_misplaced_coms(model, load):
+            continue
         effort = load.joint.get_limit_value("effort") or 0.0
         is_exported = _is_placeholder(model, effort) and effort == _EXPORTED_EFFORT
         groups.setdefault((effort, load.joint.type == "prismatic" and not is_exported), []).append(load)
@@ -54,7 +63,7 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
 def _are_masses_plausible(model: Model, joint: Joint) -> bool:
     """Whether what a joint carries is drawn, and no heavier than steel: then its masses and COMs do not explain the load."""
     known = total = 0.0
-    for name in _list_carried_links(model, joint):
+    for name in list_carried_links(model, joint):
         link = model.link_by_name[name]
         inertial = link.inertial
         if inertial is None or not inertial.mass:
@@ -72,11 +81,18 @@ def _are_masses_plausible(model: Model, joint: Joint) -> bool:
     return known >= _KNOWN_SHARE * total > 0.0
 
 
-def _list_carried_links(model: Model, joint: Joint) -> list[str]:
-    carried = [joint.child]
-    for name in carried:
-        carried.extend(behind.child for behind in model.tree.child_joints[name])
-    return carried
+def _is_load_of_misplaced_coms(model: Model, load: Overload) -> bool:
+    """Whether COMs outside their drawn parts, which INR006 reports, may make a good part of what a turning joint holds."""
+    if load.joint.type == "prismatic":
+        return False
+    carried = set(list_carried_links(model, load.joint))
+    moment = 0.0
+    for part in enclosed_inertials(model):
+        if part.link.name not in carried or not has_drawn_shape(part.link):
+            continue
+        outside = min((measure_hull_distance(points, part.com), measure_extent(points)) for points in part.readings)
+        moment += part.mass * outside[0] if outside[0] > _OUTSIDE * outside[1] else 0.0
+    return GRAVITY * moment > _MISPLACED_SHARE * load.torque
 
 
 def _list_efforts(model: Model) -> list[float]:

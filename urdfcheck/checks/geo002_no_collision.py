@@ -13,12 +13,10 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
+from urdfcheck.model.simulation_use import is_simulated
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
-
-# Elements that connect joints with drives.
-_CONTROLS = ("ros2_control", "transmission")
 
 
 def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small: float) -> Iterator[Finding]:
@@ -74,11 +72,10 @@ def _build_list_finding(
 
 
 def _is_display_model(model: Model) -> bool:
-    """Whether a model is only displayed: no link has an inertial, and no controller or planner uses its joints."""
+    """Whether nothing uses collisions: no link has an inertial, nothing simulates the model, and no planner uses its joints."""
     if any(link.inertial is not None for link in model.links):
         return False
-    controls = (tag for tag in _CONTROLS if model.robot.find_child(tag) is not None)
-    return not any(controls) and not semantic_descriptions(model)
+    return not semantic_descriptions(model) and not is_simulated(model)
 
 
 def _list_drawn_links(model: Model, body: RigidLinkGroup) -> list[Link]:

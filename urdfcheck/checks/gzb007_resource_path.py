@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule
 from urdfcheck.core.text import join_names
@@ -14,9 +12,8 @@ from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.nodes_python import read_python_actions
 from urdfcheck.source.launch.nodes_xml import LaunchAction, LaunchContents, read_launch_actions
 from urdfcheck.source.package.finder import Package, PackageFinder
-from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.system.files import read_regular, walk
 
 # Whatever leads Gazebo to a package: an export, an environment hook or a variable that a launch file sets.
 _PATH = re.compile(r"gazebo_model_path|GAZEBO_MODEL_PATH|(?:GZ_SIM|IGN_GAZEBO)_RESOURCE_PATH|SDF_PATH|package://")
@@ -27,8 +24,6 @@ _SIMULATORS = {
     "ros_ign_gazebo": re.compile(r"ign_gazebo\.launch\.py"),
     "gazebo_ros": re.compile(r"(?:gazebo|gzserver)\.launch\.py"),
 }
-_TEXTS = (".py", ".xml", ".launch", ".txt", ".in", ".dsv", ".sh", ".yaml", ".env")
-_MOST_FILES, _LARGEST = 300, 300_000
 
 
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
@@ -48,7 +43,11 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     if len(found) < len(meshes):
         return  # a package that is not here may have what it needs
     packages = {package.path: package for package in (*found, launch.package, model.package) if package is not None}
-    if any(_PATH.search(text) for package in packages.values() for text in _read_texts(package, finder)):
+    if any(
+        _PATH.search(text)
+        for package in packages.values()
+        for text in read_package_texts(package.path, finder.can_open)
+    ):
         return
     spawner = next(node for node in contents.nodes if (node.package, node.program) in _SPAWNERS and not node.off)
     first = next(iter(meshes))
@@ -88,19 +87,3 @@ def _is_simulator(node: LaunchAction) -> bool:
 def _load_package(finder: PackageFinder, name: str) -> Package | None:
     folder = finder.find(name)
     return None if folder is None else finder.find_package_of(folder / "package.xml")
-
-
-def _read_texts(package: Package, finder: PackageFinder) -> Iterator[str]:
-    """Yield the manifest, the build files, the launch files and the hooks of a package."""
-    for path in itertools.islice(_iter_texts(package.path), _MOST_FILES) if finder.can_open(package.path) else ():
-        try:
-            if finder.can_open(path):
-                yield read_regular(path, _LARGEST).decode("utf-8", "replace")
-        except OSError:
-            continue
-
-
-def _iter_texts(package: Path) -> Iterator[Path]:
-    for folder, inner, names in walk(package):
-        inner[:] = sorted(name for name in inner if not name.startswith(".") and name not in BUILD_FOLDERS)
-        yield from (Path(folder, name) for name in sorted(names) if name.endswith(_TEXTS))

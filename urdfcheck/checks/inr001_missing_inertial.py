@@ -9,8 +9,11 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
+from urdfcheck.model.simulation_use import is_simulated
 from urdfcheck.source.text.grammar import JOINT_TYPES
 
+# The targets that simulate robots.
+_SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
 # MuJoCo's treatment of a body without mass.
 INFERS = "replaces the missing inertial by that of the collision geometry at 1000 kg/m³"
 REFUSES = "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL"
@@ -26,7 +29,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if all(link.inertial is None for link in model.links):
         solid = all(has_collision_geometry(model, body) for body in moving)
         yield rule.finding(
-            "kinematic",
+            "kinematic" if _SIMULATORS.intersection(model.targets) or is_simulated(model) else "display",
             at=model.name_location,
             severity=Severity.INFO,
             consequences={"mujoco": INFERS if solid else REFUSES},

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.gazebo import collect_plugin_texts
 from urdfcheck.model.repairs.edits import swap_values
 
 
@@ -32,6 +33,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 upper=upper,
                 unit=joint.position_unit,
             )
+    named = collect_plugin_texts(model) if equal else frozenset()
     # Joints with the same numbers come from one template or one exporter's default.
     for (value, is_empty), joints in equal.items():
         yield build_group_finding(
@@ -42,9 +44,22 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joints=join_names(joint.name for joint in joints),
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
+            keep=_describe_keeping([joint for joint in joints if joint.child in named]),
             also=". Effort and velocity are 0 too" if is_empty else "",
             explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
         )
+
+
+def _describe_keeping(joints: Sequence[Joint]) -> str:
+    """Return what keeps the links of joints that are made fixed: Gazebo merges them, and a plugin finds them no longer."""
+    if not joints:
+        return ""
+    first = joints[0]
+    others = "" if len(joints) == 1 else f", and likewise for {join_names(joint.name for joint in joints[1:])}"
+    return (
+        f" and keep {first.child}, which a plugin names, from being merged: "
+        f'`<gazebo reference="{first.name}"><preserveFixedJoint>true</preserveFixedJoint></gazebo>`{others}'
+    )
 
 
 def _is_empty(joint: Joint) -> bool:

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.gazebo import collect_plugin_texts
 from urdfcheck.model.likeness.side_names import remove_places
+from urdfcheck.model.simulation_use import is_simulated_hardware
 from urdfcheck.source.text.grammar import is_attribute_missing
 
 _EFFORT_INTERFACE = "EffortJointInterface"
 # So many joints are a robot of which one joint can be the odd one.
 _MANY = 4
-# Hardware of ros2_control that a simulator provides.
-_SIMULATOR = re.compile(r"gazebo|gz_|ign_|mujoco|isaac", re.IGNORECASE)
 
 
 def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float) -> Iterator[Finding]:
@@ -78,9 +77,11 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     # If no joint has either, the fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all
     # four, and this finding gives way to it.
     is_empty = len(without) == len(driven) > 1 and all(joint.name in still for joint in without)
-    message = "both-zero" if is_empty else "effort-unused"
+    named = collect_plugin_texts(model) if is_empty else frozenset()
     for is_locked in (True, False):
         if alike := [joint for joint in without if (joint.name in still and _is_locked(joint)) == is_locked]:
+            # A plugin that drives the joints (rotors) reads no limit.
+            message = "both-zero" if is_empty and not {joint.name for joint in alike} <= named else "effort-unused"
             yield _build_finding(rule, message, "effort", alike, severity=Severity.INFO)
     is_odd = any((joint.get_limit_value("velocity") or 0.0) > 0 for joint in driven)
     # A joint without effort has no motor, unless no joint has any: then nobody wrote the efforts.
@@ -129,7 +130,7 @@ def _collect_simulated_motors(model: Model) -> frozenset[str]:
     controlled = (
         joint
         for control in model.robot.find_children("ros2_control")
-        if any(_SIMULATOR.search(e.text) for e in control.walk() if e.tag == "plugin")
+        if is_simulated_hardware(control)
         for joint in control.find_children("joint")
         if joint.find_child("command_interface") is not None
     )

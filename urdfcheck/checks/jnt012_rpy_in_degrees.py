@@ -14,6 +14,8 @@ from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number, parse_numbers
 from urdfcheck.source.text.xml import Attribute
 
+# An angle this near (rad) to a quarter turn looks right in a viewer: 300 rad are 47.75 turns.
+_LOOKS_SQUARE = math.radians(2)
 # Sums of angles stay below some turns: 95 is in degrees and not a multiple of 15° in radians with few digits.
 _MOST_TURNS = 4
 
@@ -29,6 +31,21 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
         return
     attributes = [a for a in origins if (a.span or a.location.subject) in wrong]
     worst = max((v for a in wrong.values() for v in _parse_angles(a)), key=abs)
+    angles = [v for a in wrong.values() for v in _parse_angles(a) if _is_degrees(v, step, near)]
+    where = format_count(len(attributes), "origin holds", "origins hold")
+    if all(_is_square(v) and not _is_square(math.radians(v)) for v in angles):
+        finding = rule.finding(
+            "tried",
+            at=attributes[0],
+            related=list(wrong.values())[1:],
+            where=where,
+            worst=worst,
+            turns=abs(worst) / math.tau,
+            same=math.remainder(worst, math.tau),
+            degrees=math.degrees(math.remainder(worst, math.tau)),
+        )
+        yield replace(finding, subjects=tuple(dict.fromkeys(a.location.subject for a in attributes)))
+        return
     # An author who typed one angle of an origin in degrees typed all three in degrees.
     words = [
         word for a in wrong.values() for word in tokenize_attribute(a, model.source.files) if parse_number(word.text)
@@ -38,7 +55,7 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
         at=attributes[0],
         related=list(wrong.values())[1:],
         edits=[word.build_edit(_format_radians(word, in_xacro=model.source.is_xacro)) for word in words],
-        where=format_count(len(attributes), "origin holds", "origins hold"),
+        where=where,
         worst=worst,
         turns=abs(worst) / math.tau,
         radians=math.radians(worst),
@@ -55,6 +72,11 @@ def _is_degrees(angle: float, step: float, near: float) -> bool:
     size = abs(angle)
     fraction = size <= _MOST_TURNS * math.tau and abs(size - round(size / step) * step) <= near
     return math.tau < size <= 360 * _MOST_TURNS and not fraction
+
+
+def _is_square(angle: float) -> bool:
+    """Whether an angle (rad) is nearly a multiple of a quarter turn."""
+    return abs(math.remainder(angle, math.pi / 2)) < _LOOKS_SQUARE
 
 
 def _format_radians(word: Token, *, in_xacro: bool) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
@@ -13,9 +14,12 @@ from urdfcheck.model.repairs.edits import edit_values
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     graph = KinematicGraph.from_model(model)
     in_loops = {joint for loop in graph.find_loops() for joint in loop}
+    declared = Counter(link.name for link in model.links)
     for link, joints in graph.map_parent_joints().items():
         # The joints of a loop are KIN004's, the second joint of a name is KIN001's.
         counted = [j for j in joints if j not in in_loops and (not j.name or model.joint_by_name[j.name] is j)]
+        if len(counted) <= declared[link]:
+            continue  # each of several links of one name has its joint: KIN001 reports the name
         meant = graph.find_meant_child(counted) if len(counted) == 2 else None
         if meant is not None:
             yield _build_slip_finding(rule, graph, *meant, other=next(j for j in counted if j is not meant[0]))

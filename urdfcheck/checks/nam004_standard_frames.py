@@ -120,7 +120,7 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
         if joint.type != "fixed" or matrix is None or not _is_optical_frame(joint.child, joint.parent):
             continue
         rotation = matrix[:3, :3]
-        if _measure_rotation_angle(rotation @ _OPTICAL.T) > tol:
+        if _measure_rotation_angle(rotation @ _OPTICAL.T) > tol and not _is_optical_in_root(model, joint, tol):
             key = tuple(np.round(rotation * 1e3).astype(int).ravel())
             wrong.setdefault(key, (rotation, []))[1].append(joint)
     for rotation, joints in wrong.values():
@@ -137,6 +137,12 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
             typed=join_numbers(joints[0].origin.rpy or (), separator=" "),
         )
         yield replace(finding, subjects=tuple(place.subject for place in places))
+
+
+def _is_optical_in_root(model: Model, joint: Joint, tol: float) -> bool:
+    """Whether a frame looks level with the top of its picture up, because the camera link is rotated against the root."""
+    parent, frame = model.frames[joint.parent][:3, :3], model.frames[joint.child][:3, :3]
+    return _measure_rotation_angle(parent) > tol and float(frame[2, 1]) < -np.cos(tol)
 
 
 def _describe_sensor_move(model: Model, joints: Sequence[Joint]) -> str:

@@ -33,13 +33,18 @@ class _LimbPair:
     offset: float
     """The distance (m) by which left is left of right in the frame of the body, whose y axis points to the left."""
 
+    @property
+    def moves(self) -> bool:
+        return self.left.type != "fixed" or self.right.type != "fixed"
+
 
 def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Finding]:
     sides = list(_find_limb_pairs(model, apart))
     usual = [side for side in sides if side.offset > 0]
     odd = [side for side in sides if side.offset < 0]
     if len(usual) < len(odd):
-        usual, odd = odd, usual
+        # The robot's y axis may point to its right. Fixed parts alone do not show that: they may be turned round.
+        usual, odd = [side for side in odd if side.moves], usual
     if odd and len(usual) >= least * len(odd):
         joints = [joint for side in odd for joint in (side.left, side.right)]
         finding = rule.finding(

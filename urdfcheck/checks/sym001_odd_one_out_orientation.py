@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 MAX_ROUND_DEVIATION, MAX_TYPED_DECIMALS = 0.06, 3
 # Fingers of grippers are drawn in poses that differ by about a degree.
 _SLIGHT = math.radians(2)
+# A joint that is turned in its parent as its siblings are, apart from a slip.
+_NEAR_SIBLING = math.radians(5)
 NUMBER_WORDS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven"}
 
 
@@ -87,8 +89,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if odd is not None:
             by_pattern = _build_outlier(group, odd, base)
             joint, others = by_pattern.joint, by_pattern.others
-            if not _is_choice_of_frame(model, joint, others[0], by_pattern.expected, kind=odd.kind) and (
-                is_frame_evidence(model, joint, others, by_pattern.expected, kind=odd.kind)
+            if (
+                not _is_choice_of_frame(model, joint, others[0], by_pattern.expected, kind=odd.kind)
+                and not _is_off_before(model, by_pattern)
+                and is_frame_evidence(model, joint, others, by_pattern.expected, kind=odd.kind)
             ):
                 outliers[joint.name] = by_pattern
             continue
@@ -118,13 +122,30 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if before & (outliers.keys() | pairs.keys()):
             continue  # the joint before it rotates it
         yield (
-            _build_finding(model, rule, outliers[name]) if name in outliers else _build_pair_finding(rule, pairs[name])
+            _build_finding(model, rule, outliers[name])
+            if name in outliers
+            else _build_pair_finding(model, rule, pairs[name])
         )
 
 
 def _is_choice_of_frame(model: Model, joint: Joint, like: Joint, expected: Array, *, kind: str) -> bool:
     """Whether a frame is rotated about the joint's axis, and what is in it takes that back: nothing is elsewhere."""
     return kind == "zero_offset" and is_drawn_in_place(model, joint, like, expected)
+
+
+def _is_off_before(model: Model, odd: _OrientationOutlier) -> bool:
+    """Whether a moving joint before the odd one is off too: several siblings are turned as it is in their parents, apart from a
+    slip, and the pattern would turn it farther away from them."""
+    base = find_common_base(model, (odd.joint, *odd.others))
+    if odd.joint.parent == base or len(trace_fixed_chain(model, odd.joint, base)) > 1:
+        return False
+    typed = _compute_relative_rotation(model, odd.joint)
+    needed = model.frames[odd.joint.parent][:3, :3].T @ odd.expected
+    turns = [_compute_relative_rotation(model, other) for other in odd.others]
+    alike = [turn for turn in turns if measure_rotation_angle(turn, typed) < _NEAR_SIBLING]
+    return len(alike) > 1 and all(
+        measure_rotation_angle(turn, needed) > measure_rotation_angle(turn, typed) + ANGLE_TOLERANCE for turn in alike
+    )
 
 
 def _build_outlier(group: Sequence[Joint], odd: OddFrame, base: Array) -> _OrientationOutlier:
@@ -223,10 +244,11 @@ def _has_round_angles(joint: Joint) -> bool:
     )
 
 
-def _build_pair_finding(rule: Rule, pair: tuple[Joint, Joint, SuspectFrames]) -> Finding:
+def _build_pair_finding(model: Model, rule: Rule, pair: tuple[Joint, Joint, SuspectFrames]) -> Finding:
     first, second, suspects = pair
     angle = abs(suspects.angles[0])
-    zeros = "pair" if angle >= _SLIGHT else "pair_slight"
+    # Nothing commands the angle of a wheel.
+    zeros = "pair_slight" if angle < _SLIGHT or (_is_wheel(model, first) and _is_wheel(model, second)) else "pair"
     return rule.finding(
         zeros if suspects.kind == "zero_offset" else "pair_tilt",
         at=locate_origin_attribute(first, "rpy"),

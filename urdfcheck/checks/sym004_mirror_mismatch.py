@@ -57,6 +57,7 @@ _OWN_COM = 0.02
 _OUTSIDE = 0.1
 # A coordinate of a COM that is smaller than this share of its distance may have been rounded to zero.
 _SAME_COM = 0.01
+_EXPORT_BOTH = "export both again: neither COM is that of the part that it draws"
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
@@ -165,7 +166,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     }
     shared = _has_shared_inertial(side)
     if wrong is None:
-        repair = "export both again: neither COM is that of the part that it draws"
+        repair = _EXPORT_BOTH
         if deviation.com_offset <= note or not all(_has_com_elsewhere(model, one.link) for one in both):
             other_way = "the other way round" if shared else _describe_remedy(both[0], note)
             repair = f"correct the wrong one: {_describe_remedy(both[1], note)}, or {other_way}"
@@ -173,6 +174,9 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
             repair = f"{_COMPUTE_TENSOR}: neither has products of inertia with the signs of its drawing"
         # Several numbers that are off by a few percent are two exports of one assembly; one that was lost is a slip.
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
+        if repair is _EXPORT_BOTH:
+            # Neither COM was right before it was copied.
+            place |= {"cause": None, "severity": shares.choose_severity(deviation.worst, pair)}
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
     if written is not None and deviation.com_offset > note and _has_com_outside(model, side.twin):
         written = None
@@ -324,8 +328,9 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
         change_numbers(limits[0].attributes.get(name), name, f"{value + 0.0:.10g}")
         for name, value in mismatch.expected.items()
     ]
+    message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
     return rule.finding(
-        "limits" if mismatch.agreeing_joints else "limits_pair",
+        message,
         at=limits[0],
         related=limits[1:],
         cause=cause,

@@ -32,12 +32,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # Of equally many either may be meant, and a controller may negate one side: nothing is edited then. Nor where a wheel is
     # off the ground: it may be the one that makes the numbers equal.
     are_equal = len(odd) == len(rest)
+    driven = _list_driven_names(model)
+    if are_equal:
+        matters = any(_drives(names, odd) and _drives(names, rest) for names in driven)
+    else:
+        # A wheel that none of those who drive the others names turns freely.
+        matters = not any(_drives(names, rest) for names in driven) or any(_drives(names, odd) for names in driven)
     yield rule.finding(
         "opposed" if are_equal else "minority",
         at=odd[0].joint.axis_location,
         related=[wheel.joint.axis_location for wheel in (*odd[1:], *rest)],
-        severity=Severity.INFO if are_equal and not _are_driven_alike(model, odd, rest) else None,
-        edits=() if are_equal or len(wheels) < len(known) else _propose_edits(odd),
+        severity=None if matters else Severity.INFO,
+        edits=() if are_equal or not matters or len(wheels) < len(known) else _propose_edits(odd),
         odd=_join_joint_names(odd),
         rest=_join_joint_names(rest),
         odd_axis=format_point(odd[0].axis, decimals=3),
@@ -45,8 +51,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     )
 
 
-def _are_driven_alike(model: Model, one: Sequence[DrivenWheel], other: Sequence[DrivenWheel]) -> bool:
-    """Whether a drive plugin of the model, or a drive controller of its package, names wheels of both."""
+def _drives(names: set[str], wheels: Sequence[DrivenWheel]) -> bool:
+    return any(wheel.joint.name in names for wheel in wheels)
+
+
+def _list_driven_names(model: Model) -> list[set[str]]:
+    """List the words of each drive plugin of the model and of each drive controller of its package: joints are among them."""
     named = [
         {element.text.strip() for element in plugin.walk()}
         for block in model.robot.find_children("gazebo")
@@ -59,7 +69,7 @@ def _are_driven_alike(model: Model, one: Sequence[DrivenWheel], other: Sequence[
         for controller in config.configuration.controllers
         if _DRIVES_ALIKE.search(controller.type)
     ]
-    return any(all(any(wheel.joint.name in names for wheel in side) for side in (one, other)) for names in named)
+    return named
 
 
 def _pick_outliers(

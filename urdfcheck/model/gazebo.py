@@ -37,6 +37,17 @@ def list_sensors(model: Model) -> list[GazeboSensor]:
     return [GazeboSensor(e, b.get("reference")) for b in blocks for e in b.children if e.tag == "sensor"]
 
 
+def collect_plugin_texts(model: Model) -> frozenset[str]:
+    """Collect the words that stand alone in an element of a plugin: names of links and joints are among them."""
+    return frozenset(
+        element.text.strip()
+        for block in model.robot.find_children("gazebo")
+        for plugin in block.walk()
+        if plugin.tag == "plugin"
+        for element in plugin.walk()
+    )
+
+
 def is_for_new_gazebo(model: Model) -> bool:
     """Whether the robot uses a plugin that only the successor of Gazebo Classic can load."""
     plugins = [e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin"]

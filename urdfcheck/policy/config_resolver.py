@@ -54,6 +54,12 @@ class ConfigResolver:
     paths: tuple[Path, ...] = ()
     """Paths of the command line; without a configuration file, ids below one of them are relative to the same folder."""
     _configs_by_folder: dict[Path, Config | None] = field(default_factory=dict)
+    _starts: dict[Path, int] = field(init=False)
+    """The paths of the command line, absolute, with their places among them."""
+
+    def __post_init__(self) -> None:
+        starts = (Path(os.path.abspath(path)) for path in self.paths)
+        self._starts = {start: place for place, start in reversed(list(enumerate(starts)))}
 
     def for_path(self, path: Path) -> Config:
         """Return the configuration of a file or folder.
@@ -65,8 +71,8 @@ class ConfigResolver:
         found = None if self.isolated else self._find_above(folder)
         if found is not None:
             return found
-        starts = (Path(os.path.abspath(start)) for start in self.paths)
-        return make_default_config(next((s for s in starts if s == folder or s in folder.parents), folder))
+        above = [level for level in (folder, *folder.parents) if level in self._starts]
+        return make_default_config(min(above, key=self._starts.__getitem__, default=folder))
 
     def _find_above(self, folder: Path) -> Config | None:
         climbed: list[Path] = []

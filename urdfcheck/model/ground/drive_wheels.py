@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,8 @@ from urdfcheck.source.text.yaml.values import YamlValue
 
 _MECANUM = tuple(f"{end}_{side}_wheel_command_joint_name" for end in ("front", "rear") for side in ("left", "right"))
 _TRICYCLE = ("traction_joint_name",)
+# Wheels are on two sides if they are so far apart (m); an axis is across the line between them within this cosine.
+_APART, _ACROSS = 0.01, 0.1
 
 
 def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[YamlValue]]:
@@ -111,6 +113,34 @@ def measure_wheel_separations(model: Model, left: str, right: str) -> list[float
     separations = [abs(float((_locate_joint(model, left) - _locate_joint(model, right)) @ axis))]
     one, other = _compute_wheel_middles(model, left, axis), _compute_wheel_middles(model, right, axis)
     return [*separations, *(abs(a - b) for a, b in zip(one, other, strict=False))]
+
+
+def are_wheels_sideways(model: Model, left: Sequence[str], right: Sequence[str]) -> bool:
+    """Whether all wheels turn about axes across the line from the left ones to the right ones: they cannot turn the robot.
+
+    The line is that between the joints, and that between what the wheels collide as or draw: both must show it.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    import numpy as np
+
+    if not {*left, *right} <= model.axes.keys():
+        return False
+    axes = np.array([model.axes[name] for name in (*left, *right)])
+    places = [[[_locate_joint(model, name), *_locate_middles(model, name)] for name in side] for side in (left, right)]
+    lines = [
+        np.mean([place[k] for place in places[0]], axis=0) - np.mean([place[k] for place in places[1]], axis=0)
+        for k in range(min(len(place) for side in places for place in side))
+    ]
+    return all(
+        np.linalg.norm(line) > _APART and np.abs(axes @ line).max() < _ACROSS * np.linalg.norm(line) for line in lines
+    )
+
+
+def _locate_middles(model: Model, joint: str) -> list[Array]:
+    """Return the middles (3,) of what a wheel collides as and of what it draws, in root coordinates."""
+    placed = _place_link_points(model, model.joint_by_name[joint].child)
+    return [(points.min(axis=0) + points.max(axis=0)) / 2 for points in placed]
 
 
 def _compute_wheel_middles(model: Model, joint: str, axis: Array) -> list[float]:

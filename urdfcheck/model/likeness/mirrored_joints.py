@@ -32,6 +32,9 @@ _EXACT = 1e-9
 _DIGITS = 1e-6
 # From so many pairs of twins on, limits of which most differ in digits were measured on the machine.
 _MEASURED_PAIRS = 4
+# A joint that is out of place by a turn of its parent is as far from the parent's axis as its twin, to the digits (m) of a CAD
+# program; or, where both have the same coordinates in their parents, to this share of its displacement.
+_TURNED_EXACTLY, _TURNED_SHARE = 5e-6, 0.05
 _TURNING = frozenset({"revolute", "continuous"})
 # Pairs that must agree about the plane before a joint can be out of its place.
 WITNESSES = 2
@@ -50,6 +53,9 @@ class MismatchedLimit:
     """Whether it has the twin's range as it is."""
     agreeing_joints: tuple[str, ...]
     """Joints elsewhere that have the twin's limits, when enough do and none has this joint's."""
+    is_about_normal: bool
+    """Whether both axes are along the normal of the mirror plane, and the limits are those of the twin with their signs changed:
+    they would fit axes in the plane."""
 
     @property
     def max_difference(self) -> float:
@@ -114,7 +120,19 @@ def find_mismatched_limit(
         expected=expected,
         copied=copied,
         agreeing_joints=like[first_is_wrong] if decided else (),
+        is_about_normal=_is_about_normal(model, pair, twin) and _is_negated(_get_bounds(twin), _get_bounds(joint)),
     )
+
+
+def _is_about_normal(model: Model, pair: MirrorPair, joint: Joint) -> bool:
+    """Whether a joint turns about the normal of a pair's mirror plane."""
+    across = abs(float(pair.plane.normal @ model.axes[joint.name]))
+    return joint.type == "revolute" and across > math.cos(STRAIGHT)
+
+
+def _is_negated(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Whether one range is the other with its signs changed, digit for digit."""
+    return max(abs(one[0] + other[1]), abs(one[1] + other[0])) <= _DIGITS * (one[1] - one[0])
 
 
 def are_limits_measured(model: Model, pairs: Sequence[MirrorPair]) -> bool:
@@ -181,6 +199,8 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
         distance = 0.0
     sides = float(np.linalg.norm(model.frames[pair.one][:3, 3] - model.frames[pair.other][:3, 3]))
     displaced_by = distance if PLACE < distance < APART * sides else 0.0
+    if displaced_by and _is_turned_with_parent(model, pair, joints, distance=displaced_by):
+        return None
     is_slip = STRAIGHT < angle < ARRANGED or (angle > ARRANGED and _is_renamed(pair, joints))
     if is_slip and angle < _SLIGHT_TILT and _is_turn_taken_back(pair, known_pairs):
         is_slip = False
@@ -200,6 +220,27 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
         ),
         carries_mirrored=carries_mirrored,
     )
+
+
+def _is_turned_with_parent(model: Model, pair: MirrorPair, joints: tuple[Joint, Joint], *, distance: float) -> bool:
+    """Whether the second joint of a pair is where it should be apart from a turn about the axis of the joint before it: then the
+    zero of that joint differs, and the place in the part may be right. ``distance``: of the two places, m."""
+    before = [one for one in model.tree.find_path_to(joints[1].parent) if one.is_movable]
+    if not before or before[-1].type not in _TURNING or before[-1].name not in model.axes:
+        return False
+    axis, center = model.axes[before[-1].name], model.frames[before[-1].child][:3, 3]
+    image = pair.plane.reflect_points(model.frames[pair.one][:3, 3])
+    arms = [place - center for place in (model.frames[pair.other][:3, 3], image)]
+    along = [float(arm @ axis) for arm in arms]
+    radii = [float(np.linalg.norm(arm - part * axis)) for arm, part in zip(arms, along, strict=True)]
+    slack = _TURNED_SHARE * distance if _is_typed_alike(joints) else _TURNED_EXACTLY
+    return math.hypot(along[0] - along[1], radii[0] - radii[1]) < slack
+
+
+def _is_typed_alike(joints: tuple[Joint, Joint]) -> bool:
+    """Whether both origins have the same coordinates apart from signs: then the joints are in one place of their parents."""
+    one, other = (joint.origin.xyz for joint in joints)
+    return one is not None and other is not None and bool(np.abs(np.abs(one) - np.abs(other)).max() < _EXACT)
 
 
 def measure_axis_offset(model: Model, pair: MirrorPair) -> float:

@@ -138,6 +138,17 @@ def summarize_mass_matrix(model: Model) -> MassMatrixSummary | None:
     )
 
 
+def list_carried_links(model: Model, joint: Joint) -> list[str]:
+    """List the names of the links behind a joint, its child first.
+
+    :raises FactUnavailableError: when the links are not one tree.
+    """
+    carried = [joint.child]
+    for name in carried:
+        carried.extend(behind.child for behind in model.tree.child_joints[name])
+    return carried
+
+
 def read_damping(joint: Joint) -> float:
     """Read the viscous damping in N·m·s/rad or N·s/m; 0 where none is given."""
     return max(read_attribute_number(joint.element.find_child("dynamics"), "damping") or 0.0, 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from collections import deque
@@ -9,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from urdfcheck.source.package.file_kinds import is_model
-from urdfcheck.system.files import read_regular, record_reads
+from urdfcheck.system.files import read_regular, record_reads, walk
 
 # How many folders of one folder are looked into.
 MAX_SIBLINGS = 2_000
@@ -18,6 +19,9 @@ BUILD_FOLDERS = frozenset({"build", "install", "log"})
 IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
 # Packages that are left out are searched for so many levels below the marked folder.
 _LEVELS_LEFT_OUT = 4
+# Of a package, so many texts of at most so many bytes are read.
+_TEXTS = (".py", ".xml", ".launch", ".txt", ".in", ".dsv", ".sh", ".yaml", ".env")
+_MOST_TEXTS, _LARGEST_TEXT = 300, 300_000
 # The manifest of a package; rosbuild's has no name: there the folder's name is the package's.
 _MANIFESTS = frozenset({"package.xml", "manifest.xml"})
 _ROSBUILD = re.compile(r"<package[\s>]")
@@ -143,3 +147,22 @@ def _is_folder(entry: os.DirEntry[str]) -> bool:
         return entry.is_dir()
     except OSError:  # a circular link is not a folder, and does not hide the others
         return False
+
+
+def read_package_texts(folder: Path, allows: Callable[[Path], bool], *, deep: bool = True) -> Iterator[str]:
+    """Yield the texts of a package that say what it is used with: its manifest, build files, launch files, scripts and hooks.
+
+    ``allows``: whether a path may be opened; ``deep``: whether the folders in it are read too.
+    """
+    for path in itertools.islice(_iter_texts(folder, deep=deep), _MOST_TEXTS) if allows(folder) else ():
+        try:
+            if allows(path):
+                yield read_regular(path, _LARGEST_TEXT).decode("utf-8", "replace")
+        except OSError:
+            continue
+
+
+def _iter_texts(folder: Path, *, deep: bool) -> Iterator[Path]:
+    for here, inner, names in walk(folder):
+        inner[:] = sorted(name for name in inner if deep and not name.startswith(".") and name not in BUILD_FOLDERS)
+        yield from (Path(here, name) for name in sorted(names) if name.endswith(_TEXTS))

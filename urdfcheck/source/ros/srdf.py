@@ -12,7 +12,7 @@ from pathlib import Path
 
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.file_kinds import is_model, is_srdf, is_xacro
+from urdfcheck.source.package.file_kinds import SRDF_SUFFIXES, is_model, is_xacro
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.ros.yaml_files import read_located_yaml
@@ -307,7 +307,10 @@ def _find_srdfs_below(folder: Path) -> Iterator[Path]:
 
 def _list_srdfs(folder: Path) -> Iterator[Path]:
     """Yield the semantic descriptions directly in a folder."""
-    yield from (folder / name for name in _list_names(folder) if is_srdf(folder / name) and (folder / name).is_file())
+    names = (
+        name for name in _list_names(folder) if name.lower().endswith(SRDF_SUFFIXES)
+    )  # a path for each takes longer
+    yield from (path for name in names if (path := folder / name).is_file())
 
 
 def _list_names(folder: Path) -> list[str]:

@@ -43,7 +43,7 @@ _MOST_RADII = 4.0
 _SAME_ANGLE, _SAME_PLACE = 0.02, 2e-3
 # Two bores are as far beside their axes within this distance (m).
 _SAME_OFFSET = 1e-3
-# A bore may be that of another joint whose origin is so near (m): the second jaw of a gripper.
+# A bore may be that of another joint of other bodies whose origin is so near (m): the second jaw of a gripper.
 _NEIGHBOUR = 0.1
 # A tilted axis is off by so many degrees: less is a mesh that is drawn askew. One along another coordinate is off by more.
 _TILTED = (2.0, 30.0)
@@ -238,13 +238,15 @@ def _find_fit(bores: Sequence[Ring], hubs: Sequence[Ring]) -> tuple[Ring, Ring] 
 
 
 def _iter_near_axes(model: Model, joint: Joint) -> Iterator[tuple[Array, Array]]:
-    """Yield place and direction of the axes of other joints near a joint."""
-    place = model.frames[joint.child][:3, 3]
+    """Yield place and direction of the axes of other joints near a joint, and of those that its two bodies turn about: a part
+    of a wrist is round about the axis before it, however far away that joint's origin is."""
+    place, tree = model.frames[joint.child][:3, 3], model.tree
+    bodies = {name for end in (joint.parent, joint.child) for name in tree.list_body_links(end)}
     for other in model.joints:
         if other is joint or other.name not in model.axes or not other.is_movable:
             continue
         at = model.frames[other.child][:3, 3]
-        if np.linalg.norm(at - place) < _NEIGHBOUR:
+        if not bodies.isdisjoint((other.parent, other.child)) or np.linalg.norm(at - place) < _NEIGHBOUR:
             yield at, model.axes[other.name]
 
 

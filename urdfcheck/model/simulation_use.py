@@ -1,0 +1,59 @@
+"""Whether a robot is simulated, as far as its own files show."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from urdfcheck.model.fact import fact
+from urdfcheck.model.robot import Model
+from urdfcheck.source.package.package_folders import read_package_texts
+from urdfcheck.source.ros.srdf import has_dependency
+from urdfcheck.source.text.xml import Element
+
+# Elements of a robot that only simulators read.
+_ELEMENTS = ("gazebo", "mujoco")
+# Hardware of ros2_control that a simulator provides.
+_HARDWARE = re.compile(r"gazebo|gz_|ign_|mujoco|isaac", re.IGNORECASE)
+# Packages, plugins and programs of simulators, as manifests, launch files and scripts name them.
+_SIMULATOR = re.compile(
+    r"gazebo_ros|gazebo_plugins|gazebo_msgs|ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control|gzserver"
+    r"|mujoco|pybullet|pydrake|isaac(?:sim|lab|gym|_)|webots|coppelia|raisim",
+    re.IGNORECASE,
+)
+_REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
+
+
+def is_simulated_hardware(control: Element) -> bool:
+    """Whether a simulator provides the hardware of a ``<ros2_control>`` block."""
+    return any(_HARDWARE.search(element.text) for element in control.walk() if element.tag == "plugin")
+
+
+@fact
+def is_simulated(model: Model) -> bool:
+    """Whether the robot has elements for a simulator, or a file of the model's package, or of a package that depends on it,
+    names one."""
+    if any(model.robot.find_child(tag) is not None for tag in _ELEMENTS):
+        return True
+    if any(map(is_simulated_hardware, model.robot.find_children("ros2_control"))):
+        return True
+    return any(_SIMULATOR.search(_drop_comments(text)) for text in _read_project_texts(model))
+
+
+def _read_project_texts(model: Model) -> Iterator[str]:
+    """Yield the texts of the model's package and of those that depend on it; without a package, those beside the model."""
+    finder, package = model.source.finder, model.source.package
+    if package is None:
+        yield from read_package_texts(model.source.path.absolute().parent, finder.can_open, deep=False)
+        return
+    yield from read_package_texts(package.path, finder.can_open)
+    for name, folder in sorted(finder.list_workspace_packages().items()):
+        if folder != package.path and has_dependency(folder, package.name):
+            finder.find(name)  # then it counts as found, and its files are in reach
+            yield from read_package_texts(folder, finder.can_open)
+
+
+def _drop_comments(text: str) -> str:
+    """Leave out comments: generated manifests mention Gazebo in theirs."""
+    head, *rest = text.split("<!--")
+    return _REMARK.sub("", head + "".join(piece.partition("-->")[2] for piece in rest))
