@@ -164,3 +164,15 @@ def test_without_scripts_the_index_is_whole(address: str, browser: Any) -> None:
     page.goto(f"{address}/rules/?words=triangle")
     assert page.locator(".rule-table tbody tr:visible").count() == len(load_rules())
     assert not page.locator(".rule-filter").is_visible()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_text_can_be_read(address: str, browser: Any, scheme: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    page = browser.new_page(color_scheme=scheme)
+    page.route("**/sample/*", lambda route: route.abort())  # the report has tests of its own
+    for place in ("/", "/rules/?words=wheel", "/rules/INR003/"):
+        page.goto(f"{address}{place}")
+        asked = {"runOnly": ["color-contrast", "link-in-text-block", "empty-table-header"], "iframes": False}
+        found = axe.Axe().run(page, options=asked).response["violations"]
+        assert not [(place, rule["id"], node["html"]) for rule in found for node in rule["nodes"]]

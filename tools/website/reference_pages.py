@@ -135,7 +135,7 @@ def _render_object(schema: dict[str, Any], file: str) -> str:
         note = "" if name in schema.get("required", ()) else " (optional)"
         meaning = _escape_cell(part.get("description", ""))
         rows.append(f"| `{name}`{note} | {_describe_type(part, file)} | {meaning} |")
-    return "\n".join((text, "", "| key | value | |", "|---|---|---|", *rows)).strip("\n") + "\n"
+    return "\n".join((text, "", "| key | value | meaning |", "|---|---|---|", *rows)).strip("\n") + "\n"
 
 
 def _describe_type(schema: dict[str, Any], file: str) -> str:

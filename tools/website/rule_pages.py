@@ -148,7 +148,7 @@ def _render_programs(rule: Rule) -> str:
             for name, sentence in sentences.items()
         ]
         heading = f"For “{_format_template(rule.headlines[message])}”:\n\n" if message else ""
-        tables.append(heading + _render_table(("program", "", "what happens"), rows))
+        tables.append(heading + _render_table(("program", "verdict", "what happens"), rows))
     return "## What each program does\n\n" + "\n\n".join(tables) if tables else ""
 
 
