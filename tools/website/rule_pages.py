@@ -143,18 +143,18 @@ def escape_markdown(text: str) -> str:
 def _render_programs(rule: Rule) -> str:
     tables = []
     for message, sentences in _iter_tables(rule):
-        rows = [
-            (f"**{name}**", _render_verdict(sentence), _format_template(sentence))
-            for name, sentence in sentences.items()
-        ]
+        rows = [(f"**{name}**", _render_sentence(sentence)) for name, sentence in sentences.items()]
         heading = f"For “{_format_template(rule.headlines[message])}”:\n\n" if message else ""
-        tables.append(heading + _render_table(("program", "verdict", "what happens"), rows))
+        tables.append(heading + _render_table(("program", "what happens"), rows))
     return "## What each program does\n\n" + "\n\n".join(tables) if tables else ""
 
 
-def _render_verdict(sentence: str) -> str:
+def _render_sentence(sentence: str) -> str:
+    """Return a sentence about a program with its first word, the verdict, as the index shows it."""
     word = _name_outcome(sentence)
-    return "" if word == AFFECTED else render_outcome(word)
+    if not sentence.startswith(word):  # no verdict, or in another tense
+        return _format_template(sentence)
+    return render_outcome(word) + _format_template(sentence[len(word) :])
 
 
 def _iter_tables(rule: Rule) -> Iterator[tuple[str, Mapping[str, str]]]:
