@@ -325,6 +325,11 @@ def test_the_action_compares_a_pull_request_with_its_base(
     assert Path(runner.output("comment")).read_text(encoding="utf-8").startswith("<!-- urdfcheck diff -->\n")
     assert Path(runner.output("html")).name == "urdfcheck-diff.html"
     assert Path(runner.output("png")).name == "urdfcheck-diff.png"
+    runner.known["steps.picture-artifact.outputs.artifact-url"] = "https://example.org/2"
+    assert runner.run("Where the comparison is", folder).returncode == 0
+    summary = runner.summary.read_text(encoding="utf-8")
+    assert summary.endswith("\nThe picture of both versions is [an artifact of this run](https://example.org/2).\n")
+    assert "in 3D" not in summary
     assert runner.result(folder) == 1
     runner.known[ACCEPTED] = "true"
     assert runner.result(folder) == 0
@@ -448,9 +453,13 @@ def test_the_comment_is_written_once_and_then_renewed(
         assert renew("same", "identical") == "comment not written: the robots are the same"
         assert renew("one") == "comment written"
         runner.known["steps.diff-artifact.outputs.artifact-url"] = "https://example.org/1"
+        runner.known["steps.picture-artifact.outputs.artifact-url"] = "https://example.org/2"
         assert renew("two", "identical") == "comment renewed"
         assert len(Comments.kept) == 101
-        assert Comments.kept[100]["body"].startswith("<!-- urdfcheck diff -->\ntwo\n\nBoth versions in 3D: ")
+        assert Comments.kept[100]["body"] == (
+            "<!-- urdfcheck diff -->\ntwo\n\nBoth versions [in 3D](https://example.org/1) and "
+            "[as a picture](https://example.org/2): artifacts of the run.\n"
+        )
         assert "(https://example.org/1)" in Comments.kept[100]["body"]
         assert {body["body"] for body in Comments.kept[:100]} == {"<!-- urdfcheck diff -->"}
         assert {path.partition("?")[0] for _, path in Comments.asked} == {
@@ -474,12 +483,13 @@ def test_the_comment_is_written_once_and_then_renewed(
 def test_the_gitlab_job_writes_its_reports(tmp_path: Path, commands: Path, checkout: Path) -> None:
     (checkout / "a.urdf").write_text(BROKEN)
     (checkout / "urdfcheck.toml").write_text('fail-on = "never"')
-    job = yaml.safe_load(GITLAB.read_text(encoding="utf-8"))["urdfcheck"]
+    template = yaml.safe_load(GITLAB.read_text(encoding="utf-8"))
+    job = template["urdfcheck"]
     shutil.copytree(commands.parent, tmp_path / "own/python")
     script = "set -e\n" + "\n".join(job["script"])
 
     def run(source: str, **variables: str) -> int:
-        environment = {**os.environ, **job["variables"], "own": str(tmp_path / "own"), **variables}
+        environment = {**os.environ, **template["variables"], "own": str(tmp_path / "own"), **variables}
         environment["CI_PIPELINE_SOURCE"] = source
         return subprocess.run(["sh", "-c", script], cwd=checkout, env=environment, capture_output=True).returncode
 
@@ -494,6 +504,50 @@ def test_the_gitlab_job_writes_its_reports(tmp_path: Path, commands: Path, check
     )
     assert run("push") == 0
     assert run("external_pull_request_event") == 1
+
+
+@pytest.mark.parametrize("is_merged", [True, False])
+def test_the_gitlab_job_compares_a_merge_request_and_a_label_accepts_it(
+    tmp_path: Path, commands: Path, merged: tuple[Path, str], *, is_merged: bool
+) -> None:
+    """In a pipeline of merged results, and in one of the source branch."""
+    folder, head = merged
+    template = yaml.safe_load(GITLAB.read_text(encoding="utf-8"))
+    job = template["urdfcheck-diff"]
+    # A variable of the job would hide that of the file that includes it.
+    assert not {name for name in job.get("variables", {}) if name.startswith("URDFCHECK")}
+    shutil.copytree(commands.parent, tmp_path / "own/python")
+
+    def git(*words: str) -> str:
+        return subprocess.run(["git", *words], cwd=folder, check=True, capture_output=True, text=True).stdout.strip()
+
+    event = {"CI_MERGE_REQUEST_DIFF_BASE_SHA": git("merge-base", "main", head)}
+    if is_merged:
+        event["CI_MERGE_REQUEST_TARGET_BRANCH_SHA"] = git("rev-parse", "main")
+    else:
+        git("switch", "-q", "feature")
+
+    def run(labels: str, options: str) -> tuple[int, str]:
+        own = {"own": str(tmp_path / "own"), "CI_PIPELINE_SOURCE": "merge_request_event"}
+        given = {"CI_MERGE_REQUEST_LABELS": labels, "URDFCHECK_DIFF_OPTIONS": f"{QUICK} {options}"}
+        done = subprocess.run(
+            ["sh", "-c", "set -e\n" + "\n".join(job["script"])],
+            cwd=folder,
+            env={**os.environ, **template["variables"], **own, **event, **given},
+            capture_output=True,
+            text=True,
+        )
+        return done.returncode, done.stdout
+
+    code, said = run("bug", "--fail-on kinematic")
+    assert code == 1
+    assert said.startswith("tool0 moves by 41 mm")
+    assert all((folder / name).stat().st_size for name in job["artifacts"]["paths"])
+    assert run("bug,urdfcheck: accepted,docs", "--fail-on kinematic")[0] == 0
+    assert run("not urdfcheck: accepted", "--fail-on kinematic")[0] == 1
+    assert run("", "--fail-on limits")[0] == 0
+    # A label accepts a change, and not a version that could not be read.
+    assert run("urdfcheck: accepted", "--fail-on nonsense")[0] == 2
 
 
 def test_the_jenkins_step_fails_for_what_could_not_be_checked_only(commands: Path, checkout: Path) -> None:

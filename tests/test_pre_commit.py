@@ -40,7 +40,7 @@ def hooks(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("hooks")
     manifest = (REPOSITORY / ".pre-commit-hooks.yaml").read_text()
     manifest = manifest.replace("language: python", "language: system")
-    assert manifest.count("entry: python -I") == 2
+    assert manifest.count("entry: python -I") == 3
     manifest = manifest.replace("entry: python", f"entry: {sys.executable}")
     (folder / ".pre-commit-hooks.yaml").write_text(manifest)
     git("init", "-q", cwd=folder)
@@ -58,9 +58,12 @@ def user(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def try_repo(hooks: Path, user: Path, hook: str, *files: str) -> subprocess.CompletedProcess[str]:
+def try_repo(
+    hooks: Path, user: Path, hook: str, *files: str, stage: str = "pre-commit"
+) -> subprocess.CompletedProcess[str]:
+    words = ["try-repo", str(hooks), hook, "--hook-stage", stage, "--verbose", "--files", *files]
     return subprocess.run(
-        [sys.executable, "-m", "pre_commit", "try-repo", str(hooks), hook, "--verbose", "--files", *files],
+        [sys.executable, "-m", "pre_commit", *words],
         cwd=user,
         capture_output=True,
         text=True,
@@ -125,6 +128,19 @@ def test_the_second_hook_starts_for_what_models_are_made_of_and_nothing_else() -
         assert starts.search(name), name
     for name in ("README.md", "docker-compose.yaml", ".github/workflows/ci.yml", "mypackage.xml", "a.stl.orig"):
         assert not starts.search(name), name
+
+
+def test_what_is_pushed_is_compared_and_stops_nothing(hooks: Path, user: Path, tmp_path: Path) -> None:
+    git("commit", "-qm", "x", cwd=user)
+    git("clone", "-q", str(user), str(tmp_path / "clone"), cwd=tmp_path)
+    path = tmp_path / "clone/car-3/urdf/car-3.urdf"
+    text = path.read_text()
+    path.write_text(text.replace('izz="0.00169173411179082"', 'izz="0.169173411179082"'))
+    git("commit", "-qam", "y", cwd=tmp_path / "clone")
+    done = try_repo(hooks, tmp_path / "clone", "urdfcheck-diff", "car-3/urdf/car-3.urdf", stage="pre-push")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "kinematically identical" in done.stdout
+    assert "+ HEAD:car-3/urdf/car-3.urdf:" in done.stdout
 
 
 def test_other_files_do_not_start_the_hook(hooks: Path, user: Path) -> None:

@@ -1,7 +1,8 @@
 """Writes the comment about a change on its pull request, or renews the one that is there: a step of action.yml.
 
 Standard library only, and no failure: a comment that cannot be written is a notice, because the summary of the job says the same.
-The environment gives API, REPOSITORY, NUMBER, TOKEN, COMMENT (a file), VERDICT and URL (of the page, if it is an artifact).
+The environment gives API, REPOSITORY, NUMBER, TOKEN, COMMENT (a file), VERDICT, and URL and PICTURE (the artifacts with the page
+and the picture, where there are any). A comment shows no picture that only readers of the repository may fetch: it has the link.
 """
 
 from __future__ import annotations
@@ -69,8 +70,9 @@ def renew_comment() -> str:
     """Write or renew the comment, and return what was done."""
     number = str(int(os.environ["NUMBER"]))
     text = Path(os.environ["COMMENT"]).read_text(encoding="utf-8")
-    if url := os.environ.get("URL"):
-        text = f"{text}\nBoth versions in 3D: [the page of this comparison]({url}), an artifact of the run.\n"
+    places = [("in 3D", os.environ.get("URL")), ("as a picture", os.environ.get("PICTURE"))]
+    if links := [f"[{name}]({url})" for name, url in places if url]:
+        text = f"{text}\nBoth versions {' and '.join(links)}: artifacts of the run.\n"
     known = find_comment(number)
     if known is not None:
         call("PATCH", f"issues/comments/{known}", {"body": text})

@@ -67,6 +67,12 @@ export interface Finding {
   before?: string[];
   /** The joint positions at which it is seen best. */
   pose?: Record<string, number>;
+  /** Whether it is seen best beside all of the robot. */
+  whole?: boolean;
+  /** Whether it is inside of the parts it is about: only what collides is solid then. */
+  inside?: boolean;
+  /** Whether only the first of two versions has it. */
+  gone?: boolean;
 }
 
 export interface ModelData {

@@ -67,6 +67,8 @@ class Viewer {
   private hovered: string | null = null;
   /** Whether the joints are where a selection wants them. */
   private posedForSelection = false;
+  /** What is shown again, from before (0) to after (1), when what only the first version has is no longer selected. */
+  private partForNext: number | null = null;
 
   constructor(private readonly section: HTMLElement, private readonly data: StageData, geometry: Uint8Array) {
     const part = (name: string) => section.querySelector<HTMLElement>(`.uc-${name}`)!;
@@ -125,6 +127,7 @@ class Viewer {
 
   private open(index: number): void {
     if (this.shown) {
+      this.turn(false);
       this.shown.repair.show(null);
       this.shown.robot.root.removeFromParent();
       this.shown.versions?.before.root.removeFromParent();
@@ -181,7 +184,7 @@ class Viewer {
   private get subjectsBefore(): Set<string> | null {
     const { versions } = this.shown;
     if (!versions || !this.selection) return null;
-    if (this.finding?.pose) return null;
+    if (this.finding?.whole) return null;
     const own = this.finding?.before?.filter(Boolean) ?? [...(this.subjects ?? [])].map((name) => versions.nameBefore(name));
     return own.length || this.subjects ? new Set(own) : null;
   }
@@ -189,7 +192,7 @@ class Viewer {
   /** Those that stay solid: the subjects, and what a joint hangs on where that helps to see it. */
   private lit(subjects: Set<string> | null): Set<string> | null {
     // How far a part moves is seen beside all that does not.
-    if (this.finding?.pose) return null;
+    if (this.finding?.whole) return null;
     // What is only in the first version stands out from all of the second.
     if (!subjects) return this.subjectsBefore ? new Set() : null;
     const lit = new Set(subjects);
@@ -211,6 +214,7 @@ class Viewer {
       // Of two versions those of the one that is chosen.
       collision: collision && (versions?.isAfter ?? true),
       lit: this.lit(subjects),
+      sheer: collision && this.finding?.inside === true,
       // Two versions and a repair have lines of their own, and after a repair there is nothing to warn of.
       outline: (name, own) => {
         if (!this.outlined || versions || repair.frames.size || repair.isAfter) return "";
@@ -277,6 +281,16 @@ class Viewer {
     this.posedForSelection = pose !== undefined;
     this.panel.refresh(true);
     this.posed();
+  }
+
+  /** Chooses the first of two versions for what only that has, or takes this back. */
+  private turn(isGone: boolean): void {
+    const { versions } = this.shown;
+    if (!versions || (!isGone && this.partForNext === null)) return;
+    this.compare.stop();
+    const kept = this.partForNext ?? versions.part;
+    this.partForNext = isGone ? kept : null;
+    versions.place(isGone ? 0 : kept);
   }
 
   private suggest(): Vector3[] {
@@ -373,6 +387,7 @@ class Viewer {
     const { offered, layers } = this.shown;
     const asked: Layer[] = this.finding?.layers ?? (selection.joint !== undefined ? ["axes", "frames"] : ["frames"]);
     this.asked = new Set(asked.filter((layer) => offered.has(layer) && !layers.has(layer)));
+    this.turn(this.finding?.gone === true);
     this.assume(this.finding?.pose);
     const points = this.suggest();
     const subjects = [...(this.subjects ?? [])];
@@ -387,7 +402,7 @@ class Viewer {
     const flat = Math.hypot(direction.x, direction.y) || 1;
     const side = Math.sqrt(1 - level * level) / flat;
     const from = new Vector3(direction.x * side, direction.y * side, level);
-    const isWhole = this.finding?.pose !== undefined;
+    const isWhole = this.finding?.whole === true;
     const box = isWhole ? this.boundsNow() : this.boundsOf(subjects, points);
     this.stage.touched = false;
     this.aim = () => this.stage.around(box, from, isWhole ? ROOM : CLOSE);
@@ -399,6 +414,7 @@ class Viewer {
     this.selection = null;
     this.finding = null;
     this.asked.clear();
+    this.turn(false);
     this.assume(undefined);
     this.suggest();
     document.body.dataset.selected = "";

@@ -49,6 +49,8 @@ export interface Look {
   collision: boolean;
   /** Links that stay solid while the others are ghosts; null when nothing is selected. */
   lit: Set<string> | null;
+  /** Whether the drawn shapes of solid links are ghosts too, so that their collision shapes show. */
+  sheer: boolean;
   /** What the outline of a link says, which has this severity of its own; of the selected links only, where any are. */
   outline(name: string, own: Severity): Severity;
   hovered: string | null;
@@ -260,11 +262,12 @@ export class Robot {
       const hovered = look.hovered === name;
       const said = look.outline(name, severity);
       const line = said === "error" || said === "warning" ? said : null;
+      const sheer = ghost || look.sheer;
       for (const part of link.bodies) {
         part.mesh.visible = look.visual;
-        part.depth.visible = look.visual && ghost;
-        part.mesh.material = ghost ? shared.ghost : part.own;
-        part.mesh.renderOrder = ghost ? ORDER.ghost : 0;
+        part.depth.visible = look.visual && sheer;
+        part.mesh.material = sheer ? shared.ghost : part.own;
+        part.mesh.renderOrder = sheer ? ORDER.ghost : 0;
         const tone = hovered ? TONES[severity] : null;
         part.own.color.copy(toned(part.base, tone));
         edge(part.own, theme, tone);

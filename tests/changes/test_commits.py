@@ -576,6 +576,12 @@ def test_no_repository_no_commit_and_no_git(tmp_path: Path) -> None:
     done = command("diff", *QUICK, cwd=tmp_path)
     assert done.returncode == FAILED
     assert "HEAD: there is no such revision (the repository has no commit yet)" in done.stderr
+    (tmp_path / "a.urdf").write_text(ARM)
+    git(tmp_path, "add", ".")
+    git(tmp_path, "commit", "-qm", "x")
+    done = command("diff", "origin/HEAD...HEAD", *QUICK, cwd=tmp_path)
+    assert done.returncode == FAILED
+    assert "origin/HEAD: there is no such revision (git remote set-head origin --auto makes it)" in done.stderr
     done = command("diff", *QUICK, cwd=tmp_path, PATH=os.path.join(tmp_path, "nowhere"))
     assert done.returncode == FAILED
     assert "git is not installed" in done.stderr

@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from changes.test_seams import FILES, compare_packages, write_package
 from conftest import command
 from versions import ARM, compare
 
@@ -25,7 +26,7 @@ def render(folder: Path, before: str, after: str) -> list[str]:
 
 def test_each_cause_is_annotated_at_its_new_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    first, second, third, last = render(
+    first, second, third, fourth, last = render(
         tmp_path,
         ARM,
         LONGER.replace('effort="40"', 'effort="50"').replace("<mu1>0.8</mu1>", "<mu1>0.9</mu1>"),
@@ -36,10 +37,62 @@ def test_each_cause_is_annotated_at_its_new_line(tmp_path: Path, monkeypatch: py
     )
     assert second.startswith("::warning file=new/arm.urdf,")
     assert "effort limit 40 → 50 N·m" in second
+    # Only the joint that moved can have parted the hand from what it hangs on.
+    assert third.startswith(
+        f"::notice file=new/arm.urdf,line={LINE},endLine={LINE},title=what follows for the robot%3A "
+    )
+    assert "::the neighbours link fore and link hand no longer collide (" in third
     # What no robot feels is a notice.
-    assert third.startswith("::notice file=new/arm.urdf,")
-    assert "gazebo[hand]" in third
+    assert fourth.startswith("::notice file=new/arm.urdf,")
+    assert "gazebo[hand]" in fourth
     assert last.startswith("tool0 moves by 41 mm in every configuration; findings: ")
+
+
+def test_links_that_collide_now_are_a_warning_at_what_brings_them_together(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    wide = ARM.replace('lower="-0.03" upper="0.01"', 'lower="-0.036" upper="0.01"')
+    number = next(n for n, line in enumerate(wide.splitlines(), 1) if 'lower="-0.036"' in line)
+    first, *_ = render(tmp_path, ARM, wide)
+    assert first.startswith(
+        f"::warning file=new/arm.urdf,line={number},endLine={number},title=links collide now::"
+        "link left and link right collide now (in "
+    )
+
+
+def test_neighbours_that_overlap_now_are_a_notice(tmp_path: Path) -> None:
+    """The hand has 30 mm of its box in the forearm, as in many a robot."""
+    lines = render(tmp_path, LONGER, ARM)
+    (line,) = (line for line in lines if "collide now" in line)
+    assert line.startswith("::notice ")
+    assert "the neighbours link fore and link hand collide now" in line
+    assert "pair" not in lines[-1]
+
+
+def test_of_two_possible_causes_none_is_accused(tmp_path: Path) -> None:
+    wide = LONGER.replace('lower="-0.03" upper="0.01"', 'lower="-0.036" upper="0.01"')
+    first, *_ = render(tmp_path, ARM, wide)
+    assert first.startswith("::warning title=links collide now::link left and link right collide now (in ")
+
+
+def test_a_statement_with_an_old_name_is_a_warning_and_any_other_a_notice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    model = "urdf/arm.urdf.xacro"
+    renamed = FILES[model].replace('"left"', '"finger"').replace('default="finger"', 'default="left"')
+    default = FILES["launch/arm.launch"].replace('default="true"', 'default="false"')
+    new = write_package(Path("new"), **{model: renamed, "launch/arm.launch": default})
+    lines = github.render(compare_packages(write_package(Path("old")), new)).splitlines()
+    assert (
+        "::warning file=new/config/arm.srdf,line=10,endLine=10,title=still uses the old name::"
+        "disabled pair hand and left: link left is called finger now"
+    ) in lines
+    assert (
+        "::notice file=new/launch/arm.launch,line=2,endLine=2,title=changes around the robot%3A launch::"
+        "argument gui changes: default 'true' → default 'false'"
+    ) in lines
 
 
 def test_what_was_removed_has_no_line_to_stand_at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -61,7 +114,10 @@ def test_a_name_cannot_begin_a_command(tmp_path: Path) -> None:
     name = "w%0A::error::x,y:z"
     lines = render(tmp_path, ARM.replace('"wrist"', f'"{name}"'), LONGER.replace('"wrist"', f'"{name}"'))
     assert [line for line in lines if line.startswith("::")] == lines[:-1]
-    assert all(line.startswith("::warning file=") and "%250A" in line for line in lines[:-1])
+    warned, noticed = lines[0], lines[1:-1]
+    assert warned.startswith("::warning file=")
+    assert "%250A" in warned
+    assert all(line.startswith("::notice file=") for line in noticed)
 
 
 @pytest.mark.slow

@@ -7,14 +7,17 @@ import hashlib
 import json
 import re
 import zlib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from changes.test_seams import FILES, compare_packages, write_package
 from output.documents import Document, read
 from versions import ARM, compare
 
-from urdfcheck.core.model_diff import Diff
+from urdfcheck.changes.effect_wording import describe_effect
+from urdfcheck.core.model_diff import Diff, MechanismEffect
 from urdfcheck.output.changes import html, render_picture
 
 LONGER = ARM.replace('<origin xyz="0.3 0 0" rpy="0 0 0"/>', '<origin xyz="0.341 0 0" rpy="0 0 0"/>')
@@ -86,6 +89,82 @@ def test_rows_of_the_page_are_what_the_view_can_show(tmp_path: Path) -> None:
     assert {link["name"] for link in model["before"]["links"]} - {link["name"] for link in model["links"]} == {"camera"}
     # Both versions share the meshes and stand in one list.
     assert model["before"]["findings"] == []
+
+
+def test_a_collision_leads_to_the_pair_where_it_is_deepest(tmp_path: Path) -> None:
+    """The fingers overlap now where the hand is closed; the way back, they no longer do, which only the first version shows."""
+    wide = ARM.replace('lower="-0.03" upper="0.01"', 'lower="-0.036" upper="0.01"')
+    for name, texts, is_gone in (("there", (ARM, wide), False), ("back", (wide, ARM), True)):
+        (tmp_path / name).mkdir()
+        found = read_page(compare_texts(tmp_path / name, *texts))
+        (model,) = read_data(found)["models"]
+        (entry,) = [entry for entry in model["findings"] if entry["code"] == "collision"]
+        assert sorted(entry["links"]) == sorted(entry["before"]) == ["left", "right"]
+        assert entry["pose"] == pytest.approx({"grip": -0.036, "grip_mirror": 0.036})
+        assert (entry["layers"], entry["inside"], entry.get("gone", False)) == (["collision"], True, is_gone)
+        assert entry["id"] in {row["id"] for row in found.classes("entry")}
+        verb = "no longer collide (before in" if is_gone else "collide now (in"
+        assert f"link left and link right {verb}" in found.text
+
+
+def test_an_inertia_and_a_stance_are_rows_too(tmp_path: Path) -> None:
+    heavier = compare_texts(tmp_path, ARM, ARM.replace('ixx="0.0006"', 'ixx="0.0012"'))
+    (model,) = heavier.models
+    assert model.mechanism is not None
+    fall = MechanismEffect(
+        kind="stability", id="falls", subject="link[base]", numbers={"margin_before": 0.1, "margin_after": -0.02}
+    )
+    fallen = replace(model.mechanism, effects=(*model.mechanism.effects, fall))
+    texts = (*model.effects, describe_effect(fall))
+    found = read_page(replace(heavier, models=(replace(model, mechanism=fallen, effects=texts),)))
+    (drawn,) = read_data(found)["models"]
+    entries = {entry["id"]: entry for entry in drawn["findings"]}
+    assert {row["id"] for row in found.classes("entry")} == set(entries)
+    assert (entries["m1-e0"]["code"], entries["m1-e0"]["joints"]) == ("inertia", ["wrist"])
+    stance = entries[f"m1-e{len(texts) - 1}"]
+    assert (stance["links"], stance["layers"]) == ([], ["ground", "com"])
+    assert "joint wrist accelerates" in found.text
+    assert "the robot falls over now: its COM is 20 mm outside its supports" in found.text
+
+
+def test_what_changes_around_the_robot_has_its_places_in_both_versions(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    state, default = ('value="0.5"', 'value="0.7"'), ('default="true"', 'default="false"')
+    old = write_package(Path("old"))
+    new = write_package(
+        Path("new"),
+        **{
+            "config/arm.srdf": "\n" + FILES["config/arm.srdf"].replace(*state),
+            "launch/arm.launch": FILES["launch/arm.launch"].replace(*default),
+        },
+    )
+    found = read_page(compare_packages(old, new, scene=True))
+    around = found.text.split("Around the robot")[-1]
+    assert "joint elbow in state home of group arm changes: 0.5 → 0.7arm.srdf:7 → arm.srdf:8" in around
+    assert "argument gui changes: default 'true' → default 'false'" in around
+    assert [a["title"] for t, a in found.tags if t == "code" and "srdf" in a.get("title", "")] == [
+        "old/config/arm.srdf:7:5",
+        "new/config/arm.srdf:8:5",
+    ]
+    assert {"href": "#around"} in found.all("a")
+    assert "2 changes around the robot" in found.text
+
+
+def test_edits_that_make_no_part_of_the_robot_are_listed(tmp_path: Path) -> None:
+    choice = """<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:if value="0">
+    <link name="lamp"/>
+  </xacro:if>"""
+    before = ARM.replace('<robot name="arm">', choice)
+    for side, text in (("old", before), ("new", before.replace('"lamp"', '"light"'))):
+        (tmp_path / side).mkdir()
+        (tmp_path / side / "arm.urdf.xacro").write_text(text, encoding="utf-8")
+    found = read_page(compare(tmp_path / "old", tmp_path / "new", scene=True))
+    assert "Edited lines that make no part of this robot 2arm.urdf.xacro:3 " in found.text
+    assert '<link name="light"/>' in found.text
+    assert {"href": "#m1-idle"} in found.all("a")
 
 
 def test_a_renamed_part_keeps_its_place_in_the_view(tmp_path: Path) -> None:

@@ -107,6 +107,19 @@ def test_a_row_shows_its_part_and_the_worst_configuration_is_one_click_away(page
     assert place(page, "tool0") == neutral
 
 
+def test_a_pair_that_collides_no_longer_is_shown_in_the_version_where_it_did(page: Any) -> None:
+    page.keyboard.press("Escape")
+    neutral = place(page, "left")
+    page.locator(".entry", has_text="no longer collide").locator(".in-3d").first.click()
+    assert page.evaluate("urdfcheck.part()") == 0
+    assert page.locator(".uc-legend").inner_text().splitlines()[-1] == "Collision shapes"
+    page.keyboard.press("Escape")
+    # The version, the joints and the layers are back.
+    assert page.evaluate("urdfcheck.part()") == 1
+    assert place(page, "left") == neutral
+    assert "Collision shapes" not in page.locator(".uc-legend").inner_text()
+
+
 def test_a_click_on_a_part_finds_its_rows(page: Any) -> None:
     page.keyboard.press("Escape")
     page.locator(".uc-view button[data-view='iso']").click()

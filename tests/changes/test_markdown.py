@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,8 +11,8 @@ from conftest import command
 from versions import ARM, compare
 
 from urdfcheck.cli import OK
-from urdfcheck.core.model_diff import Diff
-from urdfcheck.output.changes import markdown
+from urdfcheck.core.model_diff import Diff, SeamChange
+from urdfcheck.output.changes import html, markdown
 from urdfcheck.output.changes.text import render as render_text
 
 LONGER = ARM.replace('<origin xyz="0.3 0 0" rpy="0 0 0"/>', '<origin xyz="0.341 0 0" rpy="0 0 0"/>')
@@ -18,7 +20,7 @@ LONGER = ARM.replace('<origin xyz="0.3 0 0" rpy="0 0 0"/>', '<origin xyz="0.341 
 
 def compare_texts(folder: Path, before: str, after: str) -> Diff:
     for side, text in (("old", before), ("new", after)):
-        (folder / side).mkdir()
+        (folder / side).mkdir(parents=True)
         (folder / side / "arm.urdf").write_text(text, encoding="utf-8")
     return compare(folder / "old/arm.urdf", folder / "new/arm.urdf")
 
@@ -50,6 +52,33 @@ def test_the_verdict_and_the_table_are_seen_and_the_rest_is_folded(
     assert f'- old/arm.urdf:{number}  <origin xyz="0.3 0 0" rpy="0 0 0"/>\n' in text
     assert f'+ new/arm.urdf:{number}  <origin xyz="0.341 0 0" rpy="0 0 0"/>\n' in text
     assert "INR003" in text.replace("\n".join(lines), "")
+
+
+@pytest.mark.parametrize("render", [markdown.render, render_text, html.render])
+def test_links_whose_collisions_are_unknown_are_named(tmp_path: Path, render: Callable[[Diff], str]) -> None:
+    diff = compare_texts(tmp_path, ARM, LONGER)
+    (model,) = diff.models
+    assert model.mechanism is not None
+    assert model.mechanism.collisions is not None
+    collisions = replace(model.mechanism.collisions, unread=("left", "right", "hand"))
+    unread = replace(model, mechanism=replace(model.mechanism, collisions=collisions))
+    assert "of which a shape could not be read" not in render(diff)
+    shown = "not compared: link left, link right and 1 more, of which a shape could not be read"
+    assert shown in render(replace(diff, models=(unread,)))
+
+
+def test_what_no_one_wants_is_in_the_second_line_once(tmp_path: Path) -> None:
+    """Of models that change alike, it is counted once."""
+    diff = compare_texts(tmp_path, ARM, ARM.replace('lower="-0.03" upper="0.01"', 'lower="-0.036" upper="0.01"'))
+    (model,) = diff.models
+    stale = SeamChange(kind="srdf", id="old-name", subject="group arm", text="group arm: link a is called b now")
+    text = markdown.render(replace(diff, models=(model, model), seams=(stale, stale)))
+    assert text.splitlines()[3].endswith(
+        " · **1 pair of links collides now** · **2 statements use old names** · findings: 0 new, 0 gone, 0 unchanged"
+    )
+    (back,) = compare_texts(tmp_path / "back", ARM, LONGER).models
+    assert back.effects
+    assert "**" not in markdown.render(replace(diff, models=(back,))).splitlines()[3]
 
 
 def test_an_equal_robot_is_two_lines(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from builders import joint, link, robot
 from versions import ARM, compare_texts
 
 from urdfcheck.core.model_diff import Diff, MechanismDiff, ModelDiff
@@ -300,6 +301,39 @@ def test_the_worst_configuration_is_named(tmp_path: Path) -> None:
     assert abs(worst.configuration["elbow"]) > 1.0
     assert found.headline.startswith(f"{worst.link} moves by up to ")
     assert f"worst of {get_mechanism(found).samples} configurations at pan " in found.headline
+
+
+def make_legs(*heights: float) -> str:
+    """Return a body with four legs, each a hip at this height and a foot."""
+    legs = [
+        part
+        for name, place, height in zip(("lf", "rf", "lh", "rh"), ("1 1", "1 -1", "-1 1", "-1 -1"), heights, strict=True)
+        for part in (
+            link(f"{name}_hip"),
+            joint(f"{name}_hip_turn", "body", f"{name}_hip", kind="continuous", xyz=f"{place} {height}", axis="0 1 0"),
+            link(f"{name}_foot"),
+            joint(f"{name}_ankle", f"{name}_hip", f"{name}_foot", kind="fixed", xyz="0 0 -0.3"),
+        )
+    ]
+    return robot(link("body"), *legs)
+
+
+def test_branches_that_move_alike_are_counted(tmp_path: Path) -> None:
+    found = compare_texts(tmp_path, make_legs(0, 0, 0, 0), make_legs(0.01, 0.01, 0.01, 0.01))
+    assert found.headline == "8 links move by 10 mm in every configuration (lf_foot, lh_foot, rf_foot, …)"
+    assert {shift.branch for shift in get_mechanism(found).shifts} == {"lf_hip", "rf_hip", "lh_hip", "rh_hip"}
+    one = compare_texts(tmp_path / "one", make_legs(0, 0, 0, 0), make_legs(0.01, 0, 0, 0))
+    assert one.headline == "lf_foot moves by 10 mm in every configuration"
+    two = compare_texts(tmp_path / "two", make_legs(0, 0, 0, 0), make_legs(0.01, 0.02, 0, 0.02))
+    assert two.headline == "4 links move by 20 mm in every configuration (rf_foot, rh_foot, …)"
+
+
+def test_joints_that_are_moved_alike_in_several_links_are_one_line(tmp_path: Path) -> None:
+    legs = make_legs(0, 0, 0, 0)
+    shorter = legs.replace('xyz="0 0 -0.3"', 'xyz="0 0 -0.28"')
+    lines = render_text(Diff(before="a", after="b", models=(compare_texts(tmp_path, legs, shorter),))).splitlines()
+    said = "joints lf_ankle, rf_ankle, lh_ankle and 1 more: moves by 20 mm (z +20 mm), each in its parent link"
+    assert [line.split(maxsplit=1)[1] for line in lines if line.startswith("  motion")] == [said]
 
 
 def test_gravity_torques_are_those_of_statics(tmp_path: Path) -> None:

@@ -138,8 +138,8 @@ def write_package(folder: Path, **changed: str) -> Path:
     return folder
 
 
-def compare_packages(before: Path, after: Path) -> Diff:
-    first, second = (make_request(path, codes={"INR003"}) for path in (before, after))
+def compare_packages(before: Path, after: Path, *, scene: bool = False) -> Diff:
+    first, second = (make_request(path, codes={"INR003"}, scene=scene) for path in (before, after))
     return compare_versions(first, second, IN_THIS_PROCESS)
 
 

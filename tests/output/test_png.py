@@ -239,6 +239,29 @@ def test_two_versions_differ_in_lines_and_a_pale_shade() -> None:
     assert (down == same).all()
 
 
+def test_a_part_that_others_hide_in_one_version_is_dashed() -> None:
+    """A ball within a ball; outside, or elsewhere in it, in the other version."""
+    around = SceneShape(role="visual", kind="sphere", size=(1.2,), pose=IDENTITY, color=BLUE)
+
+    def count_lines(before: float, after: float) -> tuple[int, int]:
+        versions = (make_scene((around,), (sphere(RED, moved(x)),)) for x in (before, after))
+        picture = decoded(robot_picture.render_versions(*versions, IDENTITY, 320, 240)).astype(int)
+        # Only what is nearer to the middle of the large ball than its own outline.
+        blue = np.argwhere(picture[..., 2] > 100)
+        row, column = blue.mean(axis=0).astype(int)
+        seen = picture[row - 40 : row + 40, column - 40 : column + 40, :3]
+        colours = ((217, 119, 6), (18, 140, 80))
+        orange, green = (int((np.abs(seen - colour).max(axis=-1) < 40).sum()) for colour in colours)
+        return orange, green
+
+    assert count_lines(0.0, 0.0) == (0, 0)
+    orange, green = count_lines(0.0, 0.3)
+    assert min(orange, green) > 10
+    orange, green = count_lines(0.0, 4.0)
+    assert orange > 10
+    assert green == 0
+
+
 @pytest.mark.parametrize(("robots", "expected"), [(1, 1), (2, 0)])
 def test_a_report_of_one_model_has_it_for_browsers_without_3d(robots: int, expected: int) -> None:
     infos = tuple(info(id=f"{i}", path=f"{i}.urdf", robot="<b>") for i in range(robots))

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from urdfcheck.core.model_diff import CATEGORIES, COSMETIC, IDENTICAL, LinkShift, MechanismChange, MechanismDiff
 from urdfcheck.core.text import format_angle, format_configuration, format_count, format_length, join_names
 
 # Shares and directions below these are rounding.
 _LEAST_COMPONENT = 0.02
+# Links that move less (m) are in the same place.
+_SAME_PLACE = 2e-5
+# Links that move alike and are named.
+_MOST_ALIKE = 3
 # Surfaces that are nearer (m) are one in other digits.
 _SAME_SURFACE = 2e-5
 _PART = re.compile(r"(link|joint)\[([^\]]*)\]", re.DOTALL)
@@ -325,7 +329,9 @@ def _describe_motion(shifts: tuple[LinkShift, ...], found: MechanismDiff) -> str
     if not shifts:
         return ""
     worst = shifts[0]
-    if worst.distance <= 2e-5:
+    if alike := _describe_alike(shifts):
+        return alike
+    if worst.distance <= _SAME_PLACE:
         return f"{worst.link} rotates by up to {format_angle(worst.angle)} and stays at its place"
     if not worst.configuration:
         return f"{worst.link} moves by {format_size(worst.distance)} in every configuration"
@@ -334,6 +340,24 @@ def _describe_motion(shifts: tuple[LinkShift, ...], found: MechanismDiff) -> str
         f"{worst.link} moves by up to {format_size(worst.distance)} "
         f"(worst of {found.samples} configurations at {positions})"
     )
+
+
+def _describe_alike(shifts: Sequence[LinkShift]) -> str:
+    """Return that several branches move as far as the one that moves farthest; empty where they do not.
+
+    Of each branch the link is named that would be alone.
+    """
+    size, is_constant = format_size(shifts[0].distance), not shifts[0].configuration
+    alike = [s for s in shifts if format_size(s.distance) == size and bool(s.configuration) != is_constant]
+    ends: dict[str, str] = {}
+    for shift in alike:
+        ends.setdefault(shift.branch, shift.link)
+    if shifts[0].distance <= _SAME_PLACE or len(ends) == 1:
+        return ""
+    names = sorted(ends.values())[:_MOST_ALIKE]
+    named = ", ".join([*names, "…"] if len(alike) > len(names) else names)
+    how = f"by {size} in every configuration" if is_constant else f"by up to {size}"
+    return f"{len(alike)} links move {how} ({named})"
 
 
 def _describe_dynamics(found: MechanismDiff) -> str:

@@ -59,6 +59,8 @@ class LinkShift:
     """The most, in rad."""
     configuration: Mapping[str, float]
     """Joint positions at which the distance is largest; empty where it is the same in all."""
+    branch: str
+    """The first link of the branch that it moves with, which hangs on one that stays; its own name where it is that link."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

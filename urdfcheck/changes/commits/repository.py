@@ -37,6 +37,14 @@ class Revision:
     tree: str
 
 
+def _explain_missing(name: str) -> str:
+    """Return why a revision may be missing, and what makes it."""
+    remote, slash, last = name.rpartition("/")
+    if last != "HEAD":
+        return "a shallow clone lacks older ones"
+    return f"git remote set-head {remote} --auto makes it" if slash else "the repository has no commit yet"
+
+
 @dataclass(frozen=True, slots=True)
 class Repository:
     """A repository with a work tree."""
@@ -107,8 +115,7 @@ class Repository:
         """
         tree = "" if name.startswith("-") else self._find_tree(name)
         if not tree:
-            hint = "the repository has no commit yet" if name == "HEAD" else "a shallow clone lacks older ones"
-            raise UrdfcheckError(f"{name}: there is no such revision ({hint})")
+            raise UrdfcheckError(f"{name}: there is no such revision ({_explain_missing(name)})")
         return Revision(name, tree)
 
     def is_revision(self, name: str) -> bool:

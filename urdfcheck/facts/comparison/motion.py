@@ -181,9 +181,14 @@ def measure_shifts(
 ) -> list[LinkShift]:
     """Return the links that are elsewhere in some configuration, the one that moves farthest first."""
     found: list[tuple[float, bool, int, LinkShift]] = []
+    branches: dict[str, str] = {}  # of the links that move, and of those that are gone between them
     for depth, name in enumerate(pair.before.order):
+        joint = pair.before.joint_above.get(name)
+        above = None if joint is None else branches.get(joint.parent)
         new = pair.match.links.get(name)
         if new is None:
+            if above is not None:
+                branches[name] = above
             continue
         first = before[name] @ pair.before.frames[name]
         second = after[new] @ pair.maps[name] @ pair.before.frames[name]
@@ -196,12 +201,14 @@ def measure_shifts(
         worst = int(np.argmax(distances))
         if distances[worst] <= LENGTH_TOLERANCE and float(angles.max()) <= ANGLE_TOLERANCE:
             continue
+        branches[name] = name if above is None else above
         is_constant = float(np.ptp(distances)) <= LENGTH_TOLERANCE
         shift = LinkShift(
             link=name,
             distance=float(distances[worst]),
             angle=float(angles.max()),
             configuration={} if is_constant else describe_positions(pair.before, samples.before, name, worst),
+            branch=branches[name],
         )
         found.append((shift.distance, not pair.before.joints_below[name], depth, shift))
     farthest = max((distance for distance, _, _, _ in found), default=0.0)

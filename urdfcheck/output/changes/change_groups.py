@@ -19,7 +19,7 @@ def group_changes(changes: Iterable[DescribedChange]) -> list[list[DescribedChan
     groups: dict[tuple[str, ...], list[DescribedChange]] = {}
     for change, text in changes:
         kind, _, start = _split_subject(change.subject)
-        said = "" if _is_plain_rename(change) else text.removeprefix(start)
+        said = "" if _is_plain_rename(change) else _strip_parent(change, text.removeprefix(start))
         groups.setdefault((change.category, change.id, kind, said), []).append((change, text))
     return list(groups.values())
 
@@ -37,7 +37,15 @@ def describe_group(group: Sequence[DescribedChange], most: int) -> str:
         how = f" (matched by place and content, each at least {least:.0%})" if least < 1.0 else ""
         return f"{kind}s have other names: {join_names(renamed, most)}{how}"
     parts = f"{kind}s {join_names(names, most)}" if kind else join_names(names, most)
-    return f"{parts}: {text.removeprefix(start).lstrip(' /')}"
+    said = text.removeprefix(start)
+    if len({other.words.get("parent", "") for other, _ in group}) > 1:
+        said = f"{_strip_parent(change, said)}, each in its parent link"
+    return f"{parts}: {said.lstrip(' /')}"
+
+
+def _strip_parent(change: MechanismChange, said: str) -> str:
+    """Return the words about a joint that is moved, without the link that it is moved in."""
+    return said.removesuffix(f" in link {change.words.get('parent', '')}") if change.id == "joint-moved" else said
 
 
 def _is_plain_rename(change: MechanismChange) -> bool:

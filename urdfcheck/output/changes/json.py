@@ -123,6 +123,7 @@ def _build_motion(found: MechanismDiff) -> dict[str, Any]:
         "shifts": [
             {
                 "link": shift.link,
+                "branch": shift.branch,
                 "distance": to_json_value(shift.distance),
                 "angle": to_json_value(shift.angle),
                 "configuration": to_json_value(shift.configuration),

@@ -11,11 +11,12 @@ from urdfcheck.core import Finding, Severity
 from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, ModelDiff
 from urdfcheck.core.text import format_count
 from urdfcheck.output.changes.causes import SharedCause, merge_causes
-from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
+from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label, list_harm
 from urdfcheck.output.changes.text import (
     describe_idle_edits,
     describe_seam,
     describe_torque,
+    describe_unread,
     group_alike,
     has_headline,
     name_models,
@@ -48,7 +49,8 @@ def render_job_summary(diff: Diff, byte_limit: int) -> str:
 
 def _render_page(diff: Diff, page: BoundedPage) -> str:
     page.add_lines(f"### {_VERDICT_SIGNS.get(diff.verdict, '🔀')} {_describe_verdict(diff)}", "")
-    page.add_lines(f"{format_code_span(diff.before)} → {format_code_span(diff.after)} · {count_findings(diff)}", "")
+    versions = f"{format_code_span(diff.before)} → {format_code_span(diff.after)}"
+    page.add_lines(" · ".join((versions, *(f"**{harm}**" for harm in list_harm(diff)), count_findings(diff))), "")
     failures = [failure for failure in diff.failures if not has_headline(diff, failure)]
     blocks = [[f"- not compared: {escape_for_markdown(truncate_text(text))}"] for text in (*failures, *diff.notes)]
     page.add_group("part that was not compared", head=[], blocks=blocks, foot=[""])
@@ -92,6 +94,8 @@ def _iter_rows(alike: Sequence[ModelDiff], *, is_only: bool) -> Iterator[str]:
         yield _format_row(name, "gravity", describe_torque(torque))
     for effect, text in zip(found.effects, model.effects, strict=True):
         yield _format_row(name, effect.kind, text)
+    if unread := describe_unread(found):
+        yield _format_row(name, "collision", unread)
 
 
 def _format_row(name: str, kind: str, text: str) -> str:

@@ -120,9 +120,16 @@ def _iter_change_lines(model: ModelDiff, found: MechanismDiff, *, show_all: bool
             yield f"  {kind:{_COLUMN}} {line}"
         if kind == "collision" and len(lines) > MOST_EFFECTS[kind] and not show_all:
             yield f"  … {format_count(len(lines) - MOST_EFFECTS[kind], 'more pair')} (-v lists all)"
-    if found.collisions is not None and found.collisions.unread:
-        names = join_names([f"link {name}" for name in found.collisions.unread], MOST_UNREAD)
-        yield f"  {'collision':{_COLUMN}} not compared: {names}, of which a shape could not be read"
+    if unread := describe_unread(found):
+        yield f"  {'collision':{_COLUMN}} {unread}"
+
+
+def describe_unread(found: MechanismDiff) -> str:
+    """Return of which links collisions could not be compared; empty where there are none."""
+    if found.collisions is None or not found.collisions.unread:
+        return ""
+    names = join_names([f"link {name}" for name in found.collisions.unread], MOST_UNREAD)
+    return f"not compared: {names}, of which a shape could not be read"
 
 
 def describe_idle_edits(model: ModelDiff) -> str:

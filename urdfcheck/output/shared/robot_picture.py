@@ -35,13 +35,17 @@ _SHADE, _LINE_BRIGHTNESS = 0.42, 0.45
 _CORNERS = 32
 # What only one of two versions has: before and after, and the opacity of a shade.
 _BEFORE, _AFTER, _PALE = (217, 119, 6), (18, 140, 80), 70
+# A link is hidden if less than this share of it is seen; those with fewer samples are dots. Samples of a dash.
+_HIDDEN, _FEWEST, _DASH = 0.1, 60, 12
+# Corners that are nearer (m) are in the same place, as for `urdfcheck diff` itself.
+_SAME_PLACE = 2e-5
 
 
 def render_scene(scene: Scene, width: int = 1200, height: int = 900) -> bytes:
     """Draw a robot with all joints at zero as a PNG of ``width`` x ``height`` pixels; empty if nothing of it can be drawn."""
     solid = _collect_triangles(scene)
-    drawn = None if solid is None else _draw_triangles([solid], width, height)
-    return b"" if drawn is None else _encode_png(_downsample_pixels(drawn[0].colours))
+    drawn = None if solid is None else _draw_triangles(solid, _View.around(solid.corners, width, height))
+    return b"" if drawn is None else _encode_png(_downsample_pixels(drawn.colours))
 
 
 def render_versions(
@@ -52,7 +56,7 @@ def render_versions(
     ``root_pose``: of the first version's root in the frame of the second's, 4x4 row-major.
 
     The second version is solid. Of the first, what the second does not cover is a pale shade; the outlines that only one of
-    them has are orange before and green after.
+    them has are orange before and green after, and dashed where other parts of the same version hide all of a link.
     """
     import numpy as np
 
@@ -61,17 +65,53 @@ def render_versions(
         return b""
     pose = np.array(root_pose).reshape(4, 4)
     placed = replace(old_solid, corners=old_solid.corners @ pose[:3, :3].T + pose[:3, 3])
-    drawn = _draw_triangles([placed, new_solid], width, height)
-    if drawn is None:
+    view = _View.around(np.concatenate((placed.corners, new_solid.corners)), width, height)
+    old, new = _draw_triangles(placed, view), _draw_triangles(new_solid, view)
+    if old is None or new is None:
         return b""
-    old, new = drawn
     picture = new.colours.copy()
     ghost = (new.colours[..., 3] == 0) & (old.colours[..., 3] > 0)
     picture[ghost] = (*_BEFORE, _PALE)
     for own, other, colour in ((old, new, _BEFORE), (new, old, _AFTER)):
         # A line that is one sample wide would be pale, and a sample beside a line of the other version is that line.
         picture[_widen(own.lines) & ~_widen(other.lines, 2)] = (*colour, 255)
+    dashes = np.add.outer(np.arange(view.rows), np.arange(view.columns)) // _DASH % 2 == 0
+    for solid, other_solid, drawn, colour in ((placed, new_solid, old, _BEFORE), (new_solid, placed, new, _AFTER)):
+        hidden = _draw_hidden_links(solid, other_solid, drawn, view)
+        if hidden is not None:
+            picture[_widen(hidden.lines) & dashes] = (*colour, 255)
     return _encode_png(_downsample_pixels(np.ascontiguousarray(picture)))
+
+
+def _draw_hidden_links(solid: _RobotTriangles, other: _RobotTriangles, drawn: _Samples, view: _View) -> _Samples | None:
+    """Draw the links of one version that the other does not have in the same place, and that others hide; None without any."""
+    import numpy as np
+
+    count = int(solid.links.max()) + 1
+    seen = np.bincount(drawn.links[drawn.links >= 0], minlength=count)
+    (ax, ay), (bx, by), (cx, cy) = (view.project(solid.corners)[:, corner, :2].T for corner in range(3))
+    areas = np.abs((bx - ax) * (cy - ay) - (cx - ax) * (by - ay)) / 2
+    # A line of sight meets the front and the back of a body.
+    whole = np.bincount(solid.links, areas, minlength=count) / 2
+    hidden = (seen < _HIDDEN * whole) & (whole >= _FEWEST)
+    places = _group_corners(other)
+    for link, corners in _group_corners(solid).items():
+        hidden[link] &= not any(
+            len(corners) == len(there) and float(np.abs(corners - there).max()) <= _SAME_PLACE
+            for there in places.values()
+        )
+    mask = hidden[solid.links]
+    if not mask.any():
+        return None
+    return _draw_triangles(_RobotTriangles(solid.corners[mask], solid.colours[mask], solid.links[mask]), view)
+
+
+def _group_corners(solid: _RobotTriangles) -> dict[int, Array]:
+    """Return the corners of each link, by its number; the triangles of a link follow one another."""
+    import numpy as np
+
+    links, starts = np.unique(solid.links, return_index=True)
+    return dict(zip(links.tolist(), np.split(solid.corners, starts[1:]), strict=True))
 
 
 def _widen(lines: NDArray[np.bool_], samples: int = 1) -> NDArray[np.bool_]:
@@ -107,6 +147,45 @@ class _Samples:
     """(rows, columns, 4)"""
     lines: NDArray[np.bool_]
     """Where a link ends in front of another one or the background."""
+    links: NDArray[np.int32]
+    """(rows, columns): number of the link, -1 for none."""
+
+
+@dataclass(frozen=True, slots=True)
+class _View:
+    """Where the eye is, and how large the picture."""
+
+    axes: Array
+    """(3, 3): right, down and away from the eye, as columns."""
+    middle: Array
+    """(3,) along these axes, m."""
+    scale: float
+    """Samples per metre."""
+    columns: int
+    """Samples from left to right."""
+    rows: int
+    """Samples from top to bottom."""
+
+    @classmethod
+    def around(cls, corners: Array, width: int, height: int) -> _View:
+        """Return the view in which triangles (n, 3, 3) fill a picture of so many pixels."""
+        import numpy as np
+
+        columns, rows = width * _SUPERSAMPLING, height * _SUPERSAMPLING
+        towards = np.array(_EYE) / np.linalg.norm(_EYE)
+        right = np.cross((0, 0, 1), towards)
+        right /= np.linalg.norm(right)
+        axes = np.column_stack((right, -np.cross(towards, right), -towards))
+        in_view = (corners @ axes).reshape(-1, 3)
+        low, high = in_view.min(axis=0), in_view.max(axis=0)
+        scale = 0.94 * min(columns / max(high[0] - low[0], 1e-9), rows / max(high[1] - low[1], 1e-9))
+        return cls(axes, (low + high) / 2, scale, columns, rows)
+
+    def project(self, corners: Array) -> Array:
+        """Project corners (n, 3, 3) to column, row and depth from the eye, in samples."""
+        moved: Array = (corners @ self.axes - self.middle) * self.scale
+        moved[..., :2] += (self.columns / 2, self.rows / 2)
+        return moved
 
 
 def _collect_triangles(scene: Scene) -> _RobotTriangles | None:
@@ -132,20 +211,10 @@ def _collect_triangles(scene: Scene) -> _RobotTriangles | None:
     )
 
 
-def _draw_triangles(solids: Sequence[_RobotTriangles], width: int, height: int) -> list[_Samples] | None:
-    """Draw robots one by one, in one view that holds all of them; None if that would take too long."""
-    import numpy as np
-
-    columns, rows = width * _SUPERSAMPLING, height * _SUPERSAMPLING
-    view = _project_to_view(np.concatenate([solid.corners for solid in solids]), columns, rows)
-    ends = np.cumsum([len(solid.corners) for solid in solids])
-    drawn = []
-    for solid, seen in zip(solids, np.split(view, ends[:-1]), strict=True):
-        nearest = _rasterize_triangles(seen, columns, rows)
-        if nearest is None:
-            return None
-        drawn.append(_colour_samples(solid, nearest))
-    return drawn
+def _draw_triangles(solid: _RobotTriangles, view: _View) -> _Samples | None:
+    """Draw a robot; None if that would take too long."""
+    nearest = _rasterize_triangles(view.project(solid.corners), view.columns, view.rows)
+    return None if nearest is None else _colour_samples(solid, nearest)
 
 
 def _colour_samples(solid: _RobotTriangles, nearest: Indices) -> _Samples:
@@ -162,7 +231,7 @@ def _colour_samples(solid: _RobotTriangles, nearest: Indices) -> _Samples:
     ends[1:] = link[1:] != link[:-1]
     ends[:, 1:] |= link[:, 1:] != link[:, :-1]
     nearest[ends & (nearest >= 0)] += count
-    return _Samples(table[nearest], ends)
+    return _Samples(table[nearest], ends, link)
 
 
 def _downsample_pixels(fine: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -241,21 +310,6 @@ def _revolve_outline(corners: int, outline: list[tuple[float, float]]) -> Array:
     a, b = rings[:-1], rings[1:]
     c, d = np.roll(a, -1, axis=1), np.roll(b, -1, axis=1)
     return np.concatenate((np.stack((a, b, c), axis=2), np.stack((b, d, c), axis=2))).reshape(-1, 3, 3)
-
-
-def _project_to_view(corners: Array, columns: int, rows: int) -> Array:
-    """Project corners (n, 3, 3) to column, row and depth from the eye, so that the robot fills the picture."""
-    import numpy as np
-
-    towards = np.array(_EYE) / np.linalg.norm(_EYE)
-    right = np.cross((0, 0, 1), towards)
-    right /= np.linalg.norm(right)
-    in_view = corners @ np.column_stack((right, -np.cross(towards, right), -towards))
-    low, high = in_view.reshape(-1, 3).min(axis=0), in_view.reshape(-1, 3).max(axis=0)
-    scale = 0.94 * min(columns / max(high[0] - low[0], 1e-9), rows / max(high[1] - low[1], 1e-9))
-    moved: Array = (in_view - (low + high) / 2) * scale
-    moved[..., :2] += (columns / 2, rows / 2)
-    return moved
 
 
 def _shade_triangles(corners: Array, colours: Array) -> Array:

@@ -8,12 +8,15 @@ from collections.abc import Sequence
 from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, ModelDiff
 from urdfcheck.core.text import format_count
 from urdfcheck.output.changes.html.cause_frames import render_causes
-from urdfcheck.output.changes.html.change_rows import render_changes, render_consequences
+from urdfcheck.output.changes.html.change_rows import render_changes
 from urdfcheck.output.changes.html.compared_models import ComparedModel, OtherFindings, collect_compared_models
+from urdfcheck.output.changes.html.consequence_rows import has_consequences, render_consequences
 from urdfcheck.output.changes.html.drawn_changes import build_versions_data
 from urdfcheck.output.changes.html.finding_lists import list_rules, render_findings
+from urdfcheck.output.changes.html.notes import render_idle_edits, render_notes
+from urdfcheck.output.changes.html.seam_rows import render_seams
 from urdfcheck.output.changes.png import draw_versions
-from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label
+from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label, list_harm
 from urdfcheck.output.changes.text import has_headline
 from urdfcheck.output.html.glyphs import SYMBOLS, render_glyph
 from urdfcheck.output.html.html_text import escape_html
@@ -44,6 +47,7 @@ def render(diff: Diff) -> str:
     main = (
         _render_missing(diff),
         *(_render_model(diff, model, drawn, is_only=len(models) == 1) for model in models if not model.is_same),
+        render_seams(diff),
         _render_others(diff, others),
         _render_same(models),
         render_rule_pages(rules) if (rules := list_rules(diff)) else "",
@@ -55,7 +59,7 @@ def render(diff: Diff) -> str:
 {_render_header(diff, models, title)}
 {render_viewer() if drawn else ""}
 <div class="column">
-{_render_navigation(models, has_rules=bool(rules))}
+{_render_navigation(models, has_seams=bool(diff.seams), has_rules=bool(rules))}
 <main id="content">
 {"".join(main)}
 </main>
@@ -83,8 +87,10 @@ def _render_scene_scripts(models: Sequence[ComparedModel]) -> tuple[str, list[st
 
 
 def _render_header(diff: Diff, models: Sequence[ComparedModel], title: str) -> str:
-    facts = [*_count_changes(models), count_findings(diff)]
-    items = "".join(f"<li>{escape_html(fact)}</li>" for fact in facts)
+    seams = [f"{format_count(len(diff.seams), 'change')} around the robot"] if diff.seams else []
+    harm = "".join(f"<li><b>{escape_html(text)}</b></li>" for text in list_harm(diff))
+    facts = [*_count_changes(models), *seams, count_findings(diff)]
+    items = harm + "".join(f"<li>{escape_html(fact)}</li>" for fact in facts)
     return (
         f'<header class="top">{render_brand_line(diff.version)}<h1>{escape_html(title)}</h1>'
         f"{_render_versions(diff.before, diff.after)}"
@@ -108,10 +114,11 @@ def _count_changes(models: Sequence[ComparedModel]) -> list[str]:
     return [f"{total}: {', '.join(f'{count} {label}' for label, count in counts.items())}"] if counts else []
 
 
-def _render_navigation(models: Sequence[ComparedModel], *, has_rules: bool) -> str:
+def _render_navigation(models: Sequence[ComparedModel], *, has_seams: bool, has_rules: bool) -> str:
     """Render links to the sections of the only robot, or to the robots that changed."""
     shown = [model for model in models if not model.is_same]
     links = _list_sections(models[0]) if len(models) == 1 else [(model.id, model.title) for model in shown]
+    links += [("around", "Around the robot")] if has_seams else []
     links += [("rules", "Rules")] if has_rules else []
     links.append(("about", "About"))
     items = "".join(f'<li><a href="#{anchor}">{escape_html(name)}</a></li>' for anchor, name in links)
@@ -126,10 +133,11 @@ def _list_sections(model: ComparedModel) -> list[tuple[str, str]]:
     if found is not None:
         sections = [
             ("changes", "Changes", found.changes),
-            ("follows", "What follows", found.shifts or found.torques),
+            ("follows", "What follows", has_consequences(found)),
             ("causes", "Causes", found.causes),
             *sections,
             ("notes", "Notes", model.difference.notes),
+            ("idle", "Unused edits", model.difference.idle_edits),
         ]
     return [(f"{model.id}-{anchor}", name) for anchor, name, content in sections if content]
 
@@ -149,7 +157,8 @@ def _render_model(diff: Diff, model: ComparedModel, drawn: Sequence[ComparedMode
         render_consequences(model),
         render_causes(diff, model),
         render_findings(diff, model.id, model.new, model.gone),
-        _render_notes(model),
+        render_notes(model),
+        render_idle_edits(diff, model),
     )
     return f'<section class="model" id="{model.id}">{"".join(parts)}</section>'
 
@@ -174,19 +183,6 @@ def _render_ids(difference: ModelDiff) -> str:
     if difference.before == difference.after or not (difference.before and difference.after):
         return f'<p class="path"><code>{escape_html(difference.after or difference.before)}</code></p>'
     return _render_versions(difference.before, difference.after)
-
-
-def _render_notes(model: ComparedModel) -> str:
-    """Render what differs in the description and not in the robot, folded."""
-    notes = model.difference.notes
-    if not notes:
-        return ""
-    items = "".join(f"<li>{escape_html(note)}</li>" for note in notes)
-    title = f'{render_glyph("info")} Other descriptions of the same <span class="count">{len(notes)}</span>'
-    return (
-        f'<details class="fold notes info"><summary><h3>{title}</h3></summary>'
-        f'<div id="{model.id}-notes"><ul class="plain">{items}</ul></div></details>'
-    )
 
 
 def _render_same(models: Sequence[ComparedModel]) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core.model_diff import MechanismChange
+from urdfcheck.core.model_diff import LinkShift, MechanismChange, MechanismEffect
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.changes.html.compared_models import ComparedModel
 from urdfcheck.output.changes.summary import get_label
@@ -23,6 +23,13 @@ _LAYERS: Mapping[str, tuple[str, ...]] = {
     "dynamic": ("com", "box"),
     "collision": ("collision",),
 }
+_EFFECT_LAYERS: Mapping[str, tuple[str, ...]] = {
+    "collision": ("collision",),
+    "inertia": ("axes", "com"),
+    "stability": ("ground", "com"),
+}
+# Effects that the first version has and the second has not.
+_GONE = frozenset({"pair-clears", "rest-clears"})
 _PART = re.compile(r"(link|joint)\[([^\]]*)\]", re.DOTALL)
 
 
@@ -120,22 +127,48 @@ def _iter_entries(model: ComparedModel, names: _PartNames) -> Iterator[dict[str,
             names=names,
         )
     for number, shift in enumerate(found.shifts):
-        pose = {names.get_new_name("joint", joint): value for joint, value in shift.configuration.items()}
-        entry = _build_entry(
-            f"{model.id}-s{number}",
-            "motion",
-            pairs=[names.find_links("link", shift.link)],
-            joints=[],
-            layers=(),
-            names=names,
-        )
-        yield {**entry, "pose": pose} if pose else entry
+        yield _build_shift(f"{model.id}-s{number}", shift, names)
     for number, torque in enumerate(found.torques):
         pair = names.find_links("joint", torque.joint)
         joints = [names.get_new_name("joint", torque.joint)]
         yield _build_entry(
             f"{model.id}-t{number}", "gravity", pairs=[pair], joints=joints, layers=("axes", "com"), names=names
         )
+    for number, effect in enumerate(found.effects):
+        yield _build_effect(f"{model.id}-e{number}", effect, names)
+
+
+def _build_shift(entry_id: str, shift: LinkShift, names: _PartNames) -> dict[str, Any]:
+    """Build what shows how far a link moves: the whole robot in both versions, where it moves most."""
+    pairs = [names.find_links("link", shift.link)]
+    entry = _build_entry(entry_id, "motion", pairs=pairs, joints=[], layers=(), names=names)
+    pose = _name_positions(shift.configuration, names)
+    return {**entry, "pose": pose, "whole": True} if pose else entry
+
+
+def _build_effect(entry_id: str, effect: MechanismEffect, names: _PartNames) -> dict[str, Any]:
+    """Build what shows an effect: its parts, where it is largest, in the version that has it."""
+    parts = [part for subject in (effect.subject, effect.other) for part in _PART.findall(subject)]
+    # A stance is that of the whole robot.
+    shown = [] if effect.kind == "stability" else parts
+    entry = _build_entry(
+        entry_id,
+        effect.kind,
+        pairs=[names.find_links(*part) for part in shown],
+        joints=[names.get_new_name(*part) for part in shown if part[0] == "joint"],
+        layers=_EFFECT_LAYERS[effect.kind],
+        names=names,
+    )
+    if effect.kind == "collision":
+        entry["inside"] = True
+    if pose := _name_positions(effect.configuration, names):
+        entry["pose"] = pose
+    return {**entry, "gone": True} if effect.id in _GONE else entry
+
+
+def _name_positions(configuration: Mapping[str, float], names: _PartNames) -> dict[str, float]:
+    """Name the joints of a configuration as the second version calls them."""
+    return {names.get_new_name("joint", joint): value for joint, value in configuration.items()}
 
 
 def _list_pairs(change: MechanismChange, names: _PartNames) -> list[tuple[str, str]]:
