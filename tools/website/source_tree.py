@@ -85,7 +85,7 @@ def render_pages() -> dict[str, str]:
 
 
 def list_addresses() -> dict[str, str]:
-    """Return what the site holds in the place of each file of the repository."""
+    """Return the addresses of pages and files on the site, by the files of the repository that they are made from."""
     pages = {page.source: page.address for page in iter_pages() if page.source}
     rules = {_name_source(code): rule_pages.place_rule(rule) for code, rule in load_rules().items()}
     samples = {"reports": SAMPLE.address, "reports/car-3.html": start_page.REPORT, "README.md": START.address}
