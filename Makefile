@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: audit test test-fast test-long test-full coverage rule reports clean
+.PHONY: audit test test-fast test-long test-full coverage rule reports site clean
 
 # The main job: audit the car-3 robot and write its report, with all that is wrong (--pedantic). Findings do not fail the command,
 # a failure of urdfcheck does.
@@ -21,15 +21,15 @@ test-fast: $(VENV)/.tested
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "not slow"
 
 # What make test leaves out: faults of the machine, planted files, every control of the report, repairs of geometry, offers on robots.
-test-long: $(VENV)/.tested
+test-long: $(VENV)/.tested $(VENV)/.documented
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "long and not smoke"
 
 # Everything, with every real robot and more examples of each property: before a release.
-test-full: $(VENV)/.tested
+test-full: $(VENV)/.tested $(VENV)/.documented
 	URDFCHECK_FULL=1 $(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
 # Branch coverage by room, against the floors in tools/check_coverage.py; about twice the time of make test.
-coverage: $(VENV)/.tested
+coverage: $(VENV)/.tested $(VENV)/.documented
 	COVERAGE_FILE=$(CURDIR)/.coverage $(BIN)/python -m pytest --numprocesses auto --dist worksteal --cov --cov-report=json
 	$(BIN)/python tools/check_coverage.py
 
@@ -46,6 +46,10 @@ reports: $(VENV)/.installed
 	$(BIN)/python tools/make_hostile_table.py
 	$(BIN)/python tools/make_reports.py
 
+# The documentation as a site, in site/: python -m http.server -d site shows it.
+site: $(VENV)/.documented
+	$(BIN)/python tools/make_site.py
+
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || { echo "urdfcheck needs Python 3.10 or newer"; exit 2; }
 	@$(PYTHON) -m venv $(VENV) || { echo "python3 -m venv does not work here; on Debian and Ubuntu: sudo apt install python3-venv"; exit 2; }
@@ -59,5 +63,9 @@ $(VENV)/.tested: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group test
 	@touch $@
 
+$(VENV)/.documented: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group docs
+	@touch $@
+
 clean:
-	rm -rf $(VENV)
+	rm -rf $(VENV) site

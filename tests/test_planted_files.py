@@ -1,15 +1,18 @@
 """No step of a CI service runs, reads or writes through what a stranger put into the checkout.
 
 Every script of ``action.yml``, of ``integrations/``, of the hooks and of what ``urdfcheck init`` writes is run by bash in a
-folder with a module of every name that Python itself has, with programs, environments and links beside them. Only what would be
-downloaded is replaced: pip finds a package that leads to the urdfcheck under test, and a program ``go`` "installs" a program
-``reviewdog`` that copies its input. Python installs pip, which takes it seconds, in one environment beside such files, and the
-others get a copy of that. The same scripts without ``-I``, all in the checkout, show that the planted files would run.
+repository of two commits with a module of every name that Python itself has, with programs, environments and links beside them.
+Only what would be downloaded is replaced: pip finds a package that leads to the urdfcheck under test, and a program ``go``
+"installs" a program ``reviewdog`` that copies its input. Python installs pip, which takes it seconds, in one environment beside
+such files, and the others get a copy of that. The same scripts without ``-I``, all in the checkout, show that the planted files
+would run.
 """
 
 from __future__ import annotations
 
 import re
+import shlex
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -87,9 +90,16 @@ def read_workflow(text: str) -> list[Step]:
 
 
 def read_gitlab(text: str) -> list[Step]:
-    """GitLab gives all lines of a job to one shell."""
-    job = yaml.safe_load(text)["urdfcheck"]
-    return [Step("\n".join((*job.get("before_script", ()), *job["script"])), environment=job.get("variables", {}))]
+    """GitLab gives all lines of a job to one shell, and a job what it extends."""
+    document = yaml.safe_load(text)
+    steps = []
+    for name, job in document.items():
+        if not name.startswith("urdfcheck"):
+            continue
+        whole = {**document.get(job.get("extends"), {}), **job}
+        variables = {**document.get("variables", {}), **whole.get("variables", {})}
+        steps.append(Step("\n".join((*whole.get("before_script", ()), *whole["script"])), environment=variables))
+    return steps
 
 
 def read_jenkins() -> list[Step]:
@@ -104,7 +114,11 @@ def read_jenkins() -> list[Step]:
 def read_hooks() -> list[Step]:
     """pre-commit runs the words of an entry in the repository, with the programs of its environment first."""
     hooks = yaml.safe_load((REPOSITORY / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
-    return [Step(f"{hook['entry']} robot.urdf") for hook in hooks]
+    return [
+        Step(shlex.join([*shlex.split(hook["entry"]), *hook.get("args", ()), *files]))
+        for hook in hooks
+        for files in [["robot.urdf"] if hook.get("pass_filenames", True) else []]
+    ]
 
 
 def write_by_init(folder: Path, patch: pytest.MonkeyPatch, *, gitlab: bool) -> list[Step]:
@@ -151,7 +165,7 @@ def test_every_file_of_the_integrations_is_looked_at() -> None:
         name for name in files if (REPOSITORY / "integrations" / name).is_file() and not name.startswith("ros2/")
     } == {
         *("README.md", "github/urdfcheck.yml", "github/reviewdog.yml", "gitlab/urdfcheck.gitlab-ci.yml"),
-        "jenkins/Jenkinsfile",
+        *("jenkins/Jenkinsfile", "github/renew_comment.py"),  # the last is run by the action
     }
 
 
@@ -173,6 +187,7 @@ class Machine:
         for made in (self.elsewhere, self.temp, self.checkout, folder / "home", folder / "bin"):
             made.mkdir(parents=True)
         self.plant()
+        self.commits = self.commit()
         self.wheel = self.make_wheel(folder)
         self.action = self.make_action()
         copied = "" if packages is None else COPIED.format(python=sys.executable, packages=packages)
@@ -186,7 +201,6 @@ class Machine:
         )
 
     def plant(self) -> None:
-        (self.checkout / ".git").mkdir()
         (self.checkout / "robot.urdf").write_text(ROBOT)
         # Some are imported before there is an open().
         file = f"posix.open({str(self.ran)!r}, posix.O_WRONLY | posix.O_CREAT | posix.O_APPEND)"
@@ -205,6 +219,22 @@ class Machine:
             self.make_program(self.checkout / name, f"echo {name} >> '{self.ran}'")
         for name in LINKS:
             (self.checkout / name).symlink_to(self.elsewhere if "." not in name else self.elsewhere / name)
+
+    def commit(self) -> tuple[str, str]:
+        """Make a repository of the checkout, whose last commit renames the robot; returns both commits."""
+        self.git("init", "-q")
+        self.git("add", "-A")
+        self.git("commit", "-q", "-m", "planted")
+        (self.checkout / "robot.urdf").write_text(ROBOT.replace("sound", "renamed"))
+        self.git("commit", "-q", "-a", "-m", "renamed")
+        self.git("update-ref", "refs/remotes/origin/HEAD", "HEAD^")
+        return self.git("rev-parse", "HEAD^"), self.git("rev-parse", "HEAD")
+
+    def git(self, *words: str) -> str:
+        own = ["git", "-c", "user.name=a", "-c", "user.email=a@b", "-c", "commit.gpgsign=false"]
+        return subprocess.run(
+            [*own, *words], cwd=self.checkout, check=True, capture_output=True, text=True
+        ).stdout.strip()
 
     @staticmethod
     def make_program(path: Path, script: str, *, before: str = "") -> None:
@@ -237,6 +267,9 @@ class Machine:
             "def build_wheel(folder, *_, **__):\n"
             f"    return shutil.copy({str(self.wheel)!r}, folder).rpartition('/')[2]\n"
         )
+        comment = Path("integrations/github/renew_comment.py")
+        (folder / comment).parent.mkdir(parents=True)
+        shutil.copyfile(REPOSITORY / comment, folder / comment)
         return folder
 
     def run(self, steps: Sequence[Step], *, until_planted: bool = False) -> list[subprocess.CompletedProcess[str]]:
@@ -246,7 +279,11 @@ class Machine:
             "inputs.paths": ".",
             "inputs.isolated": "auto",
             "inputs.html": "urdfcheck.html",
-            "github.event_name": "push",
+            "inputs.diff-html": "urdfcheck-diff.html",
+            "github.event_name": "pull_request",
+            "github.event.pull_request.number": "7",
+            "github.event.pull_request.base.sha": self.commits[0],
+            "github.event.pull_request.head.sha": self.commits[1],
         }
         known |= {
             "steps.python.outputs.python-path": str(self.folder / "bin/python"),
@@ -267,6 +304,7 @@ class Machine:
                 "RUNNER_TEMP": str(self.temp),
                 "WORKSPACE_TMP": str(self.folder / "work"),
                 "CI_PROJECT_DIR": str(self.checkout),
+                "CI_MERGE_REQUEST_DIFF_BASE_SHA": self.commits[0],
                 "GITHUB_OUTPUT": str(output),
                 "GITHUB_STEP_SUMMARY": str(self.folder / "summary"),
                 "GITHUB_REPOSITORY": "own/robots",
@@ -284,7 +322,7 @@ class Machine:
             done.append(result)
             for line in output.read_text(encoding="utf-8").splitlines():
                 key, _, value = line.partition("=")
-                known |= {f"steps.{which}.outputs.{key}": value for which in ("key", "install", "check")}
+                known |= {f"steps.{which}.outputs.{key}": value for which in ("key", "install", "check", "diff")}
             if result.returncode or (until_planted and self.ran.exists()):
                 break
         return done
@@ -326,6 +364,8 @@ def test_nothing_of_the_checkout_runs_and_nothing_is_written_through_it(machine:
     said = "".join(result.stdout + result.stderr for result in done)
     assert not machine.ran.exists(), machine.ran.read_text()
     assert [result.returncode for result in done] == [0] * len(steps), said
+    if any("urdfcheck diff" in step.script for step in steps):
+        assert "renamed" in said  # both commits were read
     assert not list(machine.elsewhere.iterdir())
 
 

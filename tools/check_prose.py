@@ -166,8 +166,15 @@ def read_passages(path: Path) -> Iterator[Passage]:
 
 def list_files() -> list[Path]:
     """Return the files of the project that hold words for users."""
-    pages = ["*.md", "docs/*.md", "rules/*.md", "integrations/**/*.md", "benchmarks/**/*.md"]
-    code = ["urdfcheck/**/*.py", "report-ui/src/*.ts", "tools/make_*.py", "rules/families.toml", "action.yml"]
+    pages = ["*.md", "docs/*.md", "rules/*.md", "integrations/**/*.md", "benchmarks/**/*.md", "tools/website/**/*.md"]
+    code = [
+        "urdfcheck/**/*.py",
+        "report-ui/src/*.ts",
+        "tools/make_*.py",
+        "tools/website/*.py",
+        "rules/families.toml",
+        "action.yml",
+    ]
     code += [
         "urdfcheck/output/*.json",
         "integrations/**/*.yml",

@@ -88,7 +88,7 @@ def load_page(path: Path) -> Rule:
     :raises UrdfcheckError: if the file is not a rule page; the message names the page and what is missing.
     """
     text = path.read_text(encoding="utf-8")
-    title, header = _TITLE.match(text), _split_page(text)[0]
+    title, header = _TITLE.match(text), split_page(text)[0]
     if not title or not header:
         raise UrdfcheckError(f"{path}: a rule page begins with '# CODE name' and a toml block")
     code, name = title.groups()
@@ -191,7 +191,7 @@ def _name_notes(rule: Rule, ids: frozenset[str]) -> str:
     return "notes" if ids == set(rule.messages) else f"notes {', '.join(sorted(ids))}"
 
 
-def _split_page(page: str) -> tuple[str, str]:
+def split_page(page: str) -> tuple[str, str]:
     """Return the header of a page, which is empty where it has none, and the rest of the page without it."""
     before, _, rest = page.partition("\n```toml\n")
     header, end, body = rest.partition("\n```\n")
@@ -211,7 +211,7 @@ def explain_rule(rule: Rule) -> str:
         facts.append(f"concerns {', '.join(rule.concerns)} only")
     facts += filter(None, (describe_on_request(rule), describe_pedantic(rule)))
     parts = [f"# {rule.code} {rule.name}", " · ".join(facts)]
-    body = _split_page(_TITLE.sub("", rule.page))[1].strip()
+    body = split_page(_TITLE.sub("", rule.page))[1].strip()
     parts.append(body)
     if rule.options:
         options = [

@@ -1,0 +1,113 @@
+"""The pages of the documentation site before they are built: complete, with links for the site, and rules in words."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from conftest import REPOSITORY
+from website import rule_index, rule_pages
+from website.markdown import convert_markdown
+from website.navigation import iter_pages
+from website.reference_pages import render_exit_codes, render_python_api, render_schemas
+from website.source_tree import list_addresses
+
+import urdfcheck
+from urdfcheck.rules import load_rules
+
+ADDRESSES = {"docs/fix.md": "guides/fix.md", "rules/README.md": "rules/index.md", "LICENSE": "files/LICENSE.txt"}
+
+
+def convert(text: str, source: str = "docs/install.md", address: str = "guides/install.md") -> str:
+    return convert_markdown(
+        text, source=source, address=address, addresses=ADDRESSES, rules={"INR003": "rules/INR003.md"}
+    )
+
+
+@pytest.mark.parametrize(
+    ("written", "made"),
+    [
+        ("[fix](fix.md#how)", "[fix](fix.md#how)"),
+        ("[`--fix`](fix.md)", "[`--fix`](fix.md)"),
+        ("[rules](../rules/README.md)", "[rules](../rules/index.md)"),
+        ("[licence](../LICENSE)", "[licence](../files/LICENSE.txt)"),
+        ("[the tests](../tests/cart.py)", "the tests (`tests/cart.py` in the repository)"),
+        ("[tests/cart.py](../tests/cart.py)", "tests/cart.py"),
+        ("[there](https://example.org/a.md) [here](#part)", "[there](https://example.org/a.md) [here](#part)"),
+        ("as INR003 says", "as [INR003](../rules/INR003.md) says"),
+        ("`INR003` and XYZ003", "`INR003` and XYZ003"),
+        ("[see INR003](fix.md)", "[see INR003](fix.md)"),
+        ("## INR003\n", "## INR003\n"),
+        ("```\nINR003 [fix](fix.md)\n```", "```\nINR003 [fix](fix.md)\n```"),
+        ("````md\n```urdf file=a.urdf\n```\n````", "````md\n```urdf file=a.urdf\n```\n````"),
+        ("```urdf file=p/a.urdf\n<robot/>\n```", '```xml title="p/a.urdf"\n<robot/>\n```'),
+        (
+            '```urdf\n<robot>\n  <link/> <!-- expect: INR003 "link" -->\n</robot>\n```',
+            '```xml hl_lines="2"\n<robot>\n  <link/>\n</robot>\n```',
+        ),
+    ],
+)
+def test_markdown_of_the_repository_becomes_markdown_of_the_site(written: str, made: str) -> None:
+    assert convert(written) == made
+
+
+def test_a_rule_is_no_link_on_its_own_page() -> None:
+    assert convert("INR003", "rules/INR003-triangle-inequality.md", "rules/INR003.md") == "INR003"
+
+
+def test_the_navigation_holds_every_document_once() -> None:
+    documents = [f"docs/{path.name}" for path in (REPOSITORY / "docs").glob("*.md")]
+    documents += [path.name for path in REPOSITORY.glob("*.md") if path.name != "README.md"]
+    sources = [page.source for page in iter_pages() if page.source]
+    assert {*documents} <= {*sources}
+    assert len(sources) == len({*sources})
+    assert all((REPOSITORY / source).is_file() for source in sources)
+    addresses = [*list_addresses().values()]
+    assert len(addresses) == len({*addresses})
+
+
+def test_the_page_of_a_rule_says_in_words_what_its_toml_says() -> None:
+    rule = load_rules()["INR003"]
+    page = rule_pages.render_rule(rule)
+    assert "```toml\nseverity" not in page
+    assert "| **repair** | `--fix --unsafe-fixes` repairs it" in page
+    assert "| **gives way to** | INR004 on the same element |" in page
+    assert '| **mujoco** | <span class="outcome refuses">refuses</span> to compile' in page
+    assert "| **pinocchio** | computes the dynamics of an impossible body" in page
+    assert "For “<var>link</var>: <var>claim</var>, fixed part (<var>reason</var>)”:" in page
+    assert "| `rel_tol` | `1e-9` | Slack relative" in page
+    sections = re.findall(r"^## (.+)$", page, re.MULTILINE)
+    assert sections[2:7] == ["How to fix", "What it reports", "What each program does", "Options", "Bad"]
+
+
+def test_every_rule_has_all_of_its_page_and_a_row_in_the_index() -> None:
+    index = rule_index.render_index()
+    for code, rule in load_rules().items():
+        page = rule_pages.render_rule(rule)
+        for section in re.findall(r"^## .+$", rule.page, re.MULTILINE):
+            assert section in page, code
+        for program in rule.consumers:
+            assert program in rule.messages or f"\n| **{program}** | " in page, code
+        assert not re.search(
+            r"\{\w+[^{}]*\}", re.sub(r"```.*?```|`[^`]*`", "", page.partition("## Bad")[0], flags=re.DOTALL)
+        ), code
+        assert f"\n| [{code}]({code}.md) <small>{rule.name}</small> |" in index
+
+
+def test_the_index_of_the_rules_names_every_program_that_minds() -> None:
+    affected = rule_pages.list_outcomes(load_rules()["LCH001"])
+    assert affected == {"rviz": "affected", "roslaunch": "refuses"}
+    assert "pinocchio" not in rule_pages.list_outcomes(load_rules()["SYM001"])  # it loads what was typed
+
+
+def test_the_reference_names_the_whole_interface() -> None:
+    page = render_python_api()
+    for name in urdfcheck.__all__:
+        assert name.startswith("_") or f"\n## `{name}`\n" in page
+    assert "\n    samples: int = 200,\n" in page
+    assert "\n* `tier`: how much is computed" in page
+    assert "Members: `INFO`, `WARNING`, `ERROR`" in page
+    assert "| 3 | nothing to check" in render_exit_codes()
+    schemas = render_schemas()
+    assert "| `findings` | list of [finding](#report-finding) |" in schemas
+    assert "### finding { #report-finding }" in schemas
