@@ -13,6 +13,7 @@ from urdfcheck.core.text import (
     format_length,
     format_point,
     format_repetition,
+    format_share,
     join_numbers,
     truncate_text,
 )
@@ -78,3 +79,18 @@ def test_a_name_is_edited_only_if_no_name_of_either_side_is_near() -> None:
     known = ["r_forearm_link", "forearm_link"]
     assert find_nearest_name("l_forearm_link", known) == "forearm_link"
     assert find_only_near_name("l_forearm_link", known) is None
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"),
+    [
+        (100.0, 104.94, " (+4.9 %)"),
+        (4.0, 3.0, " (-25 %)"),
+        (0.6, 1.6, " (+167 %)"),
+        (0.05, 0.5, " (10 times)"),
+        (1.0, 1e6, " (1,000,000 times)"),
+        (0.0, 2.0, ""),
+    ],
+)
+def test_a_share_has_no_exponent(before: float, after: float, expected: str) -> None:
+    assert format_share(before, after) == expected

@@ -17,7 +17,7 @@ from urdfcheck.changes.gate import make_gate
 from urdfcheck.core.model_diff import Diff, MechanismDiff, MechanismEffect, ModelDiff
 from urdfcheck.export.mechanism_builder import build_mechanism
 from urdfcheck.facts.comparison.home_pose import compute_home_pose
-from urdfcheck.facts.comparison.joint_inertias import compute_joint_inertias
+from urdfcheck.facts.comparison.joint_loads import compute_joint_inertias
 from urdfcheck.facts.comparison.motion import compute_displacements
 from urdfcheck.facts.motion.dynamics import build_configurations, compute_mass_matrices, locate_joint_coordinates
 from urdfcheck.model import Model

@@ -12,7 +12,9 @@ import pytest
 from builders import joint, link, robot
 from versions import ARM, compare_texts
 
+from urdfcheck.changes.effect_wording import describe_effect
 from urdfcheck.core.model_diff import Diff, MechanismDiff, ModelDiff
+from urdfcheck.output.changes.text import describe_torque
 from urdfcheck.output.changes.text import render as render_text
 
 
@@ -342,7 +344,32 @@ def test_gravity_torques_are_those_of_statics(tmp_path: Path) -> None:
     (torque,) = [torque for torque in get_mechanism(found).torques if torque.joint == "elbow"]
     # One kilogram more at 0.33 m, horizontal: an end of the range or a sample comes near it.
     assert torque.after - torque.before == pytest.approx(9.81 * 0.33, rel=0.02)
-    assert (torque.effort, torque.unit) == (40.0, "N·m")
+    assert (torque.effort, torque.unit, torque.main_link) == (40.0, "N·m", "hand")
+
+
+_BAG = """<link name="bag">
+    <inertial><mass value="2"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <joint name="strap" type="fixed"><parent link="hand"/><child link="bag"/></joint>
+</robot>"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "main"),
+    [
+        ('<mass value="0.6"/>', '<mass value="1.6"/>', "hand"),
+        ('<mass value="0.05"/>', '<mass value="0.5"/>', ""),  # two fingers alike: each makes half
+        ("</robot>", _BAG, "bag"),
+    ],
+)
+def test_the_link_that_makes_most_of_a_load_is_named(tmp_path: Path, old: str, new: str, main: str) -> None:
+    found = compare_texts(tmp_path, ARM, ARM.replace(old, new))
+    mechanism = get_mechanism(found)
+    (torque,) = [torque for torque in mechanism.torques if torque.joint == "elbow"]
+    (inertia,) = [e for e in mechanism.effects if (e.id, e.subject) == ("joint-inertia", "joint[elbow]")]
+    assert (torque.main_link, inertia.words["main_link"]) == (main, main)
+    said = (describe_torque(torque), describe_effect(inertia))
+    assert all((f"mostly because of link {main}" if main else "mostly") in text for text in said) == bool(main)
 
 
 def test_two_changes_are_two_changes_with_a_cause_each(tmp_path: Path) -> None:

@@ -6,12 +6,11 @@ from collections.abc import Callable, Mapping
 
 from urdfcheck.changes.wording import (
     format_pair,
-    format_share,
     format_size,
     name_part,
 )
 from urdfcheck.core.model_diff import MechanismEffect
-from urdfcheck.core.text import format_angle, format_configuration
+from urdfcheck.core.text import format_angle, format_configuration, format_share
 
 
 def describe_effect(effect: MechanismEffect) -> str:
@@ -50,8 +49,9 @@ def _describe_pair(verb: str, *, is_new: bool) -> Callable[[MechanismEffect], st
 def _describe_inertia(effect: MechanismEffect) -> str:
     before, after, unit = effect.numbers["before"], effect.numbers["after"], effect.words["unit"]
     where = f" at {format_configuration(effect.configuration)}" if effect.configuration else ""
-    share = format_share(before, after)
-    return f"{name_part(effect.subject)} accelerates {format_pair(before, after)} {unit}{share}{where}"
+    share, link = format_share(before, after), effect.words["main_link"]
+    cause = f", mostly because of link {link}" if link else ""
+    return f"{name_part(effect.subject)} accelerates {format_pair(before, after)} {unit}{share}{where}{cause}"
 
 
 # -- stability ---------------------------------------------------------------------------------------------------------

@@ -6,7 +6,15 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from urdfcheck.core.model_diff import CATEGORIES, COSMETIC, IDENTICAL, LinkShift, MechanismChange, MechanismDiff
-from urdfcheck.core.text import format_angle, format_configuration, format_count, format_length, join_names
+from urdfcheck.core.text import (
+    format_angle,
+    format_configuration,
+    format_count,
+    format_length,
+    format_percent,
+    format_share,
+    join_names,
+)
 
 # Shares and directions below these are rounding.
 _LEAST_COMPONENT = 0.02
@@ -33,11 +41,6 @@ def name_part(subject: str) -> str:
 def format_size(metres: float) -> str:
     """Return a length that may be small."""
     return format_length(metres, micrometres=True)
-
-
-def format_share(before: float, after: float) -> str:
-    """Return `` (+4.9 %)``; nothing where there is no share."""
-    return f" ({(after - before) / abs(before) * 100:+.2g} %)" if before else ""
 
 
 # -- sentences of the changes ------------------------------------------------------------------------------------------
@@ -365,7 +368,7 @@ def _describe_dynamics(found: MechanismDiff) -> str:
     if found.torques:
         worst = found.torques[0]
         share = abs(worst.after - worst.before) / max(worst.before, 1e-12)
-        amount = f" by {share * 100:.2g} %" if worst.before > 1e-9 else ""
+        amount = f" by {format_percent(share)}" if worst.before > 1e-9 else ""
         parts.append(
             f"dynamics change{amount} (worst gravity torque of {worst.joint} "
             f"{format_pair(worst.before, worst.after)} {worst.unit})"

@@ -79,6 +79,8 @@ class JointTorque:
     """Effort limit of the second version."""
     unit: str
     """``N·m`` or ``N``."""
+    main_link: str = ""
+    """The link whose mass or place makes most of the difference, as the first version names it; empty where none does."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

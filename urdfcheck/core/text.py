@@ -14,6 +14,8 @@ SLIP_LIKENESS = 0.85
 # What stands in a proposed command in place of a value that nobody but the user knows.
 TO_FILL_IN = "…"
 _SIDES = frozenset({"l", "left", "r", "right"})
+# From so many times on, a share is told as a factor.
+_MANY_TIMES = 10
 _DIGITS = re.compile(r"\d")
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
@@ -122,6 +124,23 @@ def format_choices(values: Collection[str], most: int = 6) -> str:
 def format_argument_option(name: str, value: str | None = None) -> str:
     """Return ``--arg name:=value`` quoted for a shell, as names and values are a stranger's; ``…`` is to be filled in."""
     return f"--arg {shlex.quote(name)}:={TO_FILL_IN}" if value is None else f"--arg {shlex.quote(f'{name}:={value}')}"
+
+
+def format_percent(share: float) -> str:
+    """Return ``4.9 %`` of 0.049, and ``167 %`` without an exponent."""
+    percent = share * 100
+    return f"{percent:.2g} %" if abs(percent) < 99.5 else f"{percent:,.0f} %"
+
+
+def format_share(before: float, after: float) -> str:
+    """Return `` (+4.9 %)``, or `` (12 times)`` of what grows much; nothing where there is no share."""
+    if not before:
+        return ""
+    ratio = after / before
+    if ratio >= _MANY_TIMES:
+        return f" ({ratio:.3g} times)" if ratio < 999.5 else f" ({ratio:,.0f} times)"
+    share = (after - before) / abs(before)
+    return f" ({'+' if share > 0.0 else ''}{format_percent(share)})"
 
 
 def format_angle(radians: float) -> str:

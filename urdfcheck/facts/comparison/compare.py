@@ -14,10 +14,10 @@ from urdfcheck.facts.comparison.alignment import PlacedPair, align_links
 from urdfcheck.facts.comparison.bodies import BodyPair, pair_bodies
 from urdfcheck.facts.comparison.contents import compare_masses, compare_shapes
 from urdfcheck.facts.comparison.home_pose import HomePose, compute_home_pose, invert_pose
-from urdfcheck.facts.comparison.joint_inertias import compare_joint_inertias
+from urdfcheck.facts.comparison.joint_loads import compare_joint_inertias, compare_torques
 from urdfcheck.facts.comparison.joints import compare_joints
 from urdfcheck.facts.comparison.matching import Correspondence, match_mechanisms
-from urdfcheck.facts.comparison.motion import compare_torques, compute_displacements, measure_shifts, sample_joints
+from urdfcheck.facts.comparison.motion import compute_displacements, measure_shifts, sample_joints
 from urdfcheck.facts.comparison.stances import compare_stances
 from urdfcheck.facts.comparison.structure import NOTE, compare_structure, list_frame_notes
 from urdfcheck.facts.comparison.surfaces import GeometryReader, SurfaceComparison

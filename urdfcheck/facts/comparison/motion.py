@@ -1,15 +1,14 @@
-"""Both versions moved alike: how far each link is from where it was, and what gravity asks of each joint."""
+"""Both versions moved alike: how far each link is from where it was."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from urdfcheck.core.drop_test import GRAVITY
 from urdfcheck.core.mechanism import MechanismJoint
-from urdfcheck.core.model_diff import JointTorque, LinkShift
+from urdfcheck.core.model_diff import LinkShift
 from urdfcheck.facts.arrays import Array, Bools
 from urdfcheck.facts.comparison.alignment import PlacedPair
 from urdfcheck.facts.comparison.home_pose import ANGLE_TOLERANCE, LENGTH_TOLERANCE, HomePose, locate_screw
@@ -22,8 +21,6 @@ SAMPLES, MOST_POSES = 200, 200_000
 _SEED = 20
 # Half the range (rad, m) in which a joint without limits is moved.
 _HALF_TURN, _HALF_TRAVEL = np.pi, 0.5
-# Shares by which a torque must change to be reported.
-_LEAST_TORQUE_CHANGE = 1e-3
 # Of links that move equally far, up to this share, the one at the end of a branch is named.
 _TIE = 1e-3
 
@@ -225,56 +222,3 @@ def describe_positions(home: HomePose, values: Mapping[str, Array], link: str, r
             positions[joint.name] = float(values[joint.name][row])
         joint = home.joint_above.get(joint.parent)
     return dict(reversed(positions.items()))
-
-
-# -- gravity -----------------------------------------------------------------------------------------------------------
-
-
-def compare_torques(pair: PlacedPair, before: Mapping[str, Array], after: Mapping[str, Array]) -> Iterator[JointTorque]:
-    """Yield the joints whose worst gravity torque differs."""
-    olds, news = _compute_worst_torques(pair.before, before), _compute_worst_torques(pair.after, after)
-    for old, new in pair.match.joints.items():
-        if old not in olds or new not in news:
-            continue
-        first, second = olds[old], news[new]
-        if abs(second - first) <= max(_LEAST_TORQUE_CHANGE * max(first, second), 1e-6):
-            continue
-        joint = pair.after.joints[new]
-        yield JointTorque(
-            joint=old,
-            before=first,
-            after=second,
-            effort=joint.effort,
-            unit="N" if joint.type == "prismatic" else "N·m",
-        )
-
-
-def _compute_worst_torques(home: HomePose, displacements: Mapping[str, Array]) -> dict[str, float]:
-    """Return the largest torque (N·m) or force (N) that each joint holds against gravity, along z of the root."""
-    count = len(next(iter(displacements.values())))
-    up = home.frames[home.mechanism.root][:3, 2]
-    masses = {name: link.mass or 0.0 for name, link in home.links.items()}
-    moments: dict[str, Array] = {}
-    for name, link in home.links.items():
-        place = np.ones(4)
-        place[:3] = home.frames[name][:3, :3] @ np.array(link.com or (0.0, 0.0, 0.0)) + home.frames[name][:3, 3]
-        moments[name] = masses[name] * (displacements[name] @ place)[:, :3]
-    worst: dict[str, float] = {}
-    for name in reversed(home.order):
-        joint = home.joint_above.get(name)
-        if joint is None:
-            continue
-        screw = locate_screw(home, joint)
-        if joint.type in ONE_DOF and screw is not None:
-            motion = displacements[joint.parent]
-            direction = motion[:, :3, :3] @ screw.direction
-            point = motion[:, :3, :3] @ screw.point + motion[:, :3, 3]
-            if joint.type == "prismatic":
-                held = masses[name] * GRAVITY * (direction @ up)
-            else:
-                lever = moments[name] - masses[name] * point
-                held = GRAVITY * np.einsum("ni,ni->n", np.cross(lever, np.broadcast_to(up, (count, 3))), direction)
-            worst[joint.name] = float(np.abs(held).max())
-        moments[joint.parent] = moments[joint.parent] + moments[name]
-        masses[joint.parent] += masses[name]
-    return worst

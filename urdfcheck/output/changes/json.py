@@ -144,6 +144,7 @@ def _build_dynamics(found: MechanismDiff) -> dict[str, Any]:
                 "after": to_json_value(torque.after),
                 "effort": to_json_value(torque.effort),
                 "unit": torque.unit,
+                "main_link": torque.main_link or None,
             }
             for torque in found.torques
         ],

@@ -142,6 +142,7 @@ def describe_idle_edits(model: ModelDiff) -> str:
 def describe_torque(torque: JointTorque) -> str:
     """Return what gravity asks of a joint in both versions."""
     text = f"joint {torque.joint} holds up to {torque.before:.3g} → {torque.after:.3g} {torque.unit}"
+    text += f" (mostly because of link {torque.main_link})" if torque.main_link else ""
     if torque.effort is None:
         return text
     return f"{text}, {'more than' if torque.after > torque.effort else 'of'} its limit of {torque.effort:.3g}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core.model_diff import EFFECTS, LinkShift, MechanismDiff, MechanismEffect
-from urdfcheck.core.text import format_angle, format_configuration, format_count, format_length
+from urdfcheck.core.text import format_angle, format_configuration, format_count, format_length, format_share
 from urdfcheck.output.changes.html.compared_models import ComparedModel
 from urdfcheck.output.changes.html.rows import (
     BUTTON,
@@ -91,7 +91,6 @@ def _render_effect(model: ComparedModel, number: int, effect: MechanismEffect) -
 def _iter_totals(found: MechanismDiff) -> Iterator[str]:
     before, after = found.mass
     if abs(after - before) > _LEAST_SHARE * max(before, after):
-        share = f" ({(after - before) / before * 100:+.2g} %)" if before else ""
-        yield f"mass {before:.4g} → {after:.4g} kg{share}"
+        yield f"mass {before:.4g} → {after:.4g} kg{format_share(before, after)}"
     if found.com_shift > _LEAST_LENGTH:
         yield f"COM moves by {format_length(found.com_shift, micrometres=True)}, all joints at zero"
