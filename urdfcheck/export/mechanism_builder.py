@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,7 +26,7 @@ from urdfcheck.export.scene_builder import find_color
 from urdfcheck.model import Model
 from urdfcheck.model.parts import GROUND_NAMES, TENSOR_NAMES, Inertial, Joint, Link, Pose, Shape
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
-from urdfcheck.source.text.values import read_attribute_number
+from urdfcheck.source.text.values import is_computable, parse_numbers, read_attribute_number
 from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
 from urdfcheck.source.xacro.usage import collect_definitions, list_definitions
@@ -45,6 +46,15 @@ _KNOWN_ATTRIBUTES = {
     "dynamics": frozenset({"damping", "friction"}),
     "mimic": frozenset({"joint", "multiplier", "offset"}),
 }
+# How many numbers the attributes hold that are compared as physics; origins and axes of joints must be readable anyway.
+_NUMBERS = {
+    **dict.fromkeys(("xyz", "rpy", "size", "scale"), 3),
+    "quat_xyzw": 4,
+    **dict.fromkeys(("value", *TENSOR_NAMES, "radius", "length"), 1),
+    **dict.fromkeys((*_KNOWN_ATTRIBUTES["limit"], *_KNOWN_ATTRIBUTES["dynamics"], "multiplier", "offset"), 1),
+}
+# What a link may have several of from several blocks.
+_REPEATABLE = frozenset({"plugin", "sensor"})
 _LIMITED = frozenset({"revolute", "prismatic"})
 _KNOWN_TYPES = frozenset({"fixed", "revolute", "continuous", "prismatic", "planar", "floating"})
 
@@ -260,12 +270,19 @@ def _trace_joint(joint: Joint) -> dict[str, Trace]:
 
 
 def _iter_extras(model: Model) -> Iterator[MechanismExtra]:
+    set_before: Counter[tuple[str, str]] = Counter()
     for element in model.robot.children:
         if element.tag in {"link", "joint"}:
             yield from _iter_unknown_parts(model, element)
+            yield from _iter_unreadable_values(model, element)
         elif element.tag != "material":  # the shapes that use it have its colour
             number = element.get("reference") or element.get("name")
-            yield _build_extra(model, element, f"{element.tag}[{number}]" if number else element.tag)
+            label = f"{element.tag}[{number}]" if number else element.tag
+            # Of values that several blocks set, it matters which block comes first.
+            keys = {(label, child.tag) for child in element.children if child.tag not in _REPEATABLE}
+            place = max((set_before[key] for key in keys), default=0) if element.tag == "gazebo" else 0
+            set_before.update(keys)
+            yield _build_extra(model, element, f"{label}, block {place + 1}" if place else label)
 
 
 def _iter_unknown_parts(model: Model, element: Element) -> Iterator[MechanismExtra]:
@@ -284,6 +301,21 @@ def _iter_unknown_parts(model: Model, element: Element) -> Iterator[MechanismExt
         if child.tag in {"visual", "collision"} and child.get("name"):
             named = _trace_attributes([child.attributes["name"]]) or NO_TRACE
             yield MechanismExtra(label=f"{child.tag}[{child.get('name')}]", content="", trace=named)
+
+
+def _iter_unreadable_values(model: Model, element: Element) -> Iterator[MechanismExtra]:
+    """Yield the values of a link or joint that are no numbers to compute with: they are compared as they are written."""
+    for child in element.children:
+        for part in child.walk() if child.tag in _KNOWN_TAGS[element.tag] else ():
+            for name, attribute in part.attributes.items():
+                numbers = parse_numbers(attribute.value, _NUMBERS[name]) if name in _NUMBERS else ()
+                if numbers is None or not all(map(is_computable, numbers)):
+                    where = child.tag if part is child else f"{child.tag}/{part.tag}"
+                    yield MechanismExtra(
+                        label=f"unreadable {element.label}/{where}@{name}",
+                        content=f"{_normalize_words(model, attribute.value)}",
+                        trace=_trace_attributes([attribute]) or NO_TRACE,
+                    )
 
 
 def _name_file(model: Model, value: str) -> str:
