@@ -25,6 +25,17 @@ def test_digits_are_no_cause_where_the_drawn_part_is_another(tmp_path: Path, dra
     assert ('izz="0.000132"' in finding.fix.title) == bool(drawn)
 
 
+@pytest.mark.parametrize(("value", "words"), [("0.5", "lost decimal point"), ("${m*0.5}", "correct the formula")])
+def test_what_a_file_computes_was_not_copied(tmp_path: Path, value: str, words: str) -> None:
+    tensor = f'<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="{value}"/>'
+    arm = f'<inertial><mass value="1"/>{tensor}</inertial>'
+    text = robot('<xacro:property name="m" value="1"/>', link("base"), link("arm", arm), xacro=True)
+    text = text.replace("</robot>", joint("j", "base", "arm", kind="continuous") + "</robot>")
+    (finding,) = find(tmp_path, text, {"INR003"}, name="robot.urdf.xacro")
+    assert finding.fix is not None
+    assert words in finding.fix.title
+
+
 @pytest.mark.parametrize(("com", "has_com"), [("0.01 0 0", False), ("0 0.5 0", True)])
 def test_a_tensor_that_is_replaced_brings_its_com(tmp_path: Path, com: str, has_com: bool) -> None:
     text = arm_on_base(inertial(1, 0.01, com=com, iyz=0.03), visual(box("0.2 0.1 0.1")))
