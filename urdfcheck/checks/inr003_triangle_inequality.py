@@ -144,5 +144,5 @@ def _collect_data(declared: DeclaredTensor, excess: float, typed: TensorRounding
 
 
 def _is_copied(declared: DeclaredTensor) -> bool:
-    """Whether all moments are numbers that somebody typed, and none is computed in the file."""
+    """Whether all moments were typed as numbers, and none is computed in the file."""
     return all(find_typed_value(declared.get_attribute(i)) is not None for i in _DIAGONAL)
