@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from urdfcheck.core import FactUnavailableError, Span
 from urdfcheck.core.mechanism import (
     NO_TRACE,
+    MechanismCondition,
     MechanismExtra,
     MechanismJoint,
     MechanismLink,
@@ -27,6 +28,7 @@ from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_sol
 from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
+from urdfcheck.source.xacro.usage import collect_definitions, list_definitions
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -343,12 +345,15 @@ def _list_idle_lines(model: Model) -> Iterator[tuple[str, frozenset[int]]]:
             yield name, idle
 
 
-def _list_conditions(model: Model) -> Iterator[tuple[Span, int]]:
+def _list_conditions(model: Model) -> Iterator[MechanismCondition]:
+    definitions = collect_definitions(model.source.trees)
     for tree in model.source.trees.values():
         for element in tree.walk():
             if element.tag in {"xacro:if", "xacro:unless"} and element.span is not None:
                 lines = [inner.span.end_line for inner in element.walk() if inner.span is not None]
-                yield element.span, max(lines)
+                read = list_definitions(definitions, element.get("value"))
+                spans = tuple(definition.span for definition in read if definition.span is not None)
+                yield MechanismCondition(tag=element.span, end=max(lines), definitions=spans)
 
 
 def _list_lines(spans: Iterable[Span | None]) -> Iterator[tuple[str, int]]:
