@@ -26,6 +26,7 @@ def check(model: Model, rule: Rule, *, limit: float) -> Iterator[Finding]:
         own=summary.own_inertia,
         moved=summary.moved_inertia,
         unit="kg" if joint.type == "prismatic" else "kg·m²",
+        about="more" if joint.type == "prismatic" else "about every axis",
         enough=0.01 * summary.moved_inertia,
         between=[f"link[{name}]" for name in list_carried_links(model, joint)],
     )

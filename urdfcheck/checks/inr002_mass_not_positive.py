@@ -19,15 +19,15 @@ FUSED = {
     "gazebo": "merges it into the link that it is fixed to",
     "mujoco": "ignores the inertia",
 }
-# On the base, which MuJoCo welds to the world.
+# On the base, which MuJoCo welds to the world whatever it weighs.
 BASE = {
     "gazebo": "refuses the model: the conversion to SDF leaves it without links",
-    "mujoco": "welds the base to the world",
+    "mujoco": "loads it: no joint moves the root of a URDF there",
 }
 # A negative mass that others of the body outweigh, and one on the base.
 OUTWEIGHED = {"mujoco": "ignores the mass and the inertia of the link"}
 WELDED = {
-    "mujoco": "welds the base to the world",
+    "mujoco": "loads it: no joint moves the root of a URDF there",
     "bullet": "loads it if the base is fixed to the world; otherwise computes NaN accelerations",
 }
 # Pinocchio and Drake, on a body without mass: it carries a mass, or none at all.

@@ -17,9 +17,16 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.habits.rotor_inertias import find_rotor_inertias
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
+from urdfcheck.source.text.handed_values import find_typed_value
 
 if TYPE_CHECKING:
     from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
+
+# Where ixx, iyy and izz are in ``ixx ixy ixz iyy iyz izz``.
+_DIAGONAL = (0, 3, 5)
+# What to look for in numbers that were typed, and in those that the file computes.
+_COPIED = "; in copied numbers look for a lost decimal point or a wrong unit"
+_COMPUTED = ", or correct the formula that computes it"
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
@@ -132,4 +139,10 @@ def _collect_data(declared: DeclaredTensor, excess: float, typed: TensorRounding
         "percent": float(excess * 100),
         "typed": typed.typed_digits,
         "digits": typed.digits,
+        "slips": _COPIED if _is_copied(declared) else _COMPUTED,
     }
+
+
+def _is_copied(declared: DeclaredTensor) -> bool:
+    """Whether all moments were typed as numbers, and none is computed in the file."""
+    return all(find_typed_value(declared.get_attribute(i)) is not None for i in _DIAGONAL)

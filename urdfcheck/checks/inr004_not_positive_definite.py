@@ -20,6 +20,7 @@ from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
+from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 
 if TYPE_CHECKING:
     from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
@@ -288,7 +289,8 @@ def _is_rounded(model: Model, declared: DeclaredTensor) -> bool:
 def _collect_remedy(
     model: Model, message: str, links: Sequence[DeclaredTensor], placeholder: str | None
 ) -> dict[str, Any]:
-    """Collect what to write: the drawn part's numbers where they are known, for it need not be a bar or a ball."""
+    """Collect what to write: the drawn part's numbers where they are known, for it need not be a bar or a ball. The formulas
+    of these are for links that draw nothing."""
     from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial
 
     remedy = _FORMULAS[message]
@@ -296,6 +298,8 @@ def _collect_remedy(
         remedy = "compute the tensor of each link from its mesh or dimensions and its mass"
     elif drawn := describe_drawn_inertial(model, links[0].link):
         remedy = f"write {drawn}" if len(links) == 1 else f"{links[0].link.name}: write {drawn}; the others likewise"
+    elif any(has_drawn_shape(declared.link) for declared in links):  # a part of some shape: no bar, no ball
+        remedy = "compute the tensor from the shape of the part and its mass"
     return {"found": placeholder or "", "remedy": remedy}
 
 

@@ -12,7 +12,12 @@ from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
-from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent, measure_hull_distance
+from urdfcheck.facts.inertials.hull_bounds import (
+    compute_spread_ratios,
+    is_possible_elsewhere,
+    measure_extent,
+    measure_hull_distance,
+)
 from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
     compute_mass_covariance,
@@ -71,13 +76,17 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             continue
         if (excess < VAST and _is_stand_in(part)) or _has_unknown_mass(model, part, declared):
             continue
-        is_vast = excess >= VAST and part.has_own_geometry
+        # The COM is then as likely to be wrong as the tensor.
+        is_elsewhere = any(
+            _fits_elsewhere(part, declared, points, ratio=ratio, margin=margin) for points in part.readings
+        )
+        is_vast = excess >= VAST and part.has_own_geometry and not is_elsewhere
         if unit is not None and not _has_other_unit(model, part.link.name, unit.name):
             in_unit.append((declared, is_vast))
             continue
         repair, computed, explained = _propose(model, part, declared, ratio=ratio, excess=excess)
         yield rule.finding(
-            "exceeds",
+            "com" if is_elsewhere else "exceeds",
             at=declared.element,
             severity=Severity.ERROR if is_vast else None,
             edits=() if repair is None else repair.edits,
@@ -164,9 +173,9 @@ def _propose(
             return undo, f"write {undo.words}", _LACKS_COM
         mistake = describe_mistake(diagnosed.diagnosis.cause or "", diagnosed.diagnosis.detail)
         return undo, f"write {undo.words} if that is the mistake", f". One mistake explains it: {mistake}"
-    is_known = has_drawn_shape(part.link) and len(part.readings) == 1
+    is_known = has_drawn_shape(part.link) and part.is_drawn and len(part.readings) == 1
     drawn = describe_drawn_inertial(model, part.link, with_com=has_com_apart(model, part.link)) if is_known else ""
-    computed = f"write {drawn}" if drawn else "compute them from the mesh"
+    computed = f"write {drawn}" if drawn else _describe_computation(part)
     if (like_others := _propose_undo_of_others(model, part, declared, ratio=ratio)) is not None:
         return None, *like_others
     if part.link.name in (about_root := find_root_tensors(model)):
@@ -186,6 +195,17 @@ def _propose(
     if is_known and lacks_only_com(model, part.link):
         return None, computed, _LACKS_COM
     return None, computed, _describe_missing_com(model, part.link)
+
+
+def _describe_computation(part: EnclosedInertial) -> str:
+    """Say where the numbers of a part come from that are not known."""
+    if not part.is_drawn:
+        return "compute them from the real part"
+    if has_drawn_shape(part.link):
+        return "compute them from the mesh"
+    if part.is_single_link or part.mass_share == 1.0:
+        return "compute them from the parts that belong to it"
+    return "remove the <inertial> if the link is only a frame"
 
 
 def _propose_undo_of_others(
@@ -276,6 +296,14 @@ def _compute_excess(
     worst = int(ratios.argmax())
     variance = float(axes[:, worst] @ part.covariance @ axes[:, worst])
     return float(ratios[worst]), max(0.0, variance) ** 0.5
+
+
+def _fits_elsewhere(
+    part: EnclosedInertial, declared: DeclaredTensor, points: Array, *, ratio: float, margin: float
+) -> bool:
+    """Whether the tensor is possible inside the geometry about another COM than the one that was typed."""
+    covariance = part.covariance - _estimate_rounding(part, declared) * np.eye(3)
+    return is_possible_elsewhere(points, covariance, ratio, margin * measure_extent(points))
 
 
 def _estimate_rounding(part: EnclosedInertial, declared: DeclaredTensor) -> float:

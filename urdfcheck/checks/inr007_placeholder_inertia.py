@@ -18,7 +18,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
-from urdfcheck.model.motion.fixed_base import is_ballast, list_bolted_links
+from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
@@ -188,11 +188,11 @@ def _build_tensor_finding(
 ) -> Finding:
     """Report together all links that were given one tensor."""
     every = [*known, *unknown]
-    # A base that is bolted down is no example where a link that moves is one.
+    # A base that is bolted down, or a cart on it, is no example where a link that turns is one.
     moving = [
         suspect
         for suspect in known
-        if suspect.factor > estimate and suspect.declared.link.name not in list_bolted_links(model)
+        if suspect.factor > estimate and suspect.declared.link.name not in list_unturned_links(model)
     ]
     worst = max(moving or known, key=_rank_suspect, default=None)
     places = [suspect.declared.element for suspect in every]
@@ -211,7 +211,7 @@ def _build_tensor_finding(
     else:
         is_less = worst.misfit.expected < max(worst.declared.components)
         is_felt = any(suspect.misfit is not None and suspect.misfit.is_felt for suspect in known)
-        is_bolted = all(suspect.declared.link.name in list_bolted_links(model) for suspect in every)
+        is_bolted = all(suspect.declared.link.name in list_unturned_links(model) for suspect in every)
         is_estimate = worst.misfit.factor <= estimate
         finding = rule.finding(
             "bolted" if is_bolted else "estimate" if is_estimate else "placeholder" if is_felt else "rod",
@@ -296,14 +296,18 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
     if mass is None or not is_round(mass) or count < max(_FEWEST, fraction * len(heavy)):
         return
     alike = [declared for declared in heavy if declared.mass == mass]
-    readings = []
+    readings, is_closed = [], True
     for unit in (True, False):
         drawn = [
-            (declared.link, g.solid.volume)
+            (declared.link, geometry)
             for declared in alike
-            if (g := measure_link_geometry(model, declared.link, apply_unit=unit)) is not None
+            if (geometry := measure_link_geometry(model, declared.link, apply_unit=unit)) is not None
         ]
-        readings.append(sorted(drawn, key=lambda pair: pair[1]))
+        is_closed = is_closed and all(geometry.closed for _, geometry in drawn)
+        # An open mesh has only the volume of its convex hull, and the others are then compared by theirs.
+        solids = [(link, geometry.solid if is_closed else geometry.hull) for link, geometry in drawn]
+        volumes = [(link, solid.volume) for link, solid in solids if solid is not None]
+        readings.append(sorted(volumes, key=lambda pair: pair[1]))
     # If programs disagree about the size of a mesh (MSH008), the sizes must differ so much in both readings.
     if any(len(r) < _FEWEST or r[-1][1] < spread * r[0][1] for r in readings):
         return
@@ -318,6 +322,7 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
         small=small.name,
         large=large.name,
         ratio=float(f"{most / least:.2g}"),
+        by="" if is_closed else ", by their convex hulls",
     )
     # The robot is its subject, so that it does not hide other findings about one of the links.
     yield replace(finding, subjects=(model.location.subject,))

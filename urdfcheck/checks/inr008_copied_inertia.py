@@ -14,6 +14,8 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.mistakes.tensor_slips import find_filled_products
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.diagnosis_words import NOTABLE
+from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.rigid_bodies import is_point_mass
 from urdfcheck.model.shapes.bounds import is_dummy_shape
@@ -74,7 +76,7 @@ def check(model: Model, rule: Rule, *, shape: float, moments: float) -> Iterator
             parts = [part for declared in tensors if (part := _compute_signature(model, declared)) is not None]
             for role in _ROLES:  # a drawing is not compared with a collision shape
                 alike = [part for part in parts if part.role == role]
-                yield from _compare_shapes(rule, alike, shape, moments=moments)
+                yield from _compare_shapes(model, rule, alike, shape, moments=moments)
     yield from _check_masses(model, rule, shape)
 
 
@@ -127,7 +129,7 @@ def _has_telling_digits(value: float) -> bool:
 
 
 def _compare_shapes(
-    rule: Rule, parts: Sequence[_InertiaSignature], shape: float, *, moments: float
+    model: Model, rule: Rule, parts: Sequence[_InertiaSignature], shape: float, *, moments: float
 ) -> Iterator[Finding]:
     """Report the links with one tensor whose shapes, and so moments, differ from those of the part that it fits best."""
     if not parts:
@@ -146,21 +148,31 @@ def _compare_shapes(
     # If the tensor fits no part well, or several, which of them is the copy is not known.
     known = original.misfit <= 2 * shape < min(part.misfit for part in copies)
     worst = max(copies, key=lambda part: part.measure_shape_distance(original))
-    places = [part.declared.element for part in copies]
+    # Where it is not known, the finding is about all that have the tensor.
+    wrong = copies if known else list(parts)
+    places = [part.declared.element for part in wrong]
     finding = rule.finding(
         "copied" if known else "shared",
         at=places[0],
-        related=[original.declared.element, *places[1:]],
-        links=join_names([part.declared.link.name for part in copies]),
+        related=[original.declared.element, *places[1:]] if known else places[1:],
+        links=join_names([part.declared.link.name for part in wrong]),
         original=original.declared.link.name,
         worst=worst.declared.link.name,
         role=original.role,
         size=_format_equivalent_box(worst),
         original_size=_format_equivalent_box(original),
         count=len(parts),
+        # INR009 would say that no mistake explains the numbers, which are those of the other part.
+        explains=[f"INR009 link[{name}]" for name in _list_unexplained(model, wrong)],
     )
-    wrong = places if known else [*places, original.declared.element]
-    yield replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in wrong)))
+    yield replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in places)))
+
+
+def _list_unexplained(model: Model, parts: Sequence[_InertiaSignature]) -> list[str]:
+    """List the links of which the tensor alone disagrees with what they draw, and shows no mistake."""
+    diagnoses = inertial_diagnoses(model)
+    judged = [(name, diagnoses[name].diagnosis) for part in parts if (name := part.declared.link.name) in diagnoses]
+    return [name for name, diagnosis in judged if diagnosis.cause is None and diagnosis.com_mismatch <= NOTABLE]
 
 
 def _compute_signature(model: Model, declared: DeclaredTensor, *, is_tensor: bool = True) -> _InertiaSignature | None:

@@ -242,6 +242,7 @@ def _build_cause_finding(
     mended = propose_undo(model, link) if not others else None
     exact = diagnosis.unique and mended is not None and cause not in AMBIGUOUS_CAUSES
     message = "cause" if mended is None else "exact" if exact else "named"
+    other_mass = _find_other_mass(judged) if mended is not None else None
     if mended is not None and diagnosis.judged_by == "twin":
         message = "twin"
     elif cause == "shell" and has_com_of_shell(model, link):
@@ -250,22 +251,38 @@ def _build_cause_finding(
         message = cause
     elif others:
         message = "disputed"
+    elif other_mass is not None:
+        message = "size"
     elif is_approximation(model, link, judged):
         message = "approximation"
     fallback = "the inertia of the drawn part" if message == "approximation" else ""
     data = {**collect_message_data(model, link, judged, is_certain=message == "exact"), "others": others}
+    if message == "size":
+        data["other_mass"] = f"{other_mass:.4g}"
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
     mild |= message != "exact" and link.name in list_bolted_links(model)
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
         cause=cause,
-        edits=() if mended is None else mended.edits,
+        edits=() if mended is None or message == "size" else mended.edits,  # the mass is as likely to be wrong
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit=fallback if mended is None else mended.words,
         **data,
     )
+
+
+def _find_other_mass(judged: DiagnosedInertial) -> float | None:
+    """Return the mass (kg) with which a tensor is the drawn part's, where it is found to be that of twice or half the size: it is
+    four times the right one, or a quarter of it, which another mass makes too."""
+    declared, mended = judged.declared, judged.diagnosis.mended
+    if judged.diagnosis.cause != "wrong_formula" or mended is None:
+        return None
+    factor = float(np.trace(declared.tensor) / np.trace(mended.tensor))
+    size = 4.0 if factor > 1.0 else 0.25
+    off = float(np.abs(declared.tensor - size * mended.tensor).max())
+    return declared.mass * size if off <= _FACETS * float(np.abs(declared.tensor).max()) else None
 
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:

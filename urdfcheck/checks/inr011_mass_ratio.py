@@ -13,6 +13,10 @@ from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
 
 # A shaft of some grams on a vehicle of a tonne is a part (kg); a milligram is a placeholder, or another unit.
 LEAST_PART = 5e-3
+# A body has the name of a link that makes most of its mass.
+_MOST = 0.5
+# From here on (kg) a mass is printed without decimals.
+_LARGE = 1000.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,9 +38,19 @@ def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[F
     pairs = _collect_joint_masses(model)
     root = frozenset(model.tree.list_body_links(model.tree.root))
     # The slack keeps 1/1000 itself, which has no exact double, from being below 1/1000.
-    lighter = [pair for pair in pairs if pair.ratio < light * (1 - 1e-9) and not _is_small_part(model, pair)]
+    most = light * (1 - 1e-9)
+    lighter = [
+        pair
+        for pair in pairs
+        if pair.ratio < most
+        and not _is_small_part(model, pair)
+        and not (pair.joint.parent in root and _is_on_stand(model, pair, most))
+    ]
     # The root may be bolted to the world; its mass then does not matter.
     heavier = [pair for pair in pairs if pair.ratio > heavy * (1 + 1e-9) and pair.joint.parent not in root]
+    # A body that is too light for what it carries is reported once.
+    reported = {name for pair in heavier for name in model.tree.list_body_links(pair.joint.parent)}
+    lighter = [pair for pair in lighter if pair.joint.child not in reported]
     if lighter:
         yield _build_finding(model, rule, "light", worst_first=sorted(lighter, key=lambda pair: pair.ratio))
     if heavier:
@@ -61,6 +75,12 @@ def _is_small_part(model: Model, pair: _JointMasses) -> bool:
     return pair.child_mass >= LEAST_PART and not any(_has_implausible_density(model, body) for body in bodies)
 
 
+def _is_on_stand(model: Model, pair: _JointMasses, least: float) -> bool:
+    """Whether a child is light beside what its parent is fixed to, such as a stand, but not beside the parent itself."""
+    own = compute_body_mass(model, (pair.joint.parent,)) or 0.0
+    return own > 0.0 and pair.child_mass >= least * own
+
+
 def _build_finding(model: Model, rule: Rule, message: str, *, worst_first: list[_JointMasses]) -> Finding:
     """Report all joints together, at the most extreme."""
     worst, *rest = worst_first
@@ -72,6 +92,8 @@ def _build_finding(model: Model, rule: Rule, message: str, *, worst_first: list[
         joint=worst.joint.name,
         child=worst.joint.child,
         parent=worst.joint.parent,
+        child_body=_describe_body(model, worst.joint.child, worst.child_mass),
+        parent_body=_describe_body(model, worst.joint.parent, worst.parent_mass),
         child_mass=worst.child_mass,
         parent_mass=worst.parent_mass,
         suspects=_describe_suspects(model, worst.joint),
@@ -79,6 +101,13 @@ def _build_finding(model: Model, rule: Rule, message: str, *, worst_first: list[
         also=f" (also {join_names(others)})" if others else "",
     )
     return replace(finding, subjects=tuple(pair.joint.location.subject for pair in worst_first))
+
+
+def _describe_body(model: Model, link: str, mass: float) -> str:
+    """Name a link with the ``mass`` (kg) of its body, and say where most of that is the mass of links fixed to it."""
+    own = compute_body_mass(model, (link,)) or 0.0
+    name = link if own > _MOST * mass else f"{link} and what is fixed to it"
+    return f"{name} ({f'{mass:,.0f}' if mass >= _LARGE else f'{mass:.3g}'} kg)"
 
 
 def _describe_suspects(model: Model, joint: Joint) -> str:

@@ -11,6 +11,7 @@ from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.model import Model
+from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
 
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
@@ -45,9 +46,9 @@ def check(
         )
     elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
         yield _build_placeholder_finding(model, rule, masses[0])
-    elif not least <= total <= most:
-        # In tonnes too, a robot weighs a gram or more.
-        light = "tonnes" if _TONNE * total >= least else None
+    elif total > most or (total < least and _has_most_masses(model)):
+        # In tonnes too, a robot weighs a gram or more, and a CAD program writes no round numbers.
+        light = "tonnes" if _TONNE * total >= least and not all(map(is_round, masses)) else None
         message, cause = ("light", light) if total < least else ("heavy", "grams")
         yield rule.finding(
             message,
@@ -57,6 +58,12 @@ def check(
             total=total,
             links=len(masses),
         )
+
+
+def _has_most_masses(model: Model) -> bool:
+    """Whether the sum is that of the robot: at least half of the bodies that move have a mass (INR001 reports the others)."""
+    moving = [body for body in list_whole_bodies(model) if body.is_movable]
+    return 2 * sum(bool(compute_body_mass(model, body.links)) for body in moving) >= len(moving)
 
 
 def _build_placeholder_finding(model: Model, rule: Rule, mass: float) -> Finding:

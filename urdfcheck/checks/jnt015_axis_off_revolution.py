@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Location, Rule, Severity
+from urdfcheck.core import Edit, FactUnavailableError, Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_point
+from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
 from urdfcheck.model import Inertial, Joint, Link, Model, Shape
 from urdfcheck.model.ground.wheels import LEVEL, Wheel, rolling_wheels
+from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
 _SQUARE = 0.02
 # kg m²: a wheel of 5 cm and 10 g has 1e-5 more about its axle than across it.
 _NEGLIGIBLE_MOMENT = 1e-5
+# A variance of at most so many times the greatest one fits, in a hull that is larger by this part of its size (as in INR005).
+_FITTING, _MARGIN = 1.1, 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -90,7 +94,7 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
         yield _build_axis_finding(model, rule, wheel, drawn=drawn[0], limit=limit)
         return
     for witness in against:
-        yield _build_witness_finding(rule, wheel, witness, others=others)
+        yield _build_witness_finding(model, rule, wheel, witness, others=others)
     for witness in drawn:
         if witness.shape is not None and witness not in against:
             centre, radius = witness.shape.centre, witness.shape.radius
@@ -109,10 +113,12 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
 
 
 def _build_witness_finding(
-    rule: Rule, wheel: _SuspectWheel, witness: _AxisEvidence, *, others: Sequence[str]
+    model: Model, rule: Rule, wheel: _SuspectWheel, witness: _AxisEvidence, *, others: Sequence[str]
 ) -> Finding:
     """Report evidence that contradicts the joint's axis and the ``others``, if there are any."""
     inertial = None if witness.shape is not None else wheel.link.inertial
+    # A tensor that only its axis makes too large for the wheel is one defect.
+    is_cause = inertial is not None and bool(others) and _fits_when_turned(model, wheel, witness.axis)
     return rule.finding(
         "drawn" if inertial is None else "inertia" if others else "unsure",
         at=witness.location,
@@ -123,7 +129,36 @@ def _build_witness_finding(
         others=" and ".join(others) + (" is" if len(others) == 1 else " are"),
         angle=math.degrees(measure_line_angle(witness.axis, wheel.axis)),
         own=_format_axis(witness.axis),
+        # Wheels with the same numbers are merged, and the first one speaks for all.
+        explains=[f"INR005 link[{name}]" for name in _list_alike(model, wheel.link)] if is_cause else [],
         **wheel.names,
+    )
+
+
+def _list_alike(model: Model, link: Link) -> list[str]:
+    """List the links with the inertia tensor of this one."""
+    own = model.tensor_by_name[link.name].components
+    return [declared.link.name for declared in model.tensors if declared.components == own]
+
+
+def _fits_when_turned(model: Model, wheel: _SuspectWheel, own: Array) -> bool:
+    """Whether the mass of a wheel is possible inside its geometry once its ``own`` axis (3,) is that of the joint."""
+    try:
+        part = next((part for part in enclosed_inertials(model) if part.link is wheel.link), None)
+    except FactUnavailableError:
+        return False
+    if part is None:
+        return False
+    # Half a turn about the line between the two axes takes one to the other.
+    between = own + math.copysign(1.0, float(own @ wheel.axis)) * wheel.axis
+    turn = 2.0 * np.outer(between, between) / float(between @ between) - np.eye(3)
+    frame = model.piece_frames[wheel.link.name][:3, :3]
+    turned = frame @ turn @ frame.T
+    covariance = turned @ part.covariance @ turned.T
+    return all(
+        float(compute_spread_ratios(points, part.com, covariance, _MARGIN * measure_extent(points))[0].max())
+        <= _FITTING
+        for points in part.readings
     )
 
 

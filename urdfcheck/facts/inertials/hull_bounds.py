@@ -89,3 +89,13 @@ def compute_spread_ratios(
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios = np.where(bound > 0.0, variances / bound, np.where(variances > 0.0, np.inf, 0.0))
     return ratios, axes
+
+
+def is_possible_elsewhere(points: ArrayLike, covariance: ArrayLike, ratio: float = 1.0, margin: float = 0.0) -> bool:
+    """Whether a mass inside the hull of ``points`` (K, 3) may have a ``covariance`` (3, 3, m²) about another COM, as far as its
+    principal axes say: no variance along them is more than ``ratio`` times half the extent squared (Popoviciu's bound), the hull
+    being ``margin`` (m) larger on all sides."""
+    variances, axes = np.linalg.eigh(np.asarray(covariance, dtype=float))
+    along = np.asarray(points, dtype=float) @ axes
+    half = 0.5 * np.ptp(along, axis=0) + margin
+    return bool((variances <= ratio * half * half).all())

@@ -48,8 +48,8 @@ class RestPose:
 def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None:
     """Find how a robot on two or more driven wheels and what else carries it rests, with rigid parts and joints at zero.
 
-    None where that is not decided: a wheel is suspended or its shape is beside its axle, wheels of the robot differ among
-    themselves (SYM006, SYM008), or it does not stand on wheels and casters alone.
+    None where that is not decided: a wheel is suspended, carries rollers that turn by themselves or has its shape beside its
+    axle, wheels of the robot differ among themselves (SYM006, SYM008), or it does not stand on wheels and casters alone.
 
     :param spread: part of the least radius of a driven wheel, and ``least`` (m), below which heights do not count.
     :raises FactUnavailableError: when the tree is broken, or a shape, a mass or an origin is not known.
@@ -57,6 +57,8 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     wheels = {wheel.joint.child: wheel for wheel in rolling_wheels(model)}
     driven = tuple(wheel for wheel in wheels.values() if not is_caster_joint(wheel.joint))
     if len(driven) < 2 or model.tree.root in GROUND_NAMES or any(is_suspended(model, name) for name in wheels):
+        return None
+    if any(_carries_rollers(model, name) for name in wheels):
         return None
     tolerance = max(spread * min(wheel.radius for wheel in driven), least)
     if _are_uneven(model, tolerance):
@@ -140,6 +142,12 @@ def _are_uneven(model: Model, tolerance: float) -> bool:
     if pair is not None:
         return abs(float(pair.left.contact[2] - pair.right.contact[2])) > tolerance
     return find_uneven_wheels(model, rel_tol=0.01, abs_tol=1e-4) is not None
+
+
+def _carries_rollers(model: Model, wheel: str) -> bool:
+    """Whether joints turn other parts on a wheel: an omnidirectional one stands on its rollers."""
+    behind = (joint for name in model.tree.list_body_links(wheel) for joint in model.tree.child_joints[name])
+    return any(joint.type in {"continuous", "revolute"} for joint in behind)
 
 
 def _measure_heights(model: Model, heights: Array, owners: Indices) -> dict[str, float]:

@@ -13,6 +13,7 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_whole_bodies
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, has_up_axis_ambiguity
 
@@ -39,8 +40,10 @@ class EnclosedInertial:
     """(3, 3), m²."""
     readings: tuple[Array, ...]
     """The corners (K, 3) of all that the link and the links fixed to it draw or collide with: as RViz draws it, and without
-    COLLADA's ``<unit>`` and with its ``<up_axis>`` where that makes a difference.
+    COLLADA's ``<unit>`` and with its ``<up_axis>`` where that makes a difference. With the joints, where they draw nothing.
     """
+    is_drawn: bool
+    """Whether any of the links draws something; collision shapes alone may stand for a piece of a part."""
     has_own_geometry: bool
     """Whether the geometry is that of this mass: its link draws something, or nothing else in the body that does has a mass."""
     is_single_link: bool
@@ -53,7 +56,8 @@ class EnclosedInertial:
     @property
     def geometry_phrase(self) -> str:
         """Whose geometry it is, for a message about the link."""
-        return "the drawn geometry" if self.is_single_link else "the drawn geometry of it and of the links fixed to it"
+        shapes = "the drawn geometry" if self.is_drawn else "the collision shapes and joints"
+        return shapes if self.is_single_link else f"{shapes} of it and of the links fixed to it"
 
 
 @fact
@@ -67,7 +71,8 @@ def enclosed_inertials(model: Model) -> tuple[EnclosedInertial, ...]:
 
 def _generate_enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
     for body in list_whole_bodies(model):
-        readings = tuple(_list_corner_readings(model, body.links))
+        is_drawn = any(not is_dummy_shape(shape) for name in body.links for shape in model.link_by_name[name].visuals)
+        readings = tuple(_list_corner_readings(model, body.links, with_joints=not is_drawn))
         if not readings:
             continue
         shares = compute_body_shares(model, body.links)
@@ -93,6 +98,7 @@ def _generate_enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
                 com=com,
                 covariance=covariance,
                 readings=readings,
+                is_drawn=is_drawn,
                 has_own_geometry=name in drawing or not drawing & shares.keys(),
                 is_single_link=len(body.links) == 1,
                 mass_share=mass_share,
@@ -100,13 +106,18 @@ def _generate_enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
             )
 
 
-def _list_corner_readings(model: Model, links: tuple[str, ...]) -> Iterator[Array]:
-    """Yield the corners (K, 3) of some links in each way that programs read COLLADA's unit and up axis."""
+def _list_corner_readings(model: Model, links: tuple[str, ...], *, with_joints: bool) -> Iterator[Array]:
+    """Yield the corners (K, 3) of some links, and the places of their joints if asked, in each way that programs read COLLADA's
+    unit and up axis."""
+    joined = (
+        {*links, *(joint.child for name in links for joint in model.pieces.child_joints[name])} if with_joints else ()
+    )
+    places = np.array([model.piece_frames[name][:3, 3] for name in joined]).reshape(-1, 3)
     for unit in (True, False) if has_unit_ambiguity(model, links) else (True,):
         for upright in (False, True) if has_up_axis_ambiguity(model, links) else (False,):
             points = collect_body_corners(model, links, apply_unit=unit, apply_up_axis=upright)
             if points is not None:
-                yield points
+                yield np.concatenate((points, places))
 
 
 def is_massless_frame(link: Link) -> bool:

@@ -85,6 +85,15 @@ def list_bolted_links(model: Model) -> Sequence[str]:
         return ()
 
 
+def list_unturned_links(model: Model) -> Sequence[str]:
+    """List the links of a base that cannot move, and of what only slides on it: nothing depends on their inertia."""
+    links = list(list_bolted_links(model))
+    for name in links:
+        sliding = (joint.child for joint in model.tree.child_joints[name] if joint.type == "prismatic")
+        links += [link for child in sliding for link in model.tree.list_body_links(child)]
+    return links
+
+
 def is_ballast(model: Model, links: Sequence[str]) -> bool:
     """Whether the body of these ``links`` is the stand of a robot that it outweighs: what it weighs is a choice and has no
     effect.

@@ -290,8 +290,13 @@ def _measure_mass_matrix(model: Model, poses: JointConfigurations) -> Arrays:
         own_inertia = dynamics.compute_own_inertia(built, poses.joints[i].name, q[worst.index])
         moved_inertia = float(matrices[worst.index, columns[i], columns[i]])
         is_light = own_inertia < moved_inertia * dynamics.ADDED_INERTIA_SHARE
-        # The second question takes ten times as long as all else.
-        if is_light and _is_limiting(model, poses.joints, i, matrices=matrices, columns=columns, worst=worst):
+        if not is_light:
+            continue
+        # This question takes ten times as long as all else.
+        alike = [poses.joints[k].name for k in (i, *_find_equal_mass_joints(model, poses.joints, i))]
+        more = dict.fromkeys(alike, dynamics.ADDED_INERTIA_SHARE * moved_inertia)
+        relieved = matrices + dynamics.compute_added_matrices(built, q[: len(matrices)], more)
+        if dynamics.measure_conditioning(relieved).number * _RELIEF < worst.number:
             light, own, moved = i, own_inertia, moved_inertia
             break
     dampings = np.zeros(built.nv)
@@ -312,20 +317,6 @@ def _list_suspected_joints(columns: NDArray[np.intp], worst: dynamics.Conditioni
         return []
     suspected: list[int] = np.argsort(-np.abs(worst.direction[columns]), kind="stable")[:3].tolist()
     return suspected
-
-
-def _is_limiting(
-    model: Model,
-    joints: Sequence[Joint],
-    index: int,
-    *,
-    matrices: Array,
-    columns: NDArray[np.intp],
-    worst: dynamics.Conditioning,
-) -> bool:
-    """Whether more inertia behind a joint would repair the condition number: alone, or with its like on other branches."""
-    alike = columns[[index, *_find_equal_mass_joints(model, joints, index)]]
-    return dynamics.measure_relieved_conditioning(matrices, alike.tolist()) * _RELIEF < worst.number
 
 
 def _find_equal_mass_joints(model: Model, joints: Sequence[Joint], index: int) -> list[int]:

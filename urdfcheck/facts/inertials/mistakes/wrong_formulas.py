@@ -112,16 +112,16 @@ def is_tensor_of(declared: DeclaredInertial, body: Solid) -> bool:
     return bool((off <= slack).all())
 
 
-def is_rounding_of(typed: Mat3, tensor: Mat3) -> bool:
-    """Whether the six numbers of a tensor (3, 3) are those of another one, each to its last typed digit. Then no mistake but
-    rounding shows in them."""
+def is_rounding_of(typed: Mat3, tensor: Mat3, slack: float = ROUNDING_SLACK) -> bool:
+    """Whether the six numbers of a tensor (3, 3) are those of another one, each to its last typed digit, that is within ``slack``
+    halves of a unit there. Then no mistake but rounding shows in them."""
     texts = [repr(value) for value in list_inertia_components(typed)]
     halves = np.array(list_half_units(texts))
     if not halves.any():
         return False
     halves[halves == 0.0] = halves[halves > 0.0].min()  # a zero was rounded like the finest of the others
     off = np.abs(np.subtract(list_inertia_components(typed), list_inertia_components(tensor)))
-    return bool((off <= ROUNDING_SLACK * halves).all())
+    return bool((off <= slack * halves).all())
 
 
 def measure_decimal(tensor: Mat3) -> float | None:

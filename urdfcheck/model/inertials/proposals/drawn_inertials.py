@@ -11,7 +11,9 @@ from urdfcheck.core import Span
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST
+from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
 from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 _MESH_NOISE = 1e-3
 # Significant digits of numbers that a uniform density gives.
 _GUESSED_DIGITS = 4
+# Halves of a unit in the last typed place.
+_LAST_PLACE = 2.0
 
 
 def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False) -> str:
@@ -47,6 +51,13 @@ def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False)
         body = "the collision shape"
         why = {"open": "; the visual mesh is open", "unread": "; the visual mesh could not be read"}.get(reason, "")
     return f"{change.text}{describe_own_call(model, link, change)} ({body} at this mass and uniform density{why})"
+
+
+def describe_possible_inertial(model: Model, link: Link) -> str:
+    """Describe the inertia of what the link draws, in place of one that no body has: with the COM where that was typed apart from
+    the drawn part's, if it is known."""
+    with_com = describe_drawn_inertial(model, link, with_com=True) if has_com_apart(model, link) else ""
+    return with_com or describe_drawn_inertial(model, link)
 
 
 def lacks_only_com(model: Model, link: Link) -> bool:
@@ -82,6 +93,15 @@ def compute_drawn_tensor(model: Model, declared: DeclaredTensor) -> Mat3 | None:
     rotation = matrix[:3, :3]
     tensor: Mat3 = rotation.T @ compute_solid_inertia(drawn.solid, inertial.mass) @ rotation
     return tensor
+
+
+def is_drawn_otherwise(model: Model, declared: DeclaredTensor) -> bool:
+    """Whether a link draws a solid whose tensor is more than a unit in the last place from the typed digits: more digits are not
+    what is missing."""
+    geometry, drawn = measure_link_geometry(model, declared.link), compute_drawn_tensor(model, declared)
+    if geometry is None or not geometry.closed or drawn is None:
+        return False
+    return not is_rounding_of(declared.tensor, drawn, slack=_LAST_PLACE)
 
 
 def _list_changed(change: InertialRepair) -> list[str]:

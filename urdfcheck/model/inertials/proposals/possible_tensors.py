@@ -6,7 +6,7 @@ from urdfcheck.facts.inertials.inertia_tensor import measure_tensor_rounding
 from urdfcheck.facts.inertials.mistakes.tensor_slips import find_nearest_tensor, find_repeated_slot
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial
+from urdfcheck.model.inertials.proposals.drawn_inertials import describe_possible_inertial, is_drawn_otherwise
 from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
 from urdfcheck.model.inertials.proposals.nearest_tensors import propose_nearest
 from urdfcheck.model.inertials.proposals.slip_repairs import (
@@ -69,11 +69,12 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     other_size = propose_other_size(model, declared)
     if other_size is not None:
         return other_size
-    if is_rounded:
+    change = find_nearest_tensor(declared.components)[1]
+    if is_rounded and (change < _LARGEST_CHANGE or not is_drawn_otherwise(model, declared)):
         return propose_nearest(declared, "digits", digits=typed.typed_digits + _MORE_DIGITS)
-    if find_nearest_tensor(declared.components)[1] < _LARGEST_CHANGE:
+    if change < _LARGEST_CHANGE:
         return propose_nearest(declared, None)
-    drawn = describe_drawn_inertial(model, link)
+    drawn = describe_possible_inertial(model, link)
     return InertialProposal(message=describe_zero_moments(declared), remedy=f"write {drawn}, or " if drawn else "")
 
 

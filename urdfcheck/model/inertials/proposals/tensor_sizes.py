@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
-from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_tensor, describe_drawn_inertial
+from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_tensor, describe_possible_inertial
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 from urdfcheck.model.parts import DeclaredTensor
 from urdfcheck.model.robot import Model
@@ -22,7 +22,7 @@ def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialPropos
     excess = _measure_size_excess(model, declared)
     if not excess > _OTHER_SIZE:
         return None
-    drawn = describe_drawn_inertial(model, declared.link)
+    drawn = describe_possible_inertial(model, declared.link)
     times, least = _format_factor(_compare_with_drawn(model, declared)), _format_factor(excess)
     claim = f"; for this mass the moments are {times} times the drawn part's, and at least {least} times what its size allows"
     return InertialProposal(message=claim, remedy=f"write {drawn}, or " if drawn else "", oversize=times)
