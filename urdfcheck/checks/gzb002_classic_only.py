@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
+from urdfcheck.model.simulation_use import starts_classic
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -50,6 +51,8 @@ _CLASSIC_PACKAGES = frozenset({
     "gazebo_dev", "gazebo_plugins", "gazebo_ros", "gazebo_ros_control", "gazebo_ros_pkgs", "gazebo_ros2_control",
 })  # fmt: skip
 _NEW_PACKAGES = ("gz_", "ign_", "ros_gz", "ros_ign")
+# gz-sim makes no sensor of these types (SdfEntityCreator: "not supported yet").
+_CPU_LIDARS = frozenset({"ray", "lidar"})
 _SENSORS = re.compile(r"camera|kinect|laser|ray|range|prosilica|velodyne")
 
 
@@ -94,9 +97,11 @@ def _is_for_ros2(model: Model) -> bool:
 
 
 def _is_for_classic(model: Model) -> bool:
-    """Whether the package depends on Gazebo Classic and not on its successor: the plugins are the right ones."""
+    """Whether the package depends on Gazebo Classic or starts it, and not its successor: the plugins are the right ones."""
     needed = frozenset() if model.package is None else model.package.dependencies
-    return not needed.isdisjoint(_CLASSIC_PACKAGES) and not any(name.startswith(_NEW_PACKAGES) for name in needed)
+    if any(name.startswith(_NEW_PACKAGES) for name in needed):
+        return False
+    return not needed.isdisjoint(_CLASSIC_PACKAGES) or starts_classic(model)
 
 
 def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
@@ -131,14 +136,22 @@ def _build_plugin_finding(
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
-def _describe_replacements(libraries: Iterable[str]) -> str:
+def _describe_replacements(plugins: Mapping[str, Sequence[Attribute]]) -> str:
     """Return ``replace a, b by X; c by Y``."""
     unknown = "a gz-sim system that does the same (none has this name)"
     libraries_by_replacement: dict[str, list[str]] = {}
-    for library in libraries:
+    for library, uses in plugins.items():
         replacement = _REPLACEMENTS.get(library) or (_SENSOR_SYSTEM if _SENSORS.search(library) else unknown)
+        if replacement is _SENSOR_SYSTEM and any(map(_is_on_cpu_lidar, uses)):
+            replacement = _SENSOR_SYSTEM.replace("alone", 'alone, its type="ray" changed to "gpu_lidar"')
         libraries_by_replacement.setdefault(replacement.format_map(_CONTROL), []).append(library)
     return "replace " + "; ".join(f"{', '.join(names)} by {how}" for how, names in libraries_by_replacement.items())
+
+
+def _is_on_cpu_lidar(filename: Attribute) -> bool:
+    """Whether a plugin is in a lidar's ``<sensor>`` that is computed without a graphics card."""
+    sensor = filename.owner.parent
+    return sensor is not None and sensor.tag == "sensor" and sensor.get("type").strip() in _CPU_LIDARS
 
 
 def _list_hardware_plugins(model: Model) -> list[tuple[Element, Element]]:
