@@ -500,7 +500,8 @@ CARRIED = joint("k", "b", "c", LIMIT, kind="revolute")
 def test_a_tenth_of_a_millimetre_per_metre_matters_where_moving_joints_are_carried(
     tmp_path: Path, text: str, severity: Severity
 ) -> None:
-    (finding,) = find(tmp_path, text, "JNT013")
+    before = link("z") + joint("y", "z", "a", LIMIT, kind="revolute")
+    (finding,) = find(tmp_path, text.replace("</robot>", f"{before}</robot>"), "JNT013")
     assert finding.severity == severity
 
 

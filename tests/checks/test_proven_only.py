@@ -205,6 +205,14 @@ def test_a_drive_that_other_robots_include_becomes_an_argument(tmp_path: Path) -
     }
     (alone,) = find(tmp_path / "alone", files, "CTL007", name="urdf/small.urdf.xacro")
     files["urdf/large.urdf.xacro"] = build("0.25")
+    whole = {
+        **files,
+        "urdf/drive.xacro": files["urdf/small.urdf.xacro"].replace('<xacro:include filename="drive.xacro"/>', block),
+    }
+    whole["urdf/small.urdf.xacro"] = robot('<xacro:include filename="drive.xacro"/>', xacro=True)
+    (own,) = find(tmp_path / "own", whole, "CTL007", name="urdf/small.urdf.xacro")
+    assert own.fix is not None
+    assert own.fix.title.endswith("or correct the wheels' places")
     (shared,) = find(tmp_path / "shared", files, "CTL007", name="urdf/small.urdf.xacro")
     assert alone.fix is not None
     assert shared.fix is not None
@@ -297,6 +305,20 @@ def test_a_passive_joint_has_no_data_sheet(tmp_path: Path, name: str, found: boo
     assert bool(find(tmp_path, text, "JNT007")) == found
 
 
+@pytest.mark.parametrize(("moves", "severity"), [("revolute", Severity.WARNING), ("fixed", Severity.INFO)])
+def test_a_rounded_angle_before_the_first_moving_joint_skews_no_axes(
+    tmp_path: Path, moves: str, severity: Severity
+) -> None:
+    kinds = (moves, "fixed", "fixed", "fixed", "revolute")
+    parts = [
+        link(f"l{k + 1}")
+        + joint(f"j{k}", f"l{k}", f"l{k + 1}", limit(-1, 1) if kind == "revolute" else "", kind=kind, rpy="1.57 0 0")
+        for k, kind in enumerate(kinds)
+    ]
+    (finding,) = find(tmp_path, robot(link("l0"), *parts), "JNT013")
+    assert finding.severity == severity
+
+
 # -- Gazebo: GZB002, GZB004, GZB006, NAM004, COL001 ------------------------------------------------------------------------
 
 CLASSIC_DRIVE = '<gazebo><plugin name="p" filename="libgazebo_ros_diff_drive.so"/></gazebo>'
@@ -304,6 +326,16 @@ CLASSIC_HARDWARE = (
     "<ros2_control name='c' type='system'><hardware><plugin>gazebo_ros2_control/GazeboSystem</plugin></hardware>"
     "</ros2_control>"
 )
+
+
+def test_ros_2_cannot_load_the_control_of_ros_1_in_classic_either(tmp_path: Path) -> None:
+    files = {
+        "package.xml": MANIFEST.format(AMENT),
+        "launch/go.launch.py": "Node(package='gazebo_ros')",
+        "urdf/r.urdf": robot(link("base"), PLUGIN),
+    }
+    (finding,) = find(tmp_path, files, "GZB002", name="urdf/r.urdf")
+    assert finding.severity == Severity.WARNING
 
 
 @pytest.mark.parametrize("body", [CLASSIC_DRIVE, CLASSIC_HARDWARE])

@@ -123,7 +123,7 @@ def _compare(
             message,
             at=element,
             consequences=None if plugin.integrates_wheels else {"gazebo": _TRUE_POSE[message]},
-            shared=_describe_other_users(model, element),
+            shared=_describe_other_users(model, element, wheels),
             key=element.tag,
             value=value,
             real=nearest,
@@ -133,9 +133,10 @@ def _compare(
         )
 
 
-def _describe_other_users(model: Model, element: Element) -> str:
-    """Say which other robots include the file that a plugin is in: a number that fits this robot may not fit them."""
-    if element.span is None:
+def _describe_other_users(model: Model, element: Element, wheels: Sequence[str]) -> str:
+    """Say which other robots include the file that a plugin is in without its wheels: a number may not fit them."""
+    files = {span.file for name in wheels if (span := model.joint_by_name[name].element.span) is not None}
+    if element.span is None or element.span.file in files:
         return ""
     others = find_other_includers(model.source, element.span.file)
     if not others:

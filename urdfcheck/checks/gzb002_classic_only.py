@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -45,6 +45,7 @@ _REPLACEMENTS = {
 # The successor of this plugin reads the same parameters. Its names alone do not move a robot: the hardware plugin of the
 # <ros2_control> block, possibly in another file, and elements such as <robot_sim_type> belong to it.
 _SUCCEEDED = "gazebo_ros2_control"
+_ROS1_CONTROL = "gazebo_ros_control"
 _CONTROL = {"filename": "gz_ros2_control-system", "name": "gz_ros2_control::GazeboSimROS2ControlPlugin"}
 # Packages of Gazebo Classic, and the beginnings of the names of those of its successor.
 _CLASSIC_PACKAGES = frozenset({
@@ -69,7 +70,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             plugins.setdefault(match.group(1), []).append(filename)
     hardware = _list_hardware_plugins(model)
     if plugins:
-        is_migrated = (_SUCCEEDED in plugins or _is_for_ros2(model)) and not _is_for_classic(model)
+        is_migrated = (_SUCCEEDED in plugins or _is_for_ros2(model)) and not _is_for_classic(model, plugins)
         # The hardware of gazebo_ros2_control is part of the same migration.
         related = [plugin for _, plugin in hardware] if _SUCCEEDED in plugins else []
         yield _build_plugin_finding(rule, plugins, related=related, severity=None if is_migrated else Severity.INFO)
@@ -78,7 +79,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(
                 "hardware",
                 at=plugin,
-                severity=Severity.INFO if _is_for_classic(model) else None,
+                severity=Severity.INFO if _is_for_classic(model, plugins) else None,
                 plugin=plugin.text.strip(),
                 control=control.get("name"),
             )
@@ -96,12 +97,15 @@ def _is_for_ros2(model: Model) -> bool:
     )
 
 
-def _is_for_classic(model: Model) -> bool:
-    """Whether the package depends on Gazebo Classic or starts it, and not its successor: the plugins are the right ones."""
+def _is_for_classic(model: Model, libraries: Collection[str]) -> bool:
+    """Whether the package depends on Gazebo Classic or starts it, and not its successor: the plugins are the right ones.
+
+    What a robot of ROS 2 starts cannot load the library of ROS 1.
+    """
     needed = frozenset() if model.package is None else model.package.dependencies
     if any(name.startswith(_NEW_PACKAGES) for name in needed):
         return False
-    return not needed.isdisjoint(_CLASSIC_PACKAGES) or starts_classic(model)
+    return not needed.isdisjoint(_CLASSIC_PACKAGES) or (_ROS1_CONTROL not in libraries and starts_classic(model))
 
 
 def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
