@@ -88,14 +88,14 @@ def _build_pair_finding(
     here, there = _get_inertial(model, one.link), _get_inertial(model, other.link)
     masses = [one.actual.mass, other.actual.mass]
     # Neither of them, and far beside what they differ by: copying one to the other would leave both wrong.
-    are_off = len(misses := _measure_misses(model, pair)) == len(pair) and min(misses) > max(
-        MIN_CERTAIN_MISS, MIN_DEVIATION_RATIO * one.deviation.worst
-    )
+    misses, is_slipped = _measure_misses(model, pair), max(masses) >= SLIPPED_POINT * min(masses)
+    least = max(MIN_CERTAIN_MISS, MIN_DEVIATION_RATIO * one.deviation.worst)
+    are_off = len(misses) == len(pair) and min(misses) > least and not is_slipped
     return rule.finding(
         "neither" if are_off else "pair",
         at=locate_difference(here, one.deviation, note),
         related=[locate_difference(there, other.deviation, note)],
-        severity=Severity.WARNING if max(masses) >= SLIPPED_POINT * min(masses) else Severity.INFO,
+        severity=Severity.WARNING if is_slipped else Severity.INFO,
         confidence=Confidence.HEURISTIC,
         sibling=other.link.name,
         there=build_inertial_repair(there, other.expected).text,
