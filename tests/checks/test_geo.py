@@ -437,7 +437,7 @@ def placed(role: str, origin: str = "", name: str = "part.stl", scale: str = "1 
         ("", '<origin xyz="0 0 9e-5"/>', False),
         ("", '<origin xyz="0 0 1.1e-4"/>', True),
         ('<origin rpy="1.5708 0 0"/>', '<origin rpy="1.57 0 0"/>', False),
-        ('<origin rpy="1.5708 0 0"/>', '<origin rpy="1.569 0 0"/>', True),
+        ('<origin rpy="1.5708 0 0"/>', '<origin rpy="1.568 0 0"/>', True),
         ('<origin rpy="3.14159265 0 0"/>', '<origin rpy="-3.14159265 0 0"/>', False),
         ('<origin rpy="0 0 3.14159265"/>', "", True),
     ],

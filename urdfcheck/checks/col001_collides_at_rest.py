@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_length, join_names, join_numbers
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.gazebo import list_loop_joints
 from urdfcheck.model.motion.collisions.at_rest import Contact
 from urdfcheck.model.motion.collisions.self_collisions import (
     CollisionPair,
@@ -39,7 +40,8 @@ _PARALLEL = 1 - 1.5e-6
 
 def check(model: Model, rule: Rule, *, graze: float, always: float, slight: float) -> Iterator[Finding]:
     collisions = self_collisions(model)
-    far = [(pair, pair.contact) for pair in collisions.pairs if pair.relation == "far" and pair.contact is not None]
+    pairs = _drop_joined_by_loops(model, [pair for pair in collisions.pairs if pair.relation == "far"])
+    far = [(pair, pair.contact) for pair in pairs if pair.contact is not None]
     deep = [(pair, contact) for pair, contact in far if _is_deep_overlap(pair, contact, graze=graze, always=always)]
     samples = collisions.sample_count
     fallen = _find_lying_meshes(model) if deep else None
@@ -95,6 +97,25 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
             samples=samples,
         )
     ensure_all_shapes_read(collisions)
+
+
+def _drop_joined_by_loops(model: Model, pairs: Sequence[CollisionPair]) -> Sequence[CollisionPair]:
+    """Leave out the links that joints of ``<gazebo>`` blocks make one body, or neighbours: they may overlap as such do."""
+    loops = list_loop_joints(model)
+    if not loops:
+        return pairs
+    body = {name: model.tree.list_body_links(name)[0] for name in model.link_by_name}
+    for kind, one, other in loops:
+        if kind == "fixed":
+            old, new = body[other], body[one]
+            body = {name: new if head == old else head for name, head in body.items()}
+    ends = [(joint.parent, joint.child) for joint in model.joints] + [(one, other) for _, one, other in loops]
+    adjacent = {frozenset((body[one], body[other])) for one, other in ends}
+    return [
+        pair
+        for pair in pairs
+        if len(bodies := frozenset(body[name] for name in pair.links)) == 2 and bodies not in adjacent
+    ]
 
 
 def _find_lying_meshes(model: Model) -> LyingMeshes | None:

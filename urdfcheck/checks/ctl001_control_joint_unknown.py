@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity, Span
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_value
@@ -36,7 +36,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     near=hint,
                 )
         if foreign:
-            yield _build_foreign_finding(rule, tag, foreign)
+            yield _build_foreign_finding(model, rule, tag, foreign)
 
 
 def _collect_named_joints(model: Model, tag: str) -> set[str]:
@@ -45,14 +45,30 @@ def _collect_named_joints(model: Model, tag: str) -> set[str]:
     return {element.get("name") for block in blocks for element in block.walk() if element.tag == "joint"}
 
 
-def _build_foreign_finding(rule: Rule, tag: str, names: list[Attribute]) -> Finding:
+def _build_foreign_finding(model: Model, rule: Rule, tag: str, names: list[Attribute]) -> Finding:
     """Report together all names unlike any of the robot's: those of another robot, or of a part that is left out."""
     places = {name.span: name for name in names}
     finding = rule.finding(
         f"{tag}-strange",
         at=names[0],
+        severity=Severity.WARNING if tag == "transmission" and _is_idle_part(model, names) else None,
         related=[*names[0].collect_definitions(), *list(places.values())[1:]],
         joints=join_names(dict.fromkeys(name.value for name in names)),
         which="a joint" if len(names) == 1 else f"{len(names)} joints",
     )
     return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
+
+
+def _is_idle_part(model: Model, names: list[Attribute]) -> bool:
+    """Whether macros bring in the transmissions of these joints, and the model has no plugin that reads them.
+
+    It shows a part then, and the robot that uses the macros has the joints.
+    """
+    plugins = (e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin")
+    reads = any("gazebo_ros_control" in plugin.get("filename") for plugin in plugins)
+    return not reads and all(any(_is_macro_call(model, place) for place in name.owner.via) for name in names)
+
+
+def _is_macro_call(model: Model, place: Span) -> bool:
+    file = model.source.files.get(place.file)
+    return file is not None and not file.text[place.start : place.end].startswith("<xacro:include")

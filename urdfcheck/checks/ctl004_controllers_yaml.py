@@ -12,6 +12,7 @@ from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.likeness.sibling_robots import PackageNames
 from urdfcheck.model.motion.controllers import (
     AssociatedConfiguration,
+    ParameterFile,
     can_offer_with_other_arguments,
     collect_command_interfaces,
     collect_interfaces,
@@ -19,6 +20,7 @@ from urdfcheck.model.motion.controllers import (
     find_launched_configs,
     list_parameter_files,
 )
+from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.repairs.number_text import keep_notation
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.controllers import Controller, GpioClaim
@@ -66,13 +68,29 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
         if parameters.missing:
             yield rule.finding("missing", at=parameters.element, path=parameters.text)
         elif parameters.literal and parameters.text.startswith("/"):
+            portable = _find_portable_path(model, parameters)
+            package, below = ("package", "config/…") if portable is None else portable
+            is_certain = model.source.is_xacro and portable is not None
+            text = f"$(find {package})/{below}"
             yield rule.finding(
                 "machine",
                 at=parameters.element,
                 severity=Severity.WARNING,
+                edits=edit_content(parameters.element, text, model.source.files) if is_certain else (),
+                how="" if model.source.is_xacro else "make the model a xacro and ",
+                package=package,
+                below=below,
                 path=parameters.text,
                 found=f" (here {shown})" if parameters.path is not None else "",
             )
+
+
+def _find_portable_path(model: Model, parameters: ParameterFile) -> tuple[str, str] | None:
+    """Return the model's package and the path of a file in it; None if the file is unknown or elsewhere."""
+    package, path = model.source.package, parameters.path
+    if package is None or path is None or not path.is_relative_to(package.path):
+        return None
+    return package.name, path.relative_to(package.path).as_posix()
 
 
 def _check_unknown_joints(

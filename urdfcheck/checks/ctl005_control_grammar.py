@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -14,6 +15,7 @@ _TAGS = frozenset({"hardware", "properties", "joint", "sensor", "gpio", "transmi
 _TYPES = ("system", "sensor", "actuator")
 _COMPONENTS = frozenset({"joint", "sensor", "gpio"})
 _INTERFACES = frozenset({"command_interface", "state_interface"})
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -31,7 +33,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             elif element.tag in _COMPONENTS:
                 yield from _check_component(model, rule, block, element)
             elif element.tag == "transmission":
-                yield from _check_transmission(rule, element)
+                yield from _check_transmission(model, rule, element)
         yield from _check_repeated_components(rule, block)
 
 
@@ -54,7 +56,7 @@ def _check_block(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:
             when=" with these arguments" if depends else "",
         )
     for element in hardware:
-        yield from _require_plugin(rule, element, block.get("name"))
+        yield from _require_plugin(model, rule, element, block.get("name"))
         yield from _check_params(rule, element, block.get("name"))
 
 
@@ -64,11 +66,22 @@ def _require(rule: Rule, element: Element, attribute: str, of: str = "") -> Iter
         yield rule.finding("attribute", at=element, tag=element.tag, attribute=attribute, of=f" of {of}" if of else "")
 
 
-def _require_plugin(rule: Rule, element: Element, name: str) -> Iterator[Finding]:
+def _require_plugin(model: Model, rule: Rule, element: Element, name: str) -> Iterator[Finding]:
     plugin = element.find_child("plugin")
-    if plugin is None or not plugin.text.strip():
+    if plugin is None and _has_conditional_plugin(model, element):
+        yield rule.finding("plugin-chosen", at=element, severity=Severity.INFO, tag=element.tag, name=name)
+    elif plugin is None or not plugin.text.strip():
         message = "plugin" if plugin is None else "plugin-empty"
         yield rule.finding(message, at=plugin or element, tag=element.tag, name=name)
+
+
+def _has_conditional_plugin(model: Model, element: Element) -> bool:
+    """Whether a ``<plugin>`` is typed in an element that has none: a condition of xacro leaves it out with these arguments."""
+    file = None if element.span is None else model.source.files.get(element.span.file)
+    if element.span is None or file is None or not model.source.is_xacro:
+        return False
+    inside, end, _ = file.text[element.span.end :].partition(f"</{element.tag}>")
+    return bool(end) and "<plugin" in _COMMENT.sub("", inside)
 
 
 def _check_component(model: Model, rule: Rule, block: Element, component: Element) -> Iterator[Finding]:
@@ -100,9 +113,9 @@ def _check_component(model: Model, rule: Rule, block: Element, component: Elemen
             )
 
 
-def _check_transmission(rule: Rule, transmission: Element) -> Iterator[Finding]:
+def _check_transmission(model: Model, rule: Rule, transmission: Element) -> Iterator[Finding]:
     yield from _require(rule, transmission, "name")
-    yield from _require_plugin(rule, transmission, transmission.get("name"))
+    yield from _require_plugin(model, rule, transmission, transmission.get("name"))
     for element in transmission.children:
         if element.tag in {"joint", "actuator"}:
             yield from _require(rule, element, "name", transmission.get("name"))

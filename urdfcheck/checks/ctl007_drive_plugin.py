@@ -9,6 +9,13 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, format_name_hint, format_point, join_names
 from urdfcheck.model.ground.drive_plugins import DrivePlugin, list_drive_plugins
 from urdfcheck.source.text.values import parse_number
+from urdfcheck.source.uses_elsewhere import find_other_includers
+
+# Without the share of odometry: the plugin publishes the true pose.
+_TRUE_POSE = {
+    "radius": "the robot drives faster or slower than commanded",
+    "separation": "the robot turns by another angle than commanded",
+}
 
 if TYPE_CHECKING:
     from urdfcheck.model import Model
@@ -16,11 +23,15 @@ if TYPE_CHECKING:
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
-    for plugin in list_drive_plugins(model):
-        yield from _check_plugin(model, rule, plugin, rel_tol)
+    plugins = list(list_drive_plugins(model))
+    for plugin in plugins:
+        others = [other for other in plugins if other is not plugin]
+        yield from _check_plugin(model, rule, plugin, others, rel_tol)
 
 
-def _check_plugin(model: Model, rule: Rule, plugin: DrivePlugin, rel_tol: float) -> Iterator[Finding]:
+def _check_plugin(
+    model: Model, rule: Rule, plugin: DrivePlugin, plugins: Sequence[DrivePlugin], rel_tol: float
+) -> Iterator[Finding]:
     left, right = plugin.left, plugin.right
     unknown = [element for element in (*left, *right) if element.text.strip() not in model.joint_by_name]
     turning = {name for name, joint in model.joint_by_name.items() if joint.type != "fixed"}
@@ -43,18 +54,36 @@ def _check_plugin(model: Model, rule: Rule, plugin: DrivePlugin, rel_tol: float)
         return
     from urdfcheck.model.ground.drive_wheels import are_wheels_sideways, measure_wheel_radii, measure_wheel_separations
 
+    if _turns_other_parts(model, plugin, plugins):
+        return
     sides = [[element.text.strip() for element in side] for side in (left, right)]
     if are_wheels_sideways(model, *sides):
         yield _build_sideways_finding(model, rule, sides)
         return
-    one, other = left[0].text.strip(), right[0].text.strip()
+    wheels = left[0].text.strip(), right[0].text.strip()
     for element, divisor in plugin.radii:
-        radii = [radius for name in (one, other) for radius in measure_wheel_radii(model, name)]
-        yield from _compare(rule, "radius", element, [divisor * radius for radius in radii], rel_tol, one, other)
+        radii = [radius for name in wheels for radius in measure_wheel_radii(model, name)]
+        sizes = [divisor * radius for radius in radii]
+        yield from _compare(model, rule, "radius", plugin, element, sizes, rel_tol=rel_tol, wheels=wheels)
     if len(left) == len(right) == 1:  # the track of a skid steer is tuned to the ground
         for element in plugin.separations:
-            separations = measure_wheel_separations(model, one, other)
-            yield from _compare(rule, "separation", element, separations, rel_tol, one, other)
+            separations = measure_wheel_separations(model, *wheels)
+            yield from _compare(model, rule, "separation", plugin, element, separations, rel_tol=rel_tol, wheels=wheels)
+
+
+def _turns_other_parts(model: Model, plugin: DrivePlugin, others: Sequence[DrivePlugin]) -> bool:
+    """Whether a plugin turns something else than the wheels of the robot (the drums of a mechanism): none of its joints has a
+    wheel that can stand on the ground, and another plugin drives such wheels."""
+    from urdfcheck.model.ground.wheels import rolling_wheels
+
+    rolling = {wheel.joint.name for wheel in rolling_wheels(model)}
+    return _collect_joints(plugin).isdisjoint(rolling) and any(
+        not _collect_joints(o).isdisjoint(rolling) for o in others
+    )
+
+
+def _collect_joints(plugin: DrivePlugin) -> set[str]:
+    return {element.text.strip() for element in (*plugin.left, *plugin.right)}
 
 
 def _build_sideways_finding(model: Model, rule: Rule, sides: Sequence[Sequence[str]]) -> Finding:
@@ -75,7 +104,15 @@ def _format_fixed_hint(name: str, fixed: Collection[str]) -> str:
 
 
 def _compare(
-    rule: Rule, message: str, element: Element, sizes: list[float], rel_tol: float, one: str, other: str
+    model: Model,
+    rule: Rule,
+    message: str,
+    plugin: DrivePlugin,
+    element: Element,
+    sizes: list[float],
+    *,
+    rel_tol: float,
+    wheels: tuple[str, str],
 ) -> Iterator[Finding]:
     value = parse_number(element.text.strip())
     if value is None or value <= 0 or not sizes or min(sizes) <= 0:
@@ -85,10 +122,23 @@ def _compare(
         yield rule.finding(
             message,
             at=element,
+            consequences=None if plugin.integrates_wheels else {"gazebo": _TRUE_POSE[message]},
+            shared=_describe_other_users(model, element, wheels),
             key=element.tag,
             value=value,
             real=nearest,
             off=abs(value - nearest) / nearest,
-            left=one,
-            right=other,
+            left=wheels[0],
+            right=wheels[1],
         )
+
+
+def _describe_other_users(model: Model, element: Element, wheels: Sequence[str]) -> str:
+    """Say which other robots include the file that a plugin is in without its wheels: a number may not fit them."""
+    files = {span.file for name in wheels if (span := model.joint_by_name[name].element.span) is not None}
+    if element.span is None or element.span.file in files:
+        return ""
+    others = find_other_includers(model.source, element.span.file)
+    if not others:
+        return ""
+    return f"; {join_names(others)} {'includes' if len(others) == 1 else 'include'} this file too: make the number an argument"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
+from urdfcheck.model.simulation_use import starts_classic
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -44,12 +45,15 @@ _REPLACEMENTS = {
 # The successor of this plugin reads the same parameters. Its names alone do not move a robot: the hardware plugin of the
 # <ros2_control> block, possibly in another file, and elements such as <robot_sim_type> belong to it.
 _SUCCEEDED = "gazebo_ros2_control"
+_ROS1_CONTROL = "gazebo_ros_control"
 _CONTROL = {"filename": "gz_ros2_control-system", "name": "gz_ros2_control::GazeboSimROS2ControlPlugin"}
 # Packages of Gazebo Classic, and the beginnings of the names of those of its successor.
 _CLASSIC_PACKAGES = frozenset({
     "gazebo_dev", "gazebo_plugins", "gazebo_ros", "gazebo_ros_control", "gazebo_ros_pkgs", "gazebo_ros2_control",
 })  # fmt: skip
 _NEW_PACKAGES = ("gz_", "ign_", "ros_gz", "ros_ign")
+# gz-sim makes no sensor of these types (SdfEntityCreator: "not supported yet").
+_CPU_LIDARS = frozenset({"ray", "lidar"})
 _SENSORS = re.compile(r"camera|kinect|laser|ray|range|prosilica|velodyne")
 
 
@@ -66,7 +70,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             plugins.setdefault(match.group(1), []).append(filename)
     hardware = _list_hardware_plugins(model)
     if plugins:
-        is_migrated = (_SUCCEEDED in plugins or _is_for_ros2(model)) and not _is_for_classic(model)
+        is_migrated = (_SUCCEEDED in plugins or _is_for_ros2(model)) and not _is_for_classic(model, plugins)
         # The hardware of gazebo_ros2_control is part of the same migration.
         related = [plugin for _, plugin in hardware] if _SUCCEEDED in plugins else []
         yield _build_plugin_finding(rule, plugins, related=related, severity=None if is_migrated else Severity.INFO)
@@ -75,7 +79,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(
                 "hardware",
                 at=plugin,
-                severity=Severity.INFO if _is_for_classic(model) else None,
+                severity=Severity.INFO if _is_for_classic(model, plugins) else None,
                 plugin=plugin.text.strip(),
                 control=control.get("name"),
             )
@@ -93,10 +97,15 @@ def _is_for_ros2(model: Model) -> bool:
     )
 
 
-def _is_for_classic(model: Model) -> bool:
-    """Whether the package depends on Gazebo Classic and not on its successor: the plugins are the right ones."""
+def _is_for_classic(model: Model, libraries: Collection[str]) -> bool:
+    """Whether the package depends on Gazebo Classic or starts it, and not its successor: the plugins are the right ones.
+
+    What a robot of ROS 2 starts cannot load the library of ROS 1.
+    """
     needed = frozenset() if model.package is None else model.package.dependencies
-    return not needed.isdisjoint(_CLASSIC_PACKAGES) and not any(name.startswith(_NEW_PACKAGES) for name in needed)
+    if any(name.startswith(_NEW_PACKAGES) for name in needed):
+        return False
+    return not needed.isdisjoint(_CLASSIC_PACKAGES) or (_ROS1_CONTROL not in libraries and starts_classic(model))
 
 
 def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
@@ -131,14 +140,22 @@ def _build_plugin_finding(
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
-def _describe_replacements(libraries: Iterable[str]) -> str:
+def _describe_replacements(plugins: Mapping[str, Sequence[Attribute]]) -> str:
     """Return ``replace a, b by X; c by Y``."""
     unknown = "a gz-sim system that does the same (none has this name)"
     libraries_by_replacement: dict[str, list[str]] = {}
-    for library in libraries:
+    for library, uses in plugins.items():
         replacement = _REPLACEMENTS.get(library) or (_SENSOR_SYSTEM if _SENSORS.search(library) else unknown)
+        if replacement is _SENSOR_SYSTEM and any(map(_is_on_cpu_lidar, uses)):
+            replacement = _SENSOR_SYSTEM.replace("alone", 'alone, its type="ray" changed to "gpu_lidar"')
         libraries_by_replacement.setdefault(replacement.format_map(_CONTROL), []).append(library)
     return "replace " + "; ".join(f"{', '.join(names)} by {how}" for how, names in libraries_by_replacement.items())
+
+
+def _is_on_cpu_lidar(filename: Attribute) -> bool:
+    """Whether a plugin is in a lidar's ``<sensor>`` that is computed without a graphics card."""
+    sensor = filename.owner.parent
+    return sensor is not None and sensor.tag == "sensor" and sensor.get("type").strip() in _CPU_LIDARS
 
 
 def _list_hardware_plugins(model: Model) -> list[tuple[Element, Element]]:

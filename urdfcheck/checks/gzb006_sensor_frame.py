@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import FactUnavailableError, Finding, Rule
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
+from urdfcheck.model.fixed_joint_lumping import reduce_fixed_joints
 from urdfcheck.model.gazebo import GazeboSensor, is_for_new_gazebo, list_sensors
 from urdfcheck.system.files import read_regular, walk
 
@@ -18,6 +19,8 @@ _FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_fr
 # The sensors whose data programs place by its frame.
 _PLACED = re.compile(r"camera|depth|rgbd|thermal|segmentation|lidar|ray|imu|sonar")
 _BRIDGES = ("ros_gz", "ros_ign")
+# A bridge may write a frame of its own into what it hands to ROS, beside the topic (ros_gz_bridge since Kilted).
+_BRIDGED_FRAME = re.compile(r"""frame_id["']?\s*[:=]\s*["']?/?([\w/.-]+)""")
 _TEXTS = (".py", ".xml", ".launch", ".yaml", ".yml")
 # Files of the package that are searched for the frame: a transform or a node may supply it.
 _MOST_FILES, _LARGEST = 200, 200_000
@@ -31,7 +34,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     texts = list(_read_texts(model)) if without else []
     if not _speaks_ros(model, texts):
         return
-    without = [sensor for sensor in without if not any(_names_frame(text, sensor) for text in texts)]
+    bodies = _find_bodies(model)
+    without = [
+        sensor
+        for sensor in without
+        if not any(_names_frame(text, sensor, bodies) or _bridges_frame(text, sensor, model) for text in texts)
+    ]
     if without:
         first = without[0]
         yield build_group_finding(
@@ -42,7 +50,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             count=len(without),
             noun="sensor" if len(without) == 1 else "sensors",
             verb="names" if len(without) == 1 else "name",
-            example=f"{model.name}/{first.reference}/{first.name}",
+            example=f"{model.name}/{bodies.get(first.reference, first.reference)}/{first.name}",
             link=first.reference,
         )
 
@@ -71,9 +79,27 @@ def _lacks_frame(sensor: GazeboSensor) -> bool:
     return _PLACED.search(sensor.type) is not None and not named
 
 
-def _names_frame(text: str, sensor: GazeboSensor) -> bool:
+def _find_bodies(model: Model) -> Mapping[str, str]:
+    """Return the link that Gazebo merges each link into, which is the middle of the frame; nothing where the tree is broken."""
+    try:
+        return reduce_fixed_joints(model).body_by_link
+    except FactUnavailableError:
+        return {}
+
+
+def _names_frame(text: str, sensor: GazeboSensor, bodies: Mapping[str, str]) -> bool:
     """Whether a file names the frame that the data has, ``ROBOT/LINK/SENSOR``, or builds it."""
-    return sensor.name != "" and (f"{sensor.reference}/{sensor.name}" in text or f"::{sensor.name}" in text)
+    links = (sensor.reference, bodies.get(sensor.reference, sensor.reference))
+    return sensor.name != "" and (any(f"{link}/{sensor.name}" in text for link in links) or f"::{sensor.name}" in text)
+
+
+def _bridges_frame(text: str, sensor: GazeboSensor, model: Model) -> bool:
+    """Whether a file names the sensor's topic, and a link of the robot as the frame of what a bridge hands on."""
+    topic = sensor.element.find_child("topic")
+    name = "" if topic is None else topic.text.strip().strip("/")
+    if not name or not re.search(rf"(?<![\w/])/?{re.escape(name)}(?![\w/])", text):
+        return False
+    return any(match.group(1) in model.link_by_name for match in _BRIDGED_FRAME.finditer(text))
 
 
 def _read_texts(model: Model) -> Iterator[str]:

@@ -6,14 +6,16 @@ from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import join_names, split_name_words
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import collect_plugin_texts
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.simulation_use import is_simulated_hardware
 from urdfcheck.source.text.grammar import is_attribute_missing
+from urdfcheck.source.text.xml import Element
 
 _EFFORT_INTERFACE = "EffortJointInterface"
+_SETS_DIRECTLY = "gazebo_ros2_control/"
 # So many joints are a robot of which one joint can be the odd one.
 _MANY = 4
 
@@ -47,15 +49,23 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
 
 
 def _drop_idle_joints(model: Model, joints: Sequence[Joint]) -> list[Joint]:
-    """Leave out the joints that move nothing, neither a mass nor a shape nor another joint: they carry a number (the stiffness of
-    a real joint) to a controller, and no drive. All are kept if none moves anything: then the file describes no bodies."""
+    """Leave out the joints without a drive: those that are passive by name, and those that move neither a mass nor a shape nor
+    another joint, but carry a number (the stiffness of a real joint) to a controller.
+
+    All are kept if none is left: then the file describes no bodies.
+    """
     parents = {joint.parent for joint in model.joints}
     empty = {
         link.name
         for link in model.links
         if not (link.visuals or link.collisions or link.inertial or link.name in parents)
     }
-    return [joint for joint in joints if joint.child not in empty] or list(joints)
+    return [joint for joint in joints if joint.child not in empty and not _is_named_passive(joint)] or list(joints)
+
+
+def _is_named_passive(joint: Joint) -> bool:
+    """Whether the name says that no drive turns the joint: a data sheet has no speed for it."""
+    return "passive" in (word.lower() for word in split_name_words(joint.name))
 
 
 def _find_largest(joints: Sequence[Joint]) -> dict[str, float]:
@@ -86,7 +96,16 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     is_odd = any((joint.get_limit_value("velocity") or 0.0) > 0 for joint in driven)
     # A joint without effort has no motor, unless no joint has any: then nobody wrote the efforts.
     unknown = is_odd and len(powerless) == len(driven)
-    if slow := [joint for joint in driven if joint.name in still and (unknown or joint not in without)]:
+    commanded = {joint.get("name") for _, joint in _iter_simulated_joints(model)}
+    # JNT005 reports a joint that cannot move: it needs no speed.
+    slow = [
+        joint
+        for joint in driven
+        if joint.name in still
+        and (unknown or joint not in without or (joint.name in commanded and not is_empty))
+        and not _is_locked(joint)
+    ]
+    if slow:
         yield _build_finding(rule, "velocity-zero", "velocity", slow, severity=None if is_odd else Severity.INFO)
 
 
@@ -127,14 +146,30 @@ def _collect_simulated_motors(model: Model) -> frozenset[str]:
         for joint in transmission.find_children("joint")
         if any(_EFFORT_INTERFACE in e.text for e in transmission.walk() if e.tag == "hardwareInterface")
     )
-    controlled = (
-        joint
-        for control in model.robot.find_children("ros2_control")
-        if is_simulated_hardware(control)
-        for joint in control.find_children("joint")
-        if joint.find_child("command_interface") is not None
-    )
+    controlled = (joint for control, joint in _iter_simulated_joints(model) if _is_moved_by_effort(control, joint))
     return frozenset(joint.get("name") for joint in (*transmitted, *controlled))
+
+
+def _iter_simulated_joints(model: Model) -> Iterator[tuple[Element, Element]]:
+    """Yield the joints with a command interface of a simulator's ros2_control hardware, each after its block."""
+    for control in model.robot.find_children("ros2_control"):
+        if is_simulated_hardware(control):
+            for joint in control.find_children("joint"):
+                if joint.find_child("command_interface") is not None:
+                    yield control, joint
+
+
+def _is_moved_by_effort(control: Element, joint: Element) -> bool:
+    """Whether what moves a joint of a simulator's hardware is limited by its effort.
+
+    gazebo_ros2_control sets positions and velocities of Classic's joints directly, unless a PID turns them into efforts.
+    """
+    if not any(_SETS_DIRECTLY in plugin.text for plugin in control.walk() if plugin.tag == "plugin"):
+        return True
+    has_pid = any("kp" in param.get("name") for param in joint.walk() if param.tag == "param")
+    return has_pid or any(
+        command.get("name").strip() == "effort" for command in joint.find_children("command_interface")
+    )
 
 
 def _build_finding(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.likeness.typed_numbers import NearMiss, find_constant, find_near_miss
-from urdfcheck.model import Model
+from urdfcheck.model import Joint, Model
 from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
@@ -24,7 +24,7 @@ class _RoundedAngle:
     word: Token
     miss: NearMiss
     skews: bool
-    """Whether it turns axes against others: it places a joint that carries moving ones, and not only a part or a picture."""
+    """Whether it turns axes against others: it places a joint between moving ones, and not only a robot, a part or a picture."""
 
     @property
     def error(self) -> float:
@@ -128,7 +128,7 @@ def _collect_angles(model: Model) -> list[tuple[Token, float, bool]]:
 
     A macro line skews axes where one of its calls does.
     """
-    carriers = _collect_carrying_joints(model)
+    carriers = _collect_joints_between(model)
     angles: dict[tuple[str, int], tuple[Token, float, bool]] = {}
     for element in model.robot.walk():
         attribute = element.attributes.get("rpy") if element.tag == "origin" else None
@@ -145,8 +145,8 @@ def _collect_angles(model: Model) -> list[tuple[Token, float, bool]]:
     return list(angles.values())
 
 
-def _collect_carrying_joints(model: Model) -> set[Element]:
-    """Return the joints that carry other moving joints."""
+def _collect_joints_between(model: Model) -> set[Element]:
+    """Return the joints between two moving joints: before the first one, an angle rotates all axes alike."""
     above = {joint.child: joint for joint in model.joints}
     carriers: set[Element] = set()
     for joint in model.joints:
@@ -154,7 +154,22 @@ def _collect_carrying_joints(model: Model) -> set[Element]:
         while link in above and above[link].element not in carriers:
             carriers.add(above[link].element)
             link = above[link].parent
-    return carriers
+    moved = _list_moved_links(model)
+    return {joint.element for joint in model.joints if joint.element in carriers and joint.parent in moved}
+
+
+def _list_moved_links(model: Model) -> set[str]:
+    """Return the links behind a moving joint."""
+    joints: dict[str, list[Joint]] = {}
+    for joint in model.joints:
+        joints.setdefault(joint.parent, []).append(joint)
+    waiting, moved = [joint.child for joint in model.joints if joint.is_movable], set[str]()
+    while waiting:
+        link = waiting.pop()
+        if link not in moved:
+            moved.add(link)
+            waiting += [joint.child for joint in joints.get(link, ())]
+    return moved
 
 
 def _strip_sign(word: Token) -> str:

@@ -11,8 +11,9 @@ import numpy as np
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_numbers
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.gazebo import CAMERA_TYPE, list_sensors
+from urdfcheck.model.gazebo import CAMERA_TYPE, GazeboSensor, list_sensors
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
+from urdfcheck.source.text.values import parse_number
 
 # Frames allowed above base_link: the fixed world, frames that localisation moves, and the footprint (REP 105, REP 120).
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
@@ -114,11 +115,14 @@ def _measure_angle(one: np.ndarray, other: np.ndarray) -> float:
 
 def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Finding]:
     """Report all optical frames with one wrong rotation together: they come from one habit."""
+    posed = {s.reference for s in list_sensors(model) if CAMERA_TYPE.search(s.type) and _has_rotated_pose(s)}
     wrong: dict[tuple[int, ...], tuple[np.ndarray, list[Joint]]] = {}
     for joint in model.joints:
         matrix = joint.origin.matrix
         if joint.type != "fixed" or matrix is None or not _is_optical_frame(joint.child, joint.parent):
             continue
+        if joint.parent in posed or joint.child in posed:
+            continue  # the camera looks elsewhere than along the x axis of its link, and so may the frame
         rotation = matrix[:3, :3]
         if _measure_rotation_angle(rotation @ _OPTICAL.T) > tol and not _is_optical_in_root(model, joint, tol):
             key = tuple(np.round(rotation * 1e3).astype(int).ravel())
@@ -137,6 +141,13 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
             typed=join_numbers(joints[0].origin.rpy or (), separator=" "),
         )
         yield replace(finding, subjects=tuple(place.subject for place in places))
+
+
+def _has_rotated_pose(sensor: GazeboSensor) -> bool:
+    """Whether a sensor's ``<pose>`` rotates it in its link."""
+    pose = sensor.element.find_child("pose")
+    angles = [] if pose is None else pose.text.split()[3:6]
+    return any(parse_number(angle) != 0 for angle in angles)
 
 
 def _is_optical_in_root(model: Model, joint: Joint, tol: float) -> bool:

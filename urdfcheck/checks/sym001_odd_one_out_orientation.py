@@ -25,6 +25,7 @@ from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.likeness.sibling_joints import (
     find_common_base,
     is_drawn_in_place,
+    is_drawn_square,
     is_frame_evidence,
     sibling_joints,
     trace_fixed_chain,
@@ -91,6 +92,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joint, others = by_pattern.joint, by_pattern.others
             if (
                 not _is_choice_of_frame(model, joint, others[0], by_pattern.expected, kind=odd.kind)
+                and not _takes_back_drawing(model, by_pattern)
                 and not _is_off_before(model, by_pattern)
                 and is_frame_evidence(model, joint, others, by_pattern.expected, kind=odd.kind)
             ):
@@ -108,7 +110,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             continue
         outlier = _pick_outlier_by_angles(model, group, suspects)
         if outlier is not None:
-            outliers[outlier.joint.name] = outlier
+            if not _takes_back_drawing(model, outlier):
+                outliers[outlier.joint.name] = outlier
         elif (
             len(suspects.members) == 2
             and not _is_reported_as_mirror(model, group, suspects)
@@ -131,6 +134,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 def _is_choice_of_frame(model: Model, joint: Joint, like: Joint, expected: Array, *, kind: str) -> bool:
     """Whether a frame is rotated about the joint's axis, and what is in it takes that back: nothing is elsewhere."""
     return kind == "zero_offset" and is_drawn_in_place(model, joint, like, expected)
+
+
+def _takes_back_drawing(model: Model, odd: _OrientationOutlier) -> bool:
+    """Whether a frame draws its part square to the root, which the pattern would end: the part is turned in its own file."""
+    return odd.kind == "zero_offset" and is_drawn_square(model, odd.joint, odd.expected)
 
 
 def _is_off_before(model: Model, odd: _OrientationOutlier) -> bool:
@@ -311,7 +319,9 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
         message, extra = "mount", {"mount": correction.joint.name}
     else:
         message, extra = _choose_message(model, joint, odd)
-    slight = message == "limits" and _is_slight(joint, odd.angle)
+    slight = (message == "limits" and _is_slight(joint, odd.angle)) or (
+        message == "zero" and abs(odd.angle) < _SLIGHT and _is_wheel(model, joint)
+    )
     return rule.finding(
         message,
         severity=Severity.INFO if slight else None,

@@ -24,6 +24,8 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 # The inertial of a real part, with its screws and bearings, is this near to that of a uniform part of the drawn shape. The
 # wrong one of two inertials is three times as far from it.
 MAX_FIT_DEVIATION, MIN_DEVIATION_RATIO = 0.1, 3.0
+# Beyond this no motor or screw explains how far an inertial is from its drawing: a COM beside the part, moments of half the size.
+MIN_CERTAIN_MISS = 0.5
 # No motor makes one of two copies ten times as heavy; a decimal point does. Slightly less, for rounded numbers.
 SLIPPED_POINT = 9.9
 
@@ -85,11 +87,15 @@ def _build_pair_finding(
     one, other = pair
     here, there = _get_inertial(model, one.link), _get_inertial(model, other.link)
     masses = [one.actual.mass, other.actual.mass]
+    # Neither of them, and far beside what they differ by: copying one to the other would leave both wrong.
+    misses, is_slipped = _measure_misses(model, pair), max(masses) >= SLIPPED_POINT * min(masses)
+    least = max(MIN_CERTAIN_MISS, MIN_DEVIATION_RATIO * one.deviation.worst)
+    are_off = len(misses) == len(pair) and min(misses) > least and not is_slipped
     return rule.finding(
-        "pair",
+        "neither" if are_off else "pair",
         at=locate_difference(here, one.deviation, note),
         related=[locate_difference(there, other.deviation, note)],
-        severity=Severity.WARNING if max(masses) >= SLIPPED_POINT * min(masses) else Severity.INFO,
+        severity=Severity.WARNING if is_slipped else Severity.INFO,
         confidence=Confidence.HEURISTIC,
         sibling=other.link.name,
         there=build_inertial_repair(there, other.expected).text,
@@ -133,8 +139,7 @@ def _pick_wrong_inertial(model: Model, pair: Sequence[CopyComparison]) -> CopyCo
     Only the other has the inertial of the part that both draw, and undoing one mistake leads to it: without a mistake, one
     may contain a motor that the other lacks. The masses agree.
     """
-    misses = [_measure_uniform_deviation(model, comparison.link, comparison.actual) for comparison in pair]
-    known = [miss for miss in misses if miss is not None]
+    known = _measure_misses(model, pair)
     if (
         len(known) != len(pair)
         or min(known) > MAX_FIT_DEVIATION
@@ -145,6 +150,12 @@ def _pick_wrong_inertial(model: Model, pair: Sequence[CopyComparison]) -> CopyCo
     diagnosed = inertial_diagnoses(model).get(wrong.link.name)
     is_explained = diagnosed is not None and diagnosed.diagnosis.cause is not None
     return wrong if is_explained and wrong.deviation.worst > wrong.deviation.mass else None
+
+
+def _measure_misses(model: Model, pair: Sequence[CopyComparison]) -> list[float]:
+    """Measure how far each inertial is from that of the uniform part that both draw, where that is known."""
+    misses = (_measure_uniform_deviation(model, comparison.link, comparison.actual) for comparison in pair)
+    return [miss for miss in misses if miss is not None]
 
 
 def _measure_uniform_deviation(model: Model, link: Link, declared: DeclaredInertial) -> float | None:

@@ -11,6 +11,8 @@ from urdfcheck.model import Model
 from urdfcheck.model.ground.wheels import LEVEL, DrivenWheel, find_driven_wheels
 from urdfcheck.model.motion.controllers import find_controller_configs
 from urdfcheck.model.repairs.edits import edit_all_numbers
+from urdfcheck.source.ros.controllers import Controller
+from urdfcheck.source.text.values import parse_number
 
 # Plugins and controllers that drive straight with velocities of one sign. Other programs may negate one side.
 _DRIVES_ALIKE = re.compile(r"diff[-_]?drive|skid[-_]?steer|mecanum[-_]?drive", re.IGNORECASE)
@@ -18,7 +20,11 @@ _DRIVES_ALIKE = re.compile(r"diff[-_]?drive|skid[-_]?steer|mecanum[-_]?drive", r
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     known = find_driven_wheels(model)
-    wheels = [wheel for wheel in known if wheel.stands]
+    if len({float(wheel.axis @ known[0].axis) > 0 for wheel in known}) < 2:
+        return  # all roll alike
+    driven = _list_driven_names(model)
+    # What a drive turns is a wheel, even if it hangs in the air by mistake.
+    wheels = [wheel for wheel in known if wheel.stands or any(_drives(names, [wheel]) for names in driven)]
     if len(wheels) < 2:
         return
     axis = wheels[0].axis
@@ -32,7 +38,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # Of equally many either may be meant, and a controller may negate one side: nothing is edited then. Nor where a wheel is
     # off the ground: it may be the one that makes the numbers equal.
     are_equal = len(odd) == len(rest)
-    driven = _list_driven_names(model)
     if are_equal:
         matters = any(_drives(names, odd) and _drives(names, rest) for names in driven)
     else:
@@ -67,9 +72,16 @@ def _list_driven_names(model: Model) -> list[set[str]]:
         {joint.text for joint in controller.joints}
         for config in find_controller_configs(model)
         for controller in config.configuration.controllers
-        if _DRIVES_ALIKE.search(controller.type)
+        if _DRIVES_ALIKE.search(controller.type) and not _negates_side(controller)
     ]
     return named
+
+
+def _negates_side(controller: Controller) -> bool:
+    """Whether a controller takes the radius of the wheels of one side as negative: they turn against those of the other."""
+    values = (controller.parameters.get(f"{side}_wheel_radius_multiplier") for side in ("left", "right"))
+    signs = [number < 0 for value in values if value is not None and (number := parse_number(value.text)) is not None]
+    return sum(signs) == 1
 
 
 def _pick_outliers(

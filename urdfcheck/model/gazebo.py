@@ -37,6 +37,22 @@ def list_sensors(model: Model) -> list[GazeboSensor]:
     return [GazeboSensor(e, b.get("reference")) for b in blocks for e in b.children if e.tag == "sensor"]
 
 
+def list_loop_joints(model: Model) -> list[tuple[str, str, str]]:
+    """Return type, parent and child of each ``<joint>`` that a block adds for Gazebo between two links, as URDF cannot close a
+    loop."""
+    joints = (e for block in model.robot.find_children("gazebo") for e in block.children if e.tag == "joint")
+    loops = []
+    for joint in joints:
+        one, other = joint.find_child("parent"), joint.find_child("child")
+        if (
+            one is not None
+            and other is not None
+            and {one.text.strip(), other.text.strip()} <= model.link_by_name.keys()
+        ):
+            loops.append((joint.get("type").strip(), one.text.strip(), other.text.strip()))
+    return loops
+
+
 def collect_plugin_texts(model: Model) -> frozenset[str]:
     """Collect the words that stand alone in an element of a plugin: names of links and joints are among them."""
     return frozenset(

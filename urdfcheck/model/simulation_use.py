@@ -21,6 +21,9 @@ _SIMULATOR = re.compile(
     r"|mujoco|pybullet|pydrake|isaac(?:sim|lab|gym|_)|webots|coppelia|raisim",
     re.IGNORECASE,
 )
+# How launch files, scripts and manifests name Gazebo Classic, and its successor.
+_CLASSIC = re.compile(r"\bgazebo_ros\b|\bgzserver\b")
+_SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control)")
 _REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
 
 
@@ -38,6 +41,13 @@ def is_simulated(model: Model) -> bool:
     if any(map(is_simulated_hardware, model.robot.find_children("ros2_control"))):
         return True
     return any(_SIMULATOR.search(_drop_comments(text)) for text in _read_project_texts(model))
+
+
+def starts_classic(model: Model) -> bool:
+    """Whether a file of the model's package, or of a package that depends on it, names the launcher of Gazebo Classic, and none
+    names its successor."""
+    texts = [_drop_comments(text) for text in _read_project_texts(model)]
+    return any(map(_CLASSIC.search, texts)) and not any(map(_SUCCESSOR.search, texts))
 
 
 def _read_project_texts(model: Model) -> Iterator[str]:

@@ -82,6 +82,29 @@ def collect_outside_mentions(source: Source) -> XacroMentions:
     return mentions
 
 
+def find_other_includers(source: Source, name: str) -> list[str]:
+    """Find the files of the model's package that include a file of the model and are not part of the model, by their names.
+
+    ``name`` is the file's name in findings. Nothing where the model has no package, or the file is the model's own.
+    """
+    if source.package is None or name not in source.files or name == format_path(source.path):
+        return []
+    including = re.compile(rf"<xacro:include\s[^<>]*{re.escape(source.files[name].path.name)}[\"']")
+    found = []
+    for path in _iter_caller_files(source.package.path, deep=True):
+        if path.suffix.lower() in _INCLUDED_SUFFIXES and source.finder.can_open(path):
+            try:
+                text = (
+                    ""
+                    if format_path(path) in source.files
+                    else read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
+                )
+            except OSError:
+                continue
+            found += [path.name] if including.search(text) else []
+    return sorted(found)
+
+
 def has_unseen_includes(source: Source) -> bool:
     """Whether the model has an include that was not followed and that :func:`collect_outside_mentions` may not read."""
     reached = {name.rsplit("/", 1)[-1] for name in source.trees}

@@ -85,8 +85,8 @@ class PartOutline:
 
     @cached_property
     def reach(self) -> Array:
-        """Reach (n,) in m from the origin of the frame in each direction of `_sample_sphere_directions`."""
-        farthest: Array = (self.points @ _sample_sphere_directions().T).max(axis=0)
+        """Reach (n,) in m from the origin of the frame in each direction of `sample_sphere_directions`."""
+        farthest: Array = (self.points @ sample_sphere_directions().T).max(axis=0)
         return farthest
 
 
@@ -145,7 +145,7 @@ def measure_outline_mismatch(one: PartOutline, other: PartOutline, *, linear: Ar
         return math.inf
     centroid = float(np.linalg.norm(turn @ one.centroid + move - other.centroid)) / size
     spread = float(np.linalg.norm(turn @ one.covariance @ turn.T - other.covariance)) / (2.0 * size**2)
-    directions = _sample_sphere_directions()
+    directions = sample_sphere_directions()
     # A point x reaches d·(T x + t) = (Tᵀ d)·x + d·t.
     reach = (one.points @ (directions @ turn).T).max(axis=0) + directions @ move - other.reach
     return max(centroid, spread, float(np.abs(reach).max()) / size)
@@ -221,7 +221,7 @@ def mirror_range(lower: float, upper: float, along: float, *, rotates: bool) -> 
 
 
 @cache
-def _sample_sphere_directions() -> Array:
+def sample_sphere_directions() -> Array:
     """Return directions (n, 3) spread evenly over the sphere (the Fibonacci lattice), and the axes."""
     index = np.arange(_DIRECTIONS) + 0.5
     height = 1.0 - 2.0 * index / _DIRECTIONS

@@ -20,6 +20,8 @@ _RIGHT = ("right_joint", "rightJoint", "rightFrontJoint", "rightRearJoint")
 _SEPARATION = ("wheel_separation", "wheelSeparation")
 # What each is divided by to be a radius.
 _RADIUS = {"wheel_radius": 1.0, "wheelRadius": 1.0, "wheel_diameter": 2.0, "wheelDiameter": 2.0}
+_NEW_PLUGIN = re.compile(r"^(?:lib)?(?:gz|ignition)-", re.IGNORECASE)
+_ODOMETRY_SOURCES = ("odometrySource", "odometry_source")
 _KEYS = ("mu1", "mu2")
 
 
@@ -34,6 +36,14 @@ class DrivePlugin:
     radii: tuple[tuple[Element, float], ...]
     """The one radius or diameter, with its part of a radius; nothing where it has one for each of several pairs."""
     separations: tuple[Element, ...]
+
+    @property
+    def integrates_wheels(self) -> bool:
+        """Whether its odometry is computed from the wheels' angles: Classic's plugins publish the true pose unless told to."""
+        if _NEW_PLUGIN.search(self.element.get("filename")):
+            return True
+        sources = [e for tag in _ODOMETRY_SOURCES for e in self.element.find_children(tag)]
+        return any(source.text.strip().lower() in {"encoder", "0", "false"} for source in sources)
 
     @property
     def swaps_sides(self) -> bool:

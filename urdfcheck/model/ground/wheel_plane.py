@@ -69,11 +69,16 @@ def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> Uneve
 
 
 def _select_grounded_wheels(wheels: Sequence[Wheel]) -> tuple[Wheel, ...]:
-    """Drop the wheels that do not stand on the ground: two or more whose lowest points are elsewhere, or one of another size."""
+    """Drop the wheels above the ground: two or more whose lowest points are elsewhere, or one of another size.
+
+    None are left if such wheels are below the others: then it is these that the robot stands on.
+    """
     usual = float(np.median([wheel.radius for wheel in wheels]))
     ground = float(np.median([wheel.contact[2] for wheel in wheels]))
     away = [wheel for wheel in wheels if abs(wheel.contact[2] - ground) > _AWAY * usual]
     alike = len(away) == 1 and abs(away[0].radius - usual) < _AWAY * usual
+    if not alike and any(wheel.contact[2] < ground for wheel in away):
+        return ()
     return tuple(wheel for wheel in wheels if alike or wheel not in away)
 
 

@@ -130,6 +130,30 @@ def is_drawn_in_place(model: Model, joint: Joint, like: Joint, expected: Array) 
     return in_place < ALIKE and in_place < measure_best(np.eye(3)) / 2.0
 
 
+def is_drawn_square(model: Model, joint: Joint, expected: Array) -> bool:
+    """Whether the part behind a joint is drawn symmetric to a plane of the root's axes, and would not be if the joint's frame had
+    the rotation ``expected`` (3, 3), in root coordinates: the frame takes back how the part is turned in its file.
+
+    False where the part looks the same either way, and where it is not known.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    outline = get_outline(model, joint.child)
+    if outline is None:
+        return False
+    typed = model.frames[joint.child][:3, :3]
+
+    def measure_asymmetry(turn: Array, axis: int) -> float:
+        signs = np.ones(3)
+        signs[axis] = -1.0
+        linear = turn.T @ np.diag(signs) @ turn
+        shift = outline.centroid - linear @ outline.centroid
+        return measure_outline_mismatch(outline, outline, linear=linear, shift=shift)
+
+    pairs = ((measure_asymmetry(typed, axis), measure_asymmetry(expected, axis)) for axis in range(3))
+    return any(now < ALIKE and now < then / 2.0 and then > ALIKE for now, then in pairs)
+
+
 def is_frame_evidence(model: Model, joint: Joint, others: Sequence[Joint], expected: Array, *, kind: str) -> bool:
     """Whether a frame that differs from the expected one (3, 3) puts anything elsewhere: the axis, and what the joint carries.
 

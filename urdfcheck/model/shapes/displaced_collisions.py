@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Edit, Located
+from urdfcheck.facts.likeness.mirror import sample_sphere_directions
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.robot import Model
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 # The differences that count unless a configuration says otherwise (m, rad); the page of GEO005 has the reasons.
-MIN_DISTANCE, MIN_ANGLE = 1e-4, 1e-3
+MIN_DISTANCE, MIN_ANGLE = 1e-4, 2e-3
 # What rounding leaves (m, rad).
 _NO_DISTANCE, _NO_ANGLE = 1e-9, 1e-6
 
@@ -102,12 +103,12 @@ def list_displaced_collisions(
 ) -> Iterator[DisplacedCollision]:
     """Yield the collision shapes that are further than ``distance`` (m) or ``angle`` (rad) from each visual of the same shape.
 
-    A part that is used several times has several places, in any order.
+    A part that is used several times has several places, in any order. A mesh that a rotation maps onto itself is in place.
     """
 
     def is_same_pose(one: PlacedShape, other: PlacedShape) -> bool:
         moved, turned = one.measure_difference(other)
-        return moved <= distance and turned <= angle
+        return (moved <= distance and turned <= angle) or (turned > angle and _covers(model, one, other, distance))
 
     for link in model.links:
         for visuals, collisions in _group_by_shape(model, link):
@@ -140,6 +141,30 @@ def _place_shapes(model: Model, shapes: Sequence[Shape]) -> Iterator[PlacedShape
         use, pose = model.meshes.by_shape.get(id(shape)), shape.origin.matrix
         if pose is not None:
             yield PlacedShape(shape, (shape.kind or "") if use is None else use.name, pose)
+
+
+def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float) -> bool:
+    """Whether a mesh takes the same room in two places, to within ``distance`` (m): hull and surface are symmetric under the
+    rotation. False where the mesh was not read."""
+    facts, scale = model.meshes.get_facts(one.shape), one.shape.size
+    if facts is None or scale is None:
+        return False
+    factors = np.array(scale)
+    directions = sample_sphere_directions()
+    outlines = []
+    for pose in (one.pose, other.pose):
+        turn, place = pose[:3, :3], pose[:3, 3]
+        reach = ((facts.hull.vertices * factors) @ (directions @ turn).T).max(axis=0) + directions @ place
+        spread = turn @ (facts.surface_covariance * np.outer(factors, factors)) @ turn.T
+        outlines.append((reach, turn @ (factors * facts.surface_centroid) + place, spread))
+    (reach, centroid, spread), (reach_2, centroid_2, spread_2) = outlines
+    size = float(np.sqrt(max(0.0, np.trace(spread))))
+    return bool(
+        np.abs(reach - reach_2).max() <= distance
+        and np.linalg.norm(centroid - centroid_2) <= distance
+        # A surface that moves by the distance everywhere changes its moments by twice that times its extent.
+        and np.abs(spread - spread_2).max() <= 2.0 * distance * size
+    )
 
 
 def _measure_angle(shape: Shape, turn: Array) -> float:
