@@ -120,6 +120,9 @@ def reordered(robot: Robot, seed: int = 1) -> Robot:
         tags = [child.tag for child in element] if element is not changed else []
         children = list(element)
         order.shuffle(children)
+        # Of two blocks that set one value, simulators take the one or the other by their order.
+        blocks = iter([child for child in element if child.tag == "gazebo"])
+        children = [next(blocks) if child.tag == "gazebo" else child for child in children]
         if tags:
             children.sort(key=lambda child: [*dict.fromkeys(tags)][::-1].index(child.tag))
         element[:] = children
