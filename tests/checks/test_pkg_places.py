@@ -199,3 +199,54 @@ def test_a_launch_file_of_rosbuild_names_the_folder_that_the_clone_should_have(
     write(tmp_path, "launch/a.launch", text=f"<launch>{command}</launch>")
     (finding,) = check(tmp_path / "launch/a.launch", codes={"LCH001"}).findings
     assert finding.message_id == message
+
+
+MANIFEST = '<package format="3"><name>{}</name><exec_depend>xacro</exec_depend></package>'
+ROBOT = '<robot name="r"><link name="base"/></robot>'
+
+
+@pytest.mark.parametrize(
+    ("files", "told"),
+    [
+        # A folder of that name beside a model that a program exported is no package, whatever else is in the repository.
+        (
+            {
+                "cad/arm.urdf": ROBOT.replace("/>", f">{visual(mesh('package://assets/a.stl'))}</link>"),
+                "cad/assets/a.stl": "",
+                "assets/x": "",
+            },
+            {},
+        ),
+        # The released package `robot` only depends on others.
+        (
+            {"launch/a.launch": '<launch><param textfile="$(find robot)/urdf/a.urdf"/></launch>'},
+            {"dangling": ["robot"]},
+        ),
+        ({"launch/a.launch": '<launch><arg default="$(find robot)"/></launch>'}, {"undeclared": ["robot"]}),
+        ({"old/a.launch": '<launch><arg default="$(find joy)"/></launch>'}, {}),
+        ({"launch/a.launch": '<launch><arg default="$(find joy)"/></launch>'}, {"undeclared": ["joy"]}),
+        (
+            {"launch/a.launch": '<launch><include file="$(find husky_gazebo)/a"/></launch>'},
+            {"presumed-circle": ["husky_gazebo"]},
+        ),
+        (
+            {
+                "launch/a.launch": '<launch><arg default="$(find husky_gazebo)"/></launch>',
+                "../husky_gazebo/package.xml": MANIFEST,
+            },
+            {"undeclared": ["husky_gazebo"]},
+        ),
+        ({"launch/a.py": "name = 'joy'\nfolder = FindPackageShare(name)\n"}, {"undeclared": ["joy"]}),
+        ({"launch/a.py": "name = 'joy'\nname = 'nav'\nfolder = FindPackageShare(name)\n"}, {}),
+        ({"launch/a.py": "def find(name):\n    return FindPackageShare(name)\n"}, {}),
+    ],
+)
+def test_what_a_package_must_declare(tmp_path: Path, files: dict[str, str], told: dict[str, list[str]]) -> None:
+    (tmp_path / ".git").mkdir()
+    folder = tmp_path / "husky_description"
+    write(folder, "package.xml", text=MANIFEST.format(folder.name))
+    write(folder, "urdf/r.urdf", text=ROBOT)
+    for name, text in files.items():
+        write(folder, name, text=text.replace("{}", Path(name).parent.name))
+    found = check(folder, codes={"PKG007"}).findings
+    assert {f.message_id: f.data["names"] for f in found} == told
