@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_count, truncate_text
-from urdfcheck.source.load import Source, has_unbound_xacro
+from urdfcheck.source.load import RESULT_OF_XACRO, Source, has_unbound_xacro
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, SUBSTITUTION, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
@@ -21,6 +21,10 @@ CONSEQUENCES = {
         "bullet": "replaces the number by 0, or refuses the file",
     },
 }
+
+
+# What xacro reads and writes nothing for.
+_DEFINITIONS = frozenset({"<xacro:arg>", "<xacro:macro>", "<xacro:property>"})
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -64,6 +68,8 @@ def _build_plain_finding(
     counts = ((tags, "xacro element"), (len(remaining or left) - tags, "substitution"))
     held = " and ".join(format_count(count, what) for count, what in counts if count)
     where, text, _ = (remaining or left)[0]
+    if remaining and _is_left_over(source, [text for _, text, _ in remaining]):
+        return _build_left_over_finding(rule, remaining, held=held)
     if remaining and not has_read:
         text = _shorten_expression(text)
         return rule.finding("gazebo", at=where, severity=Severity.WARNING, text=text, held=held)
@@ -89,6 +95,24 @@ def _build_plain_finding(
         held=held,
         launch=launch,
     )
+
+
+def _is_left_over(source: Source, texts: Sequence[str]) -> bool:
+    """Whether all that is left are elements of xacro for which nothing is expanded: definitions, or also calls in what xacro
+    has made, where it kept those of macros that it did not know."""
+    is_result = RESULT_OF_XACRO in source.files[source.name].text
+    return all(text in _DEFINITIONS or (is_result and text.startswith("<xacro:")) for text in texts)
+
+
+def _build_left_over_finding(rule: Rule, left: Sequence[tuple[Location, str, bool]], *, held: str) -> Finding:
+    """Report elements of which no program misses the text; a call may have been meant to add parts."""
+    calls = [place for place in left if place[1] not in _DEFINITIONS]
+    where, text, _ = (calls or left)[0]
+    repair = "delete what is left" if len(left) > 1 else "delete it"
+    if calls:
+        repair += f"; if {text} was to add something, define its macro and run xacro again"
+    severity = Severity.WARNING if calls else Severity.INFO
+    return rule.finding("leftover", at=where, severity=severity, text=text, held=held, repair=repair)
 
 
 def _predict_consequences(elements: Iterable[Element], *, is_number_missing: bool) -> dict[str, str]:
