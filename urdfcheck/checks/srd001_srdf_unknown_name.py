@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Set
+from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -270,7 +271,7 @@ def _find_partly_unknown_groups(model: Model, srdf: Srdf) -> set[str]:
     return partly
 
 
-def _check_state_joints(model: Model, rule: Rule, srdf: Srdf, *, unknown: Set[str]) -> Iterator[Finding]:
+def _check_state_joints(model: Model, rule: Rule, srdf: Srdf, *, unknown: AbstractSet[str]) -> Iterator[Finding]:
     """Report the joints of each state that are not in its group, unless what belongs to the group is unknown."""
     joints = collect_group_joints(model, srdf)
     for state in srdf.root.find_children("group_state"):

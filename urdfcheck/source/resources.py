@@ -102,6 +102,15 @@ def find_missing_path(use: ResourceUse, source: Source) -> Path | None:
     return resource.path if resource.path is not None and find_machine_path(use, source) is None else None
 
 
+def find_search_root(use: ResourceUse, source: Source) -> Path:
+    """Return the folder to search for files of the same name: the package that the path names, or that of the model."""
+    package = use.resource.package
+    folder = source.finder.find(package) if package else None
+    if folder is not None:
+        return folder
+    return source.path.parent if source.package is None else source.package.path
+
+
 def find_above(use: ResourceUse, source: Source) -> Path | None:
     """Return the file that a path without its scheme names in the model's folder or the nearest one above it that has it.
 
