@@ -211,6 +211,51 @@ class TestXML003:
         assert len(finding.subjects) == 3
         assert "(3 times)" in finding.message
 
+    @pytest.mark.parametrize(
+        ("inside", "repair"),
+        [
+            (
+                "<visual>{}</visual><collision>{}</collision>{}",
+                "delete it: <visual>, <collision> beside it have their own",
+            ),
+            ("<collision>{}</collision>{}", "delete it: <visual>, <collision> beside it have their own"),
+            ("<visual/><collision>{}</collision>{}", "move it into <visual> or <collision>"),
+            ("{}", "move it into <visual> or <collision>"),
+            ("<gravity>0</gravity>", 'write `<gazebo reference="a"><turnGravityOff>true</turnGravityOff></gazebo>` at'),
+            ("<kinematic>1</kinematic>", 'move it into `<gazebo reference="a">…</gazebo>` at the end of the robot'),
+            (
+                '<collision name="skin"><surface><mu>1</mu></surface></collision>',
+                'move it into `<gazebo reference="a"><collision>…</collision></gazebo>` at the end of the robot, and delete',
+            ),
+        ],
+    )
+    def test_where_an_element_belongs(self, tmp_path: Path, inside: str, repair: str) -> None:
+        text = inside.replace("{}", "<geometry><sphere radius='1'/></geometry>")
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{text}</link></robot>', "XML003")
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(repair)
+
+    @pytest.mark.parametrize("name", ["", ' name="a_skin"'])
+    def test_a_name_that_begins_with_the_links_stays(self, tmp_path: Path, name: str) -> None:
+        inside = f"<collision{name}><surface><mu>1</mu></surface></collision>"
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{inside}</link></robot>', "XML003")
+        assert finding.fix is not None
+        assert "delete the name" not in finding.fix.title
+
+    @pytest.mark.parametrize(("torque", "repaired"), [("0.1", False), ("5", True)])
+    def test_is_not_renamed_where_the_drive_then_turns_no_wheel(
+        self, tmp_path: Path, torque: str, repaired: bool
+    ) -> None:
+        joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><joint_properties damping="1"/></joint>'
+        plugin = (
+            f'<plugin filename="libgazebo_ros_diff_drive.so"><leftJoint>j</leftJoint><torque>{torque}</torque></plugin>'
+        )
+        text = f'<robot name="r"><link name="a"/><link name="b"/>{joint}<gazebo>{plugin}</gazebo></robot>'
+        (finding,) = findings(tmp_path, text, "XML003")
+        assert finding.fix is not None
+        assert bool(finding.fix.edits) == repaired
+        assert ("less damping than `1`: the drive plugin's torque is 0.1" in finding.fix.title) != repaired
+
     def test_does_not_look_into_extensions(self, tmp_path: Path) -> None:
         text = '<robot name="r"><link name="a"/><gazebo><visul/></gazebo><transmission><jont/></transmission></robot>'
         assert not findings(tmp_path, text, "XML003")
@@ -940,7 +985,7 @@ def test_only_the_first_element_of_a_geometry_is_its_shape(
         ("<gravity>1</gravity>", "info", ""),
         ("<pose>0 0 0 0 0 0</pose>", "info", ""),
         ("<pose>0 0 1 0 0 0</pose>", "warning", "delete it"),
-        ("<gravity>0</gravity>", "warning", '"LINK_OR_JOINT">…</gazebo>'),
+        ("<gravity>0</gravity>", "warning", '"l"><turnGravityOff>true<'),
     ],
 )
 def test_sdf_in_a_link_says_where_gazebo_reads_it(tmp_path: Path, element: str, severity: str, repair: str) -> None:

@@ -20,6 +20,7 @@ _RIGHT = ("right_joint", "rightJoint", "rightFrontJoint", "rightRearJoint")
 _SEPARATION = ("wheel_separation", "wheelSeparation")
 # What each is divided by to be a radius.
 _RADIUS = {"wheel_radius": 1.0, "wheelRadius": 1.0, "wheel_diameter": 2.0, "wheelDiameter": 2.0}
+_TORQUE = ("max_wheel_torque", "torque", "wheelTorque")
 _KEYS = ("mu1", "mu2")
 
 
@@ -34,6 +35,12 @@ class DrivePlugin:
     radii: tuple[tuple[Element, float], ...]
     """The one radius or diameter, with its part of a radius; nothing where it has one for each of several pairs."""
     separations: tuple[Element, ...]
+
+    @property
+    def torque(self) -> float | None:
+        """The most that it turns a wheel with, in N·m; None if it is not typed as one number."""
+        typed = [element for tag in _TORQUE for element in self.element.find_children(tag)]
+        return parse_number(typed[0].text.strip()) if len(typed) == 1 else None
 
     @property
     def swaps_sides(self) -> bool:
