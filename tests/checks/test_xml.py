@@ -214,11 +214,8 @@ class TestXML003:
     @pytest.mark.parametrize(
         ("inside", "repair"),
         [
-            (
-                "<visual>{}</visual><collision>{}</collision>{}",
-                "delete it: <visual>, <collision> beside it have their own",
-            ),
-            ("<collision>{}</collision>{}", "delete it: <visual>, <collision> beside it have their own"),
+            ("<visual>{}</visual><collision>{}</collision>{}", "delete it: <visual> and <collision> beside it have"),
+            ("<collision>{}</collision>{}", "move it into <visual> or <collision>"),
             ("<visual/><collision>{}</collision>{}", "move it into <visual> or <collision>"),
             ("{}", "move it into <visual> or <collision>"),
             ("<gravity>0</gravity>", 'write `<gazebo reference="a"><turnGravityOff>true</turnGravityOff></gazebo>` at'),
@@ -254,7 +251,7 @@ class TestXML003:
         (finding,) = findings(tmp_path, text, "XML003")
         assert finding.fix is not None
         assert bool(finding.fix.edits) == repaired
-        assert ("less damping than `1`: the drive plugin's torque is 0.1" in finding.fix.title) != repaired
+        assert ("less damping than the 0.1 N·m with which the drive" in finding.fix.title) != repaired
 
     def test_does_not_look_into_extensions(self, tmp_path: Path) -> None:
         text = '<robot name="r"><link name="a"/><gazebo><visul/></gazebo><transmission><jont/></transmission></robot>'
@@ -995,3 +992,14 @@ def test_sdf_in_a_link_says_where_gazebo_reads_it(tmp_path: Path, element: str, 
     assert str(finding.severity) == severity
     assert finding.fix is not None
     assert repair in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("name", "colour"), [("Black", "0 0 0 1"), ("gray", "0.5 0.5 0.5 1"), ("red", "1 0 0 1"), ("m1", "0.5 0.5 0.5 1")]
+)
+def test_an_undefined_colour_is_proposed_by_its_name(tmp_path: Path, name: str, colour: str) -> None:
+    shape = f'<visual><geometry><sphere radius="1"/></geometry><material name="{name}"/></visual>'
+    text = f'<robot name="r"><link name="l">{shape}</link></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"XML011"}).findings
+    assert finding.fix is not None
+    assert f'<material name="{name}"><color rgba="{colour}"/></material>' in finding.fix.title

@@ -189,10 +189,12 @@ def _find_stuck_joints(places: list[Element], model: Model) -> list[str]:
     for place in places:
         torque = None if place.parent is None else torques.get(place.parent.get("name"))
         if torque is not None and torque > 0:
-            for name in ("friction", "damping"):
-                value = parse_number(place.get(name))
-                if value is not None and value >= torque:
-                    stuck[f"less {name} than `{place.get(name)}`: the drive plugin's torque is {torque:g}"] = None
+            values = {name: parse_number(place.get(name)) for name in ("friction", "damping")}
+            high = [name for name, value in values.items() if value is not None and value >= torque]
+            if high:
+                stuck[
+                    f"less {' and '.join(high)} than the {torque:g} N·m with which the drive plugin turns the wheel"
+                ] = None
         limit = None if place.parent is None else place.parent.find_child("limit")
         effort = None if limit is None else parse_number(limit.get("effort"))
         friction = parse_number(place.get("friction"))
@@ -242,7 +244,7 @@ def _classify_element(parent: str, places: list[Element]) -> tuple[str, Severity
         if all(map(_is_empty, places)):
             repair = "delete it: it is empty"
         elif held and all(_has_in_all(place.parent, held, child.tag) for place in places):
-            repair = f"delete it: {' and '.join(f'<{home}>' for home in held)} beside it {_AGREE[len(held) > 1]} own"
+            repair = f"delete it: {_list_tags(held)} beside it {_AGREE[len(held) > 1]} own"
         else:
             repair = f"move it into {listed}"
         return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
@@ -255,6 +257,12 @@ def _classify_element(parent: str, places: list[Element]) -> tuple[str, Severity
     if child.tag in _SDF:
         return "sdf", Severity.WARNING, {"repair": _describe_sdf_repair(parent, places)}
     return "ignored", Severity.INFO, {}
+
+
+def _list_tags(tags: list[str]) -> str:
+    """Return ``<a>, <b> and <c>``."""
+    *before, last = (f"<{tag}>" for tag in tags)
+    return " and ".join(filter(None, (", ".join(before), last)))
 
 
 def _has_in_all(around: Element | None, homes: list[str], tag: str) -> bool:
