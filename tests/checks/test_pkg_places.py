@@ -287,3 +287,10 @@ def test_what_a_package_must_declare(tmp_path: Path, files: dict[str, str], told
         write(folder, name, text=text.replace("{}", Path(name).parent.name))
     found = check(folder, codes={"PKG007"}).findings
     assert {f.message_id: f.data["names"] for f in found} == told
+
+
+def test_a_mesh_that_no_parser_reads_is_not_missing(tmp_path: Path) -> None:
+    """A geometry directly in a link is XML003's."""
+    stray = link("l", f"<geometry>{mesh('package://gone/a.stl')}</geometry>")
+    write(tmp_path, "r.urdf", text=f'<robot name="r">{stray}</robot>')
+    assert [f.code for f in check(tmp_path / "r.urdf", codes={"PKG001", "XML003"}).findings] == ["XML003"]

@@ -168,7 +168,19 @@ def _read_definition(definition: Definition, source: Source) -> str:
 def _find_filenames(root: Element) -> Iterator[Attribute]:
     for element in root.walk():
         inside = element.parent.tag if element.parent is not None else ""
+        if element.tag == "mesh" and _is_stray_geometry(element.parent):
+            continue
         if (element.tag == "mesh" and inside == "geometry") or (element.tag == "texture" and inside == "material"):
             filename = element.attributes.get("filename")
             if filename is not None:
                 yield filename
+
+
+def _is_stray_geometry(element: Element | None) -> bool:
+    """Whether a geometry is directly in a link, where no parser reads it (XML003)."""
+    return (
+        element is not None
+        and element.tag == "geometry"
+        and element.parent is not None
+        and element.parent.tag == "link"
+    )
