@@ -294,3 +294,11 @@ def test_a_mesh_that_no_parser_reads_is_not_missing(tmp_path: Path) -> None:
     stray = link("l", f"<geometry>{mesh('package://gone/a.stl')}</geometry>")
     write(tmp_path, "r.urdf", text=f'<robot name="r">{stray}</robot>')
     assert [f.code for f in check(tmp_path / "r.urdf", codes={"PKG001", "XML003"}).findings] == ["XML003"]
+
+
+@pytest.mark.parametrize(("mark", "begin"), [("notes.txt", "if the folder is the robot's own"), (".git", "move what")])
+def test_a_folder_that_nothing_marks_may_be_of_the_robot(tmp_path: Path, mark: str, begin: str) -> None:
+    write(tmp_path, f"robot/{mark}", "cad/a.stl")
+    finding = find(tmp_path / "robot/model/r.urdf", "../../cad/a.stl", code="PKG012")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(begin)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -68,8 +69,9 @@ def _build_plain_finding(
     counts = ((tags, "xacro element"), (len(remaining or left) - tags, "substitution"))
     held = " and ".join(format_count(count, what) for count, what in counts if count)
     where, text, _ = (remaining or left)[0]
-    if remaining and _is_left_over(source, [text for _, text, _ in remaining]):
-        return _build_left_over_finding(rule, remaining, held=held)
+    texts = [text for _, text, _ in remaining]
+    if remaining and _is_left_over(source, texts):
+        return rule.finding("leftover", at=where, severity=Severity.INFO, text=text, held=held)
     if remaining and not has_read:
         text = _shorten_expression(text)
         return rule.finding("gazebo", at=where, severity=Severity.WARNING, text=text, held=held)
@@ -82,6 +84,7 @@ def _build_plain_finding(
             ),
             text=_shorten_expression(text),
             held=held,
+            repair=_describe_repair(source, texts),
         )
     place = next(location for known, location in replaced.items() if known in text)
     launch = Path(place.file).name
@@ -97,22 +100,33 @@ def _build_plain_finding(
     )
 
 
-def _is_left_over(source: Source, texts: Sequence[str]) -> bool:
-    """Whether all that is left are elements of xacro for which nothing is expanded: definitions, or also calls in what xacro
-    has made, where it kept those of macros that it did not know."""
-    is_result = RESULT_OF_XACRO in source.files[source.name].text
-    return all(text in _DEFINITIONS or (is_result and text.startswith("<xacro:")) for text in texts)
+def _is_left_over(source: Source, texts: Iterable[str]) -> bool:
+    """Whether all that is left are elements of xacro that add nothing: definitions, and in what xacro has made, calls of macros
+    whose definition is commented out."""
+    text = source.files[source.name].text
+    calls = [left for left in texts if left not in _DEFINITIONS]
+    return not calls or (_is_result(source) and all(_is_commented_out(call, text) for call in calls))
 
 
-def _build_left_over_finding(rule: Rule, left: Sequence[tuple[Location, str, bool]], *, held: str) -> Finding:
-    """Report elements of which no program misses the text; a call may have been meant to add parts."""
-    calls = [place for place in left if place[1] not in _DEFINITIONS]
-    where, text, _ = (calls or left)[0]
-    repair = "delete what is left" if len(left) > 1 else "delete it"
-    if calls:
-        repair += f"; if {text} was to add something, define its macro and run xacro again"
-    severity = Severity.WARNING if calls else Severity.INFO
-    return rule.finding("leftover", at=where, severity=severity, text=text, held=held, repair=repair)
+def _is_result(source: Source) -> bool:
+    return RESULT_OF_XACRO in source.files[source.name].text
+
+
+def _is_commented_out(call: str, text: str) -> bool:
+    """Whether a text has a macro for a call that is left: one that is no comment would be left as an element itself."""
+    name = re.fullmatch(r"<xacro:([\w.-]+)>", call)
+    return name is not None and re.search(rf"macro\s+name=[\"']{re.escape(name[1])}[\"']", text) is not None
+
+
+def _describe_repair(source: Source, texts: Sequence[str]) -> str:
+    """Say how what is left is expanded: in what xacro has made, by running it again."""
+    if _is_result(source) and all(text.startswith("<xacro:") for text in texts):
+        call = next(text for text in texts if text not in _DEFINITIONS)
+        return f"include the file that defines {call} in the xacro of which this file was made, and run xacro again"
+    return (
+        'load it with `command="xacro …"` instead of `textfile` and declare `xmlns:xacro` in the root element, or run '
+        "`xacro model.urdf.xacro > model.urdf`"
+    )
 
 
 def _predict_consequences(elements: Iterable[Element], *, is_number_missing: bool) -> dict[str, str]:
