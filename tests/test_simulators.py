@@ -59,7 +59,6 @@ KNOWN = {
             **dict.fromkeys(
                 ("MSH001-good-1", "MSH012-bad-1", "PKG009-good-1"), "its mesh has one triangle, which is not converted"
             ),
-            "MSH011-bad-1": "it reads no OFF, which few robots have",
             "XAC007-bad-4": "no link is left",
             "XML007-good-2": "it reads both shapes, the second of which has no number",
             "XML005-bad-1": "a joint without a child is one of its mistakes",

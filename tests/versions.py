@@ -245,10 +245,13 @@ def with_extra_frame(robot: Robot) -> Robot:
 
 
 def with_moved_frames(robot: Robot) -> Robot:
-    """Frames of links moved along the axes on which they hang; masses, shapes and children stay."""
+    """Frames of links moved along the axes on which they hang; masses, shapes and children stay, and so do frames at the ends."""
+    used = {*_list_inner_links(robot), *(find(joint, "parent").get("link", "") for joint in robot.findall("joint"))}
     for joint in robot.findall("joint"):
         axis = joint.find("axis")
         if axis is None or joint.get("type") not in {"revolute", "continuous"}:
+            continue
+        if find(joint, "child").get("link", "") not in used:
             continue
         direction = np.array([float(word) for word in axis.attrib["xyz"].split()])
         placement = np.eye(4)
@@ -281,7 +284,11 @@ def _has_contents(link: ET.Element) -> bool:
 
 def _list_inner_links(robot: Robot) -> list[str]:
     """Return the links with mass or shapes that are not the root: a bare frame is what others use."""
-    children = {find(joint, "child").get("link", "") for joint in robot.findall("joint")}
+    children = {
+        find(joint, "child").get("link", "")
+        for joint in robot.findall("joint")
+        if joint.get("type") not in {"floating", "planar"}  # whose positions are given in the frame of the joint
+    }
     return [
         name for link in robot.findall("link") if (name := link.get("name", "")) in children and _has_contents(link)
     ]

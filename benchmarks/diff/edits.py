@@ -248,7 +248,7 @@ def _edit_shape(role: str, path: str, edit: Callable[[ET.Element], None], what: 
             (link, element)
             for link in robot.findall("link")
             for shape in link.findall(role)
-            if (element := shape.find(path)) is not None
+            if (element := shape.find(path)) is not None and float(element.get("radius", "1")) > 0.0
         ]
         if not found:
             return None

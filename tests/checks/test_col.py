@@ -188,6 +188,39 @@ def test_rest_is_the_limit_nearest_to_zero(tmp_path: Path) -> None:
     assert not find(tmp_path, text, "COL001")
 
 
+@pytest.mark.parametrize(
+    ("kind", "drawn", "gap", "message"),
+    [
+        ("prismatic", None, 0.02, "overlap"),
+        ("prismatic", "0.06", 0.02, "overlap"),
+        # The parts themselves come apart, the overlap is slight, or nothing says that the two should come apart.
+        ("prismatic", "0.004", 0.02, "always"),
+        ("prismatic", None, 0.056, "always"),
+        ("revolute", None, 0.02, "always"),
+    ],
+)
+def test_fingers_come_apart(kind: str, drawn: str | None, gap: float, message: str, tmp_path: Path) -> None:
+    """Two boxes of 60 mm, each on a slide of 1 mm, that are ``gap`` apart at their middles."""
+    shapes = [collision(box("0.02 0.06 0.05")), *([] if drawn is None else [visual(box(f"0.02 {drawn} 0.05"))])]
+    slide = {"kind": kind, "limit": "lower='0' upper='0.001'"}
+    text = robot(
+        make_link("palm"),
+        *(
+            part
+            for name, side in (("left", 1), ("right", -1))
+            for part in (
+                make_joint("palm", name, f"0 {side * gap / 2} 0", axis=f"0 {side} 0", **slide),
+                link(name, *shapes),
+            )
+        ),
+    )
+    (finding,) = find(tmp_path, text, "COL001")
+    assert (finding.message_id, finding.severity) == (
+        message,
+        Severity.WARNING if message == "overlap" else Severity.INFO,
+    )
+
+
 def test_links_that_always_overlap_are_one_info(tmp_path: Path) -> None:
     """A cover of the first link that encloses the third: no angle frees it."""
     text = robot(

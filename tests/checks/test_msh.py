@@ -709,6 +709,10 @@ def test_all_mirrored_shapes_are_one_finding(tmp_path: Path) -> None:
 
 # -- MSH011, MSH012 -------------------------------------------------------------------------------------------------
 
+PLY = (
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+    "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+)
 OFF = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
 
 
@@ -718,11 +722,12 @@ OFF = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 
         ("part.obj", CLOSED, set()),
         ("part.stl", stl(b"part"), {"drake"}),
         ("part.dae", collada(1.0, 1.0), {"mujoco", "drake"}),
-        ("part.off", OFF, {"mujoco", "drake", "bullet", "gazebo"}),
+        ("part.ply", PLY, {"mujoco", "drake", "bullet", "gazebo", "isaac"}),
+        ("part.off", OFF, {"mujoco", "drake", "bullet", "gazebo", "isaac"}),
     ],
 )
 def test_which_program_loads_what(tmp_path: Path, name: str, content: str | bytes, refused: set[str]) -> None:
-    targets = ("gazebo", "mujoco", "drake", "bullet", "rviz", "moveit", "pinocchio")
+    targets = ("gazebo", "mujoco", "drake", "bullet", "isaac", "rviz", "moveit", "pinocchio")
     findings = find_in_mesh(tmp_path, "MSH011", content, shape("collision", name), name=name, targets=targets)
     assert {f.message_id for f in findings} == refused
 
@@ -730,8 +735,16 @@ def test_which_program_loads_what(tmp_path: Path, name: str, content: str | byte
 def test_without_a_target_it_is_one_info_that_names_who_cannot(tmp_path: Path) -> None:
     (finding,) = find_in_mesh(tmp_path, "MSH011", OFF, shape("collision", "part.off"), name="part.off")
     assert finding.severity is Severity.INFO
-    assert finding.message.startswith("MuJoCo, Drake, PyBullet, Gazebo cannot load")
-    assert set(finding.consequences) == {"mujoco", "drake", "bullet", "gazebo"}
+    assert finding.message.startswith("MuJoCo, Drake, PyBullet, Gazebo, Isaac Sim cannot load")
+    assert set(finding.consequences) == {"mujoco", "drake", "bullet", "gazebo", "isaac", "newton"}
+
+
+@pytest.mark.parametrize(("name", "content", "reported"), [("part.off", OFF, True), ("part.obj", CLOSED, False)])
+def test_the_importers_to_usd_read_what_is_only_drawn_too(
+    tmp_path: Path, name: str, content: str, reported: bool
+) -> None:
+    findings = find_in_mesh(tmp_path, "MSH011", content, shape("visual", name), name=name, targets=("isaac",))
+    assert [(f.message_id, f.severity) for f in findings] == ([("isaac", Severity.ERROR)] if reported else [])
 
 
 @pytest.mark.parametrize(("setting", "reported"), [("", False), ('<compiler discardvisual="false"/>', True)])

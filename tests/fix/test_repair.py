@@ -13,6 +13,7 @@ import pytest
 import trimesh
 from builders import inertial, joint, link, robot
 from conftest import command, make_request
+from output.documents import read
 
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.facts.mesh.measure import measure_mesh
@@ -124,7 +125,7 @@ def cart(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict, dict[str
     folder = tmp_path_factory.mktemp("cart")
     model = write_package(folder)
     before = digest(folder / "src")
-    _, document = repair(model, folder / "out")
+    _, document = repair(model, folder / "out", "--report", f"html={folder / 'report.html'}")
     return folder, document, before
 
 
@@ -175,6 +176,17 @@ def test_collada_is_written_in_metres(cart: tuple[Path, dict, dict[str, str]]) -
     baked = measure_mesh((folder / "out" / "cart" / "meshes" / "body.dae").read_bytes(), "dae", {})
     assert (baked.unit, baked.up_axis) == (1.0, "Z_UP")
     assert baked.bounds == pytest.approx(np.array([[0, 0, 0.05], [0.1, 0.2, 0.35]]))
+
+
+def test_the_report_shows_the_model_before_and_after(cart: tuple[Path, dict, dict[str, str]]) -> None:
+    folder, document, _ = cart
+    page = read((folder / "report.html").read_text(encoding="utf-8"))
+    assert f"{len(document['steps'])} left as it was" not in page.text
+    for step in document["steps"]:
+        assert step["text"] in page.text
+    assert "Findings that are gone" in page.text
+    assert "New findings" not in page.text
+    assert "link base COM moves by" in page.text
 
 
 def test_y_up_can_be_put_upright() -> None:
@@ -286,6 +298,7 @@ def test_what_makes_the_model_worse_is_withdrawn(
     _, document = repair(model, tmp_path / "out", "--density", "200000", "--inertia", "all")
     assert not any(step["done"] for step in document["steps"])
     assert all(says in step["text"] for step in document["steps"]), document["steps"]
+    assert all(step["withdrawn"] == (densest is not None) for step in document["steps"])
     assert document["after"] == document["before"]
     assert (tmp_path / "out" / "r.urdf").read_text() == model.read_text()
 
@@ -430,9 +443,15 @@ def test_what_cannot_be_read_is_not_copied(tmp_path: Path) -> None:
         (("--density", "nan"), "--density nan"),
         (("--triangles", "3"), "at least 4"),
         (("--max-excess", "-1"), "--max-excess -1"),
+        (("--report", "html=pages/"), "--report html=pages/: a comparison is one page"),
+        (
+            ("--report", "json=report.json"),
+            "--report json=report.json: write FORMAT=FILE with one of the formats html, png",
+        ),
     ],
 )
-def test_numbers_that_make_no_sense_are_refused(words: tuple[str, ...], says: str, tmp_path: Path) -> None:
+def test_options_that_make_no_sense_are_refused(words: tuple[str, ...], says: str, tmp_path: Path) -> None:
     done = command("repair", str(tmp_path), "-o", str(tmp_path / "out"), *words)
     assert done.returncode == 2
+    assert not (tmp_path / "out").exists()
     assert says in done.stderr

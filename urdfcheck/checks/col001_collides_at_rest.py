@@ -29,6 +29,8 @@ _LEAST_STAGES = 2
 _PADS = 2.0
 # A shallow overlap is less than this part of the smaller shape.
 _SHALLOW_SHARE = 0.02
+# A deep one is at least this part.
+_DEEP_SHARE = 0.1
 # Of the configurations.
 _RARELY, _USUALLY = 0.05, 0.5
 # Cosine of the angle between the stages: 0.1°.
@@ -52,7 +54,11 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
         yield _build_displaced_finding(rule, origin, slight=slight)
     freed = {pair.links for origin in restored for pair in origin.freed}
     deep = [item for item in deep if item[0].links not in freed]
-    by_design = [(pair, contact) for pair, contact in deep if samples > 1 and pair.hit_share >= always]
+    by_design = [
+        (pair, contact)
+        for pair, contact in deep
+        if samples > 1 and pair.hit_share >= always and not _should_come_apart(collisions, pair, contact)
+    ]
     rest = [item for item in deep if item not in by_design]
     nested = [item for item in rest if _is_telescope(model, item[0])]
     shallow = [
@@ -122,6 +128,20 @@ def _list_joints_between(model: Model, pair: CollisionPair) -> list[Joint]:
     one, other = (model.tree.find_path_to(name) for name in pair.links)
     joints = (*(j for j in one if j not in other), *(j for j in other if j not in one))
     return [joint for joint in joints if joint.is_movable]
+
+
+def _should_come_apart(collisions: SelfCollisions, pair: CollisionPair, contact: Contact) -> bool:
+    """Whether two links each have their own slide and overlap deeply, as they are drawn too: fingers that hold nothing."""
+    model = collisions.setup.model
+    one, other = (model.tree.find_path_to(name) for name in pair.links)
+    ways = [[j for j in path if j.is_movable and j not in rest] for path, rest in ((one, other), (other, one))]
+    if contact.depth < _DEEP_SHARE * contact.size or not all(
+        way and all(joint.type == "prismatic" for joint in way) for way in ways
+    ):
+        return False
+    from urdfcheck.model.motion.collisions.drawn_hits import is_drawn_apart  # few pairs get here
+
+    return not is_drawn_apart(collisions, pair)
 
 
 def _get_rest(span: tuple[float, float]) -> float:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_length, format_point
-from urdfcheck.model import Model
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.motion.axes.apart import do_collisions_touch
 from urdfcheck.model.motion.axes.contradicted import find_contradicted_axes
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
@@ -18,6 +18,7 @@ from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 if TYPE_CHECKING:
     from urdfcheck.model.motion.axes.apart import ApartPart
     from urdfcheck.model.motion.axes.bearings import BearingMismatch
+    from urdfcheck.model.motion.axes.sunken import SunkenSide
     from urdfcheck.model.motion.axes.sweeps import BlockedSide
 
 # A direction counts as a coordinate axis to within half a degree.
@@ -32,12 +33,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # One joint is off by mistake. What several joints show is how the robot is drawn.
     if len(mismatches) == 1 and not _is_drawn_in_two_ways(model, mismatches[0].joint):
         yield _report_bearing(model, rule, mismatches[0])
-    if len(blocked) == 1 and not (
-        _has_free_twin(model, blocked[0].joint) or _is_drawn_in_two_ways(model, blocked[0].joint)
-    ):
+    sunken = [one for one in found.sunken if not _is_side_drawn(model, one.joint)]
+    if len(found.sunken) == 1 and sunken:
+        yield _report_sunken(model, rule, sunken[0])
+    elif len(blocked) == 1 and not _is_side_drawn(model, blocked[0].joint):
         yield _report_side(model, rule, blocked[0])
     if apart is not None and not (do_collisions_touch(model, apart) or _is_drawn_in_two_ways(model, apart.joint)):
         yield _report_apart(model, rule, apart)
+
+
+def _is_side_drawn(model: Model, name: str) -> bool:
+    """Whether the parts explain why a joint meets more on the side that its limits open: the axis need not be reversed."""
+    return _has_free_twin(model, name) or _is_drawn_in_two_ways(model, name)
 
 
 def _is_drawn_in_two_ways(model: Model, name: str) -> bool:
@@ -89,7 +96,6 @@ def _report_bearing(model: Model, rule: Rule, found: BearingMismatch) -> Finding
 
 def _report_side(model: Model, rule: Rule, found: BlockedSide) -> Finding:
     joint = model.joint_by_name[found.joint]
-    lower, upper = joint.get_limit_value("lower") or 0.0, joint.get_limit_value("upper") or 0.0
     kinds = [joint.parent] if found.by_parent else []
     kinds += [found.by_others] if found.by_others and found.by_others not in kinds else []
     return rule.finding(
@@ -97,15 +103,37 @@ def _report_side(model: Model, rule: Rule, found: BlockedSide) -> Finding:
         at=joint.axis_location,
         severity=None if found.by_parent and found.by_others else Severity.INFO,
         related=[joint.location if joint.limit is None else joint.limit.location],
-        joint=joint.name,
-        child=joint.child,
         blocked=" and ".join(kinds),
-        limit=f"{found.declared:.3g}",
-        other=f"{-found.declared:.3g}",
-        axis=_format_direction(-np.array(joint.axis, dtype=float)),
-        lower=f"{-upper:.6g}",
-        upper=f"{-lower:.6g}",
+        **_describe_reversal(joint, found.declared),
     )
+
+
+def _report_sunken(model: Model, rule: Rule, found: SunkenSide) -> Finding:
+    joint = model.joint_by_name[found.joint]
+    declared, other = (round(100 * share) for share in found.shares)
+    return rule.finding(
+        "sunken",
+        at=joint.axis_location,
+        related=[joint.location if joint.limit is None else joint.limit.location],
+        parent=joint.parent,
+        share=declared,
+        other_share=other,
+        **_describe_reversal(joint, found.declared),
+    )
+
+
+def _describe_reversal(joint: Joint, declared: float) -> dict[str, Any]:
+    """Return what the texts say about a joint with a reversed axis whose declared range ends at ``declared`` (rad)."""
+    lower, upper = joint.get_limit_value("lower") or 0.0, joint.get_limit_value("upper") or 0.0
+    return {
+        "joint": joint.name,
+        "child": joint.child,
+        "limit": f"{declared:.3g}",
+        "other": f"{-declared:.3g}",
+        "axis": _format_direction(-np.array(joint.axis, dtype=float)),
+        "lower": f"{-upper:.6g}",
+        "upper": f"{-lower:.6g}",
+    }
 
 
 def _report_apart(model: Model, rule: Rule, found: ApartPart) -> Finding:

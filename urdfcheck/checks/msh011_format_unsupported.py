@@ -18,8 +18,9 @@ FORMATS = {
     "drake": frozenset({"obj", "gltf"}),
     "bullet": frozenset({"stl", "obj", "dae"}),
     "gazebo": frozenset({"stl", "obj", "dae", "gltf", "glb"}),
+    "isaac": frozenset({"stl", "obj", "dae"}),
 }
-NAMES = {"mujoco": "MuJoCo", "drake": "Drake", "bullet": "PyBullet", "gazebo": "Gazebo"}
+NAMES = {"mujoco": "MuJoCo", "drake": "Drake", "bullet": "PyBullet", "gazebo": "Gazebo", "isaac": "Isaac Sim"}
 # These load collision meshes only; the others also load meshes that are only drawn.
 COLLISION_ONLY = frozenset({"mujoco", "drake"})
 MUJOCO_STL_FACES = 200_000
@@ -48,7 +49,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 def _build_untargeted_finding(rule: Rule, unable: Mapping[str, list[tuple[MeshUse, MeshFacts]]]) -> Finding:
     """Return one note for a model without declared targets."""
     meshes = list({use.name: (use, facts) for rejected in unable.values() for use, facts in rejected}.values())
-    reactions = {program: str(rule.consumers[program][program]) for program in unable}
+    reactions = {name: str(text) for program in unable for name, text in rule.consumers[program].items()}
     heavy = [f for _, f in unable.get("mujoco", ()) if _get_file_format(f) in FORMATS["mujoco"]]
     if heavy:
         reactions["mujoco"] = str(rule.consumers["faces"]["mujoco"])

@@ -21,11 +21,11 @@ MODELS = frozenset({".urdf", ".xacro", ".srdf", ".sdf", ".launch"})
 LARGEST = 8_000_000
 
 
-def parse_output(text: str, formats: Sequence[str]) -> tuple[str, Path]:
-    """Split an ``--output`` into one of some formats and a file."""
+def parse_output(text: str, formats: Sequence[str], option: str = "--output") -> tuple[str, Path]:
+    """Split an ``--output``, or what another option says so, into one of some formats and a file."""
     output_format, assigned, file = text.partition("=")
     if not assigned or not file or output_format not in formats:
-        raise UrdfcheckError(f"--output {text}: write FORMAT=FILE with one of the formats {', '.join(formats)}")
+        raise UrdfcheckError(f"{option} {text}: write FORMAT=FILE with one of the formats {', '.join(formats)}")
     return output_format, Path(file)
 
 
@@ -52,13 +52,28 @@ def parse_run_outputs(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[
     return outputs
 
 
-def parse_outputs(texts: Sequence[str], paths: Sequence[str], formats: Sequence[str]) -> list[tuple[str, Path]]:
+def parse_comparison_outputs(
+    texts: Sequence[str], paths: Sequence[str], formats: Sequence[str], option: str = "--output"
+) -> list[tuple[str, Path]]:
+    """Split each ``--output`` of a command that compares two versions, whose page is always one file.
+
+    :raises UrdfcheckError: see `parse_outputs`; or if one names a folder.
+    """
+    folder = next(filter(is_folder_output, texts), None)
+    if folder is not None:
+        raise UrdfcheckError(f"{option} {folder}: a comparison is one page; name a file, such as diff.html")
+    return parse_outputs(texts, paths, formats, option)
+
+
+def parse_outputs(
+    texts: Sequence[str], paths: Sequence[str], formats: Sequence[str], option: str = "--output"
+) -> list[tuple[str, Path]]:
     """Split each ``--output`` into one of some formats and a file.
 
     :raises UrdfcheckError: if two reports would share a file, one would replace a model, or one would be written through a link
         of what is checked.
     """
-    outputs = [parse_output(text, formats) for text in texts]
+    outputs = [parse_output(text, formats, option) for text in texts]
     text_by_path: dict[str, str] = {}
     inputs = {os.path.realpath(path) for path in paths}
     checked = CheckedFolders.around(paths)
@@ -68,9 +83,9 @@ def parse_outputs(texts: Sequence[str], paths: Sequence[str], formats: Sequence[
         if os.path.exists(real) and not os.path.isfile(real) and not os.path.isdir(real):
             continue  # /dev/null takes any number of reports
         if real in text_by_path:
-            raise UrdfcheckError(f"--output {text}: {text_by_path[real]} goes into the same file")
+            raise UrdfcheckError(f"{option} {text}: {text_by_path[real]} goes into the same file")
         if (real in inputs and os.path.isfile(real)) or file.suffix.lower() in MODELS:
-            raise UrdfcheckError(f"--output {text}: that is the file of a model, and a report would replace it")
+            raise UrdfcheckError(f"{option} {text}: that is the file of a model, and a report would replace it")
         text_by_path[real] = text
     return outputs
 

@@ -22,6 +22,8 @@ UNKNOWN = "unknown"
 EFFECTS = ("collision", "inertia", "stability")
 # No model changes, and a file around them does: an SRDF file, a controller, a launch file, a manifest.
 SEAMS = "seams"
+# Of steps of a repair: made; taken back because of what the check found then; not tried.
+DONE, WITHDRAWN, LEFT = OUTCOMES = ("done", "withdrawn", "left")
 VERDICTS = (UNKNOWN, *CATEGORIES, SEAMS, COSMETIC, IDENTICAL)
 
 
@@ -222,6 +224,22 @@ class ModelDiff:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ReportedStep:
+    """A step of ``urdfcheck repair``, which made the second version of the first, for reports."""
+
+    stage: str
+    """edits | meshes | collision | inertia."""
+    outcome: str
+    """One of `OUTCOMES`."""
+    subject: str
+    """What it is about: a link, a mesh file, or the rule whose edit was made."""
+    text: str
+    """What was done or tried, or why nothing was, with the numbers."""
+    parts: tuple[str, ...] = ()
+    """The parts of the robot that it is about, ``link[hand]``."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Diff:
     """What a change does to the robots of two files, packages or folders."""
 
@@ -241,6 +259,8 @@ class Diff:
     """Version of urdfcheck."""
     files: frozenset[str] = frozenset()
     """The names of the files that the models of both versions are made of."""
+    steps: tuple[ReportedStep, ...] = ()
+    """The steps that made the second version, where ``urdfcheck repair`` did."""
     runs: tuple[Run, Run] | None = None
     """The checks of both versions with what draws their models; None where no output draws."""
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.cli.job_summary import append_comparison, find_summary_file
 from urdfcheck.cli.options import CommandParser, add_options, build_request
-from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, parse_outputs, warn_of_size, write_file
+from urdfcheck.cli.output_files import CheckedFolders, parse_comparison_outputs, warn_of_size, write_file
 from urdfcheck.cli.terminal import FAILED, FINDINGS, OK, make_progress_printer, print_document, say, silence_stdout
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.changes import DRAWING_FORMATS, FORMATS, PICTURE_FORMAT, render, render_picture
@@ -95,10 +95,7 @@ def main(words: Sequence[str]) -> int:
         raise UrdfcheckError("a path is empty (urdfcheck diff A B)")
     # In a repository all of it may be a stranger's.
     versions = options.versions if len(options.versions) == 2 else ["."]
-    files = parse_outputs(options.output, versions, (*FORMATS, PICTURE_FORMAT))
-    folder = next(filter(is_folder_output, options.output), None)
-    if folder is not None:
-        raise UrdfcheckError(f"--output {folder}: a comparison is one page; name a file, such as diff.html")
+    files = parse_comparison_outputs(options.output, versions, (*FORMATS, PICTURE_FORMAT))
     checked = CheckedFolders.around(versions)
     options.draws = bool({options.format, *(name for name, _ in files)} & DRAWING_FORMATS)
     warm_worker = start_warm_worker()

@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.cli.options import CommandParser, add_options, build_request
-from urdfcheck.cli.terminal import compute_exit_code, print_document, say
+from urdfcheck.cli.output_files import CheckedFolders, parse_comparison_outputs, warn_of_size, write_file
+from urdfcheck.cli.terminal import compute_exit_code, print_document, say, silence_stdout
 from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
@@ -19,7 +22,11 @@ if TYPE_CHECKING:
     from urdfcheck.fix.repair.repair_model import RepairResult
     from urdfcheck.fix.repair.steps import RepairStep
 
+# What `--report` writes, of the formats of `urdfcheck diff`: those that draw both versions.
+_REPORTS = ("html", "png")
 SCHEMA = "urdfcheck-repair/1"
+# How steps are marked in the text.
+_MARKS = {"done": "✔", "withdrawn": "↶", "left": "·"}
 # The choices, as in `urdfcheck.fix.repair.steps`, which is not imported for the help.
 _COLLISION = ("none", "primitives", "convex", "decimate")
 _INERTIA = ("none", "bad", "all")
@@ -37,6 +44,14 @@ def build_parser() -> argparse.ArgumentParser:
         *("-o", "--output"), metavar="DIR", required=True, help="a new or empty folder, outside the model's package"
     )
     p.add_argument("--format", choices=("text", "json"), default="text", help="output format (default: text)")
+    p.add_argument(
+        "--report",
+        action="append",
+        default=[],
+        metavar="FORMAT=FILE",
+        help="also show the model before and after (repeatable): html=FILE is a page with both in 3D, the steps, and each edited "
+        "line; png=FILE is a picture of both",
+    )
     p.add_argument(
         "--meshes",
         choices=("bake", "none"),
@@ -86,6 +101,8 @@ def main(words: Sequence[str]) -> int:
     add_options(check, "check")
     options = build_parser().parse_args(words, check.parse_args([]))
     _validate_options(options)
+    reports = parse_comparison_outputs(options.report, options.paths, _REPORTS, "--report")
+    checked = CheckedFolders.around(options.paths)
 
     from urdfcheck.fix.repair.repair_model import repair_model
     from urdfcheck.fix.repair.steps import RepairOptions
@@ -103,12 +120,22 @@ def main(words: Sequence[str]) -> int:
         max_excess=options.max_excess,
     )
     done = repair_model(request, Path(options.output), wanted, include_unsafe=options.unsafe_fixes)
-    if options.format == "json":
+    try:
+        _print_result(done, options.format)
+    except BrokenPipeError:  # the reader has exited: the copy is there, and so are the reports
+        silence_stdout()
+    if reports:
+        _write_reports(done, reports, checked)
+    return compute_exit_code(done.after, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)
+
+
+def _print_result(done: RepairResult, output_format: str) -> None:
+    if output_format == "json":
         print_document(json.dumps(_build_document(done), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     else:
         for line in _iter_lines(done):
             say(line)
-    return compute_exit_code(done.after, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)
+    sys.stdout.flush()
 
 
 def _validate_options(options: argparse.Namespace) -> None:
@@ -127,19 +154,35 @@ def _validate_options(options: argparse.Namespace) -> None:
         raise UrdfcheckError("-o: name a new or empty folder")
 
 
+def _write_reports(done: RepairResult, reports: Sequence[tuple[str, Path]], checked: CheckedFolders) -> None:
+    """Compare the model with its copy, and write what shows both.
+
+    :raises UrdfcheckError: if one cannot be written.
+    """
+    from urdfcheck.changes.compare_repaired import compare_repaired
+    from urdfcheck.fix.repair.steps import iter_reported_steps
+    from urdfcheck.output.changes import render, render_picture
+
+    diff = compare_repaired(*done.requests, done.before, iter_reported_steps(done.fixed, done.steps))
+    for output_format, file in reports:
+        document = render(diff, output_format) if output_format == "html" else render_picture(diff)
+        write_file(document, file, checked)
+        if isinstance(document, str):
+            warn_of_size(document, file, "--collision decimate makes meshes smaller")
+
+
 def _iter_lines(done: RepairResult) -> Iterator[str]:
+    from urdfcheck.core.model_diff import DONE
+    from urdfcheck.fix.repair.steps import iter_reported_steps
     from urdfcheck.source.package.finder import format_path
 
-    if done.fixed:
-        yield f"edits ({len(done.fixed)} {'finding' if len(done.fixed) == 1 else 'findings'} fixed)"
-        for code, count in sorted(Counter(finding.code for finding in done.fixed).items()):
-            yield f"  ✔ {code}{f' ({count} times)' if count > 1 else ''}"
-    for stage in dict.fromkeys(step.stage for step in done.steps):
-        steps = [step for step in done.steps if step.stage == stage]
-        yield f"{stage} ({sum(step.is_done for step in steps)} of {len(steps)} changed)"
+    reported = list(iter_reported_steps(done.fixed, done.steps))
+    for stage, group in groupby(reported, key=lambda step: step.stage):
+        steps = list(group)
+        yield f"{stage} ({sum(step.outcome == DONE for step in steps)} of {len(steps)} changed)"
         for step in steps:
-            yield f"  {'✔' if step.is_done else '·'} {step.subject}: {step.text}"
-    if not done.fixed and not any(step.is_done for step in done.steps):
+            yield f"  {_MARKS[step.outcome]} {step.subject}: {step.text}"
+    if not any(step.outcome == DONE for step in reported):
         yield "nothing was changed"
     yield ""
     before, after = _count_findings(done.before), _count_findings(done.after)
@@ -182,6 +225,7 @@ def _build_step(step: RepairStep) -> dict[str, Any]:
         "stage": step.stage,
         "subject": step.subject,
         "done": step.is_done,
+        "withdrawn": step.is_withdrawn,
         "text": step.text,
         "before": dict(step.before),
         "after": dict(step.after),

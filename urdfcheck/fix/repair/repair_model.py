@@ -44,6 +44,8 @@ class RepairResult:
     model: Path
     """The repaired copy."""
     info: ModelInfo
+    requests: tuple[Request, Request]
+    """For the model itself, and for its copy."""
     before: Run
     """The check of the copy before anything was repaired."""
     after: Run
@@ -79,7 +81,7 @@ def repair_model(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         copied = copy_model(Path(unit.path), reads, folder, request.packages)
-        return _repair_copy(_move_request(request, copied), copied, options, include_unsafe)
+        return _repair_copy(request, copied, options, include_unsafe)
     except OSError as error:
         _empty_folder(folder, keep=existed)
         raise UrdfcheckError(f"cannot write to {folder}: {error.strerror or error}") from None
@@ -88,7 +90,8 @@ def repair_model(
         raise
 
 
-def _repair_copy(request: Request, copied: CopiedModel, options: RepairOptions, include_unsafe: bool) -> RepairResult:
+def _repair_copy(original: Request, copied: CopiedModel, options: RepairOptions, include_unsafe: bool) -> RepairResult:
+    request = _move_request(original, copied)
     before = pipeline.run(request)  # not of the model itself: rules that look around it may see more there
     fixes = compute_fixes(request, include_unsafe=include_unsafe)
     write_files(fixes.changes)
@@ -111,6 +114,7 @@ def _repair_copy(request: Request, copied: CopiedModel, options: RepairOptions, 
     return RepairResult(
         model=copied.model,
         info=current.models[0],
+        requests=(original, request),
         before=before,
         after=current,
         steps=tuple(steps),
@@ -322,7 +326,8 @@ def _withdraw_step(step: RepairStep, worse: Sequence[Finding]) -> RepairStep:
     """Return the step undone, with the finding about its link that it leaves or brings, or else the first."""
     finding = next((finding for finding in worse if step.subject in _iter_links(finding)), worse[0])
     reason = f"withdrawn: with it the model has {finding.code} ({finding.headline or finding.message})"
-    return replace(step, is_done=False, text=f"{step.text}; {reason}", edits=(), files={}, after={})
+    text = f"{step.text}; {reason}"
+    return replace(step, is_done=False, is_withdrawn=True, text=text, edits=(), files={}, after={})
 
 
 def _group_steps(steps: Sequence[RepairStep]) -> list[list[RepairStep]]:

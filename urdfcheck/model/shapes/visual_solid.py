@@ -12,6 +12,7 @@ from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
 from urdfcheck.facts.mesh.moments import MeshMoments, compute_mesh_moments
 from urdfcheck.facts.mesh.topology import label_bodies, label_components
+from urdfcheck.facts.mesh.winding import compute_winding_numbers
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
@@ -288,21 +289,8 @@ def _has_mixed_orientation(facts: MeshFacts) -> bool:
     corners = facts.vertices[facts.faces]
     against = np.bincount(labels, np.linalg.det(corners)) * facts.volume < 0.0
     solid = corners[~against[labels]]
-    firsts = (np.argmax(labels == k) for k in np.flatnonzero(against))
-    return any(abs(_compute_winding_number(solid, corners[first].mean(axis=0))) < 0.5 for first in firsts)
-
-
-def _compute_winding_number(triangles: Array, point: Array) -> float:
-    """Compute how many times closed surfaces of ``triangles`` (F, 3, 3) wind around a point.
-
-    The sum of their solid angles (van Oosterom and Strackee, *The solid angle of a plane triangle*, 1983) over that of a
-    sphere.
-    """
-    a, b, c = np.moveaxis(triangles - point, 1, 0)
-    la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
-    across = np.einsum("ij,ij->i", a, np.cross(b, c))
-    along = la * lb * lc + lc * (a * b).sum(axis=1) + lb * (a * c).sum(axis=1) + la * (b * c).sum(axis=1)
-    return float(np.arctan2(across, along).sum() / (2.0 * np.pi))
+    firsts = [int(np.argmax(labels == k)) for k in np.flatnonzero(against)]
+    return bool((np.abs(compute_winding_numbers(solid, corners[firsts].mean(axis=1))) < 0.5).any())
 
 
 def _measure_shell(facts: MeshFacts, scale: Array, *, turn: Array, place: Array) -> Solid | None:

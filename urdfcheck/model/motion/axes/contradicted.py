@@ -12,6 +12,7 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.motion.axes.apart import ApartPart, find_apart_part
 from urdfcheck.model.motion.axes.bearings import BearingMismatch, find_bearing_mismatches
 from urdfcheck.model.motion.axes.bodies import DrawnBodies
+from urdfcheck.model.motion.axes.sunken import SunkenSide, find_sunken_sides
 from urdfcheck.model.motion.axes.sweeps import BlockedSide, find_blocked_sides
 from urdfcheck.model.robot import Model
 
@@ -29,6 +30,7 @@ class Contradictions:
 
     bearings: tuple[BearingMismatch, ...] = ()
     sides: tuple[BlockedSide, ...] = ()
+    sunken: tuple[SunkenSide, ...] = ()
     apart: ApartPart | None = None
 
 
@@ -49,7 +51,7 @@ def find_contradicted_axes(model: Model) -> Contradictions:
         return _read(entry["found"], names, heads)
     except KeyError:
         mismatches, blocked = find_bearing_mismatches(bodies), find_blocked_sides(bodies)
-        apart = find_apart_part(bodies)
+        sunken, apart = find_sunken_sides(bodies), find_apart_part(bodies)
         entry["found"] = {
             "bearings": np.array(
                 [
@@ -70,11 +72,12 @@ def find_contradicted_axes(model: Model) -> Contradictions:
                     for b in blocked
                 ]
             ).reshape(-1, 7),
+            "sunken": np.array([(names.index(s.joint), s.declared, *s.shares) for s in sunken]).reshape(-1, 4),
             "apart": np.array(
                 [(names.index(a.joint), heads.index(a.nearest), a.gap, a.size, a.others) for a in (apart,) if a]
             ).reshape(-1, 5),
         }
-        return Contradictions(bearings=tuple(mismatches), sides=tuple(blocked), apart=apart)
+        return Contradictions(bearings=tuple(mismatches), sides=tuple(blocked), sunken=tuple(sunken), apart=apart)
 
 
 def _read(arrays: Arrays, names: list[str], heads: list[str]) -> Contradictions:
@@ -100,6 +103,10 @@ def _read(arrays: Arrays, names: list[str], heads: list[str]) -> Contradictions:
         )
         for row in arrays["sides"]
     ]
+    sunken = [
+        SunkenSide(joint=names[int(row[0])], declared=float(row[1]), shares=(float(row[2]), float(row[3])))
+        for row in arrays["sunken"]
+    ]
     apart = [
         ApartPart(
             joint=names[int(row[0])],
@@ -110,4 +117,6 @@ def _read(arrays: Arrays, names: list[str], heads: list[str]) -> Contradictions:
         )
         for row in arrays["apart"]
     ]
-    return Contradictions(bearings=tuple(mismatches), sides=tuple(blocked), apart=apart[0] if apart else None)
+    return Contradictions(
+        bearings=tuple(mismatches), sides=tuple(blocked), sunken=tuple(sunken), apart=apart[0] if apart else None
+    )

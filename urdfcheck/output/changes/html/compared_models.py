@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import Run
@@ -46,6 +46,13 @@ class ComparedModel:
     def is_same(self) -> bool:
         """Whether both versions and their findings are equal."""
         return self.difference.verdict == IDENTICAL and not (self.new or self.gone)
+
+    def has_parts(self, subjects: Sequence[str]) -> bool:
+        """Whether a version that is drawn has one of the links or joints that subjects name."""
+        scenes = [scene for scene in (self.before, self.after) if scene is not None]
+        names = {f"link[{link.name}]" for scene in scenes for link in scene.links}
+        names |= {f"joint[{joint.name}]" for scene in scenes for joint in scene.joints}
+        return any(subject.startswith(name) for subject in subjects for name in names)
 
     @property
     def is_drawn(self) -> bool:

@@ -14,6 +14,7 @@ from urdfcheck.output.changes.html.consequence_rows import has_consequences, ren
 from urdfcheck.output.changes.html.drawn_changes import build_versions_data
 from urdfcheck.output.changes.html.finding_lists import list_rules, render_findings
 from urdfcheck.output.changes.html.notes import render_idle_edits, render_notes
+from urdfcheck.output.changes.html.repair_steps import describe_steps, render_steps
 from urdfcheck.output.changes.html.seam_rows import render_seams
 from urdfcheck.output.changes.png import draw_versions
 from urdfcheck.output.changes.summary import count_findings, describe_verdict, get_label, list_harm
@@ -49,7 +50,7 @@ def render(diff: Diff) -> str:
         *(_render_model(diff, model, drawn, is_only=len(models) == 1) for model in models if not model.is_same),
         render_seams(diff),
         _render_others(diff, others),
-        _render_same(models),
+        _render_same(diff, models),
         render_rule_pages(rules) if (rules := list_rules(diff)) else "",
         _render_about(diff),
     )
@@ -59,7 +60,7 @@ def render(diff: Diff) -> str:
 {_render_header(diff, models, title)}
 {render_viewer() if drawn else ""}
 <div class="column">
-{_render_navigation(models, has_seams=bool(diff.seams), has_rules=bool(rules))}
+{_render_navigation(diff, models, has_rules=bool(rules))}
 <main id="content">
 {"".join(main)}
 </main>
@@ -67,7 +68,7 @@ def render(diff: Diff) -> str:
 </div>
 {render_key_help(KEYS)}
 """)
-    scripts, allowed = _render_scene_scripts(models) if drawn else ("", [])
+    scripts, allowed = _render_scene_scripts(diff, models) if drawn else ("", [])
     own = read_frame_script() + read_asset("changes.js")
     style = read_style_sheet() + read_asset("changes.css") + (read_viewer_style() if drawn else "")
     return f"""{render_document_head(f"{title}: before and after", style, [*allowed, own])}<body>
@@ -77,9 +78,9 @@ def render(diff: Diff) -> str:
 """
 
 
-def _render_scene_scripts(models: Sequence[ComparedModel]) -> tuple[str, list[str]]:
+def _render_scene_scripts(diff: Diff, models: Sequence[ComparedModel]) -> tuple[str, list[str]]:
     """Render what draws the robots; return it and the texts of its scripts. ASCII JSON needs no escaping in HTML."""
-    data, geometry = build_versions_data(models)
+    data, geometry = build_versions_data(models, diff.steps)
     return render_viewer_scripts(escape_for_json(json.dumps(data, separators=(",", ":"), allow_nan=False)), geometry)
 
 
@@ -88,8 +89,9 @@ def _render_scene_scripts(models: Sequence[ComparedModel]) -> tuple[str, list[st
 
 def _render_header(diff: Diff, models: Sequence[ComparedModel], title: str) -> str:
     seams = [f"{format_count(len(diff.seams), 'change')} around the robot"] if diff.seams else []
+    steps = [f"steps: {describe_steps(diff)}"] if diff.steps else []
     harm = "".join(f"<li><b>{escape_html(text)}</b></li>" for text in list_harm(diff))
-    facts = [*_count_changes(models), *seams, count_findings(diff)]
+    facts = [*_count_changes(models), *seams, *steps, count_findings(diff)]
     items = harm + "".join(f"<li>{escape_html(fact)}</li>" for fact in facts)
     return (
         f'<header class="top">{render_brand_line(diff.version)}<h1>{escape_html(title)}</h1>'
@@ -114,11 +116,12 @@ def _count_changes(models: Sequence[ComparedModel]) -> list[str]:
     return [f"{total}: {', '.join(f'{count} {label}' for label, count in counts.items())}"] if counts else []
 
 
-def _render_navigation(models: Sequence[ComparedModel], *, has_seams: bool, has_rules: bool) -> str:
+def _render_navigation(diff: Diff, models: Sequence[ComparedModel], *, has_rules: bool) -> str:
     """Render links to the sections of the only robot, or to the robots that changed."""
     shown = [model for model in models if not model.is_same]
     links = _list_sections(models[0]) if len(models) == 1 else [(model.id, model.title) for model in shown]
-    links += [("around", "Around the robot")] if has_seams else []
+    links = [*((f"{model.id}-steps", "Steps") for model in models if diff.steps), *links]
+    links += [("around", "Around the robot")] if diff.seams else []
     links += [("rules", "Rules")] if has_rules else []
     links.append(("about", "About"))
     items = "".join(f'<li><a href="#{anchor}">{escape_html(name)}</a></li>' for anchor, name in links)
@@ -153,6 +156,7 @@ def _render_model(diff: Diff, model: ComparedModel, drawn: Sequence[ComparedMode
     parts = (
         _render_model_head(model, is_only=is_only),
         render_still(picture, alternative),
+        render_steps(diff, model),
         render_changes(diff, model),
         render_consequences(model),
         render_causes(diff, model),
@@ -185,14 +189,14 @@ def _render_ids(difference: ModelDiff) -> str:
     return _render_versions(difference.before, difference.after)
 
 
-def _render_same(models: Sequence[ComparedModel]) -> str:
+def _render_same(diff: Diff, models: Sequence[ComparedModel]) -> str:
     """Render the names of the models that are identical, folded."""
     same = [model for model in models if model.is_same]
     if not same:
         return ""
     if len(models) == 1:
         sentence = f'<p class="clean">{render_glyph("ok")} Both versions are equal.</p>'
-        return f'<section class="model" id="{same[0].id}">{sentence}</section>'
+        return f'<section class="model" id="{same[0].id}">{sentence}{render_steps(diff, same[0])}</section>'
     items = "".join(f"<li><code>{escape_html(model.name)}</code></li>" for model in same)
     count = format_count(len(same), "robot is", "robots are")
     return f'<details class="fold ok"><summary><h3>{count} identical</h3></summary><ul class="plain">{items}</ul></details>'

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core.model_diff import LinkShift, MechanismChange, MechanismEffect
+from urdfcheck.core.model_diff import LinkShift, MechanismChange, MechanismEffect, ReportedStep
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.changes.html.compared_models import ComparedModel
 from urdfcheck.output.changes.summary import get_label
@@ -22,6 +22,7 @@ _LAYERS: Mapping[str, tuple[str, ...]] = {
     "limits": ("axes",),
     "dynamic": ("com", "box"),
     "collision": ("collision",),
+    "inertia": ("com", "box"),
 }
 _EFFECT_LAYERS: Mapping[str, tuple[str, ...]] = {
     "collision": ("collision",),
@@ -33,19 +34,23 @@ _GONE = frozenset({"pair-clears", "rest-clears"})
 _PART = re.compile(r"(link|joint)\[([^\]]*)\]", re.DOTALL)
 
 
-def build_versions_data(models: Iterable[ComparedModel]) -> tuple[dict[str, Any], bytes]:
+def build_versions_data(
+    models: Iterable[ComparedModel], steps: Sequence[ReportedStep] = ()
+) -> tuple[dict[str, Any], bytes]:
     """Build the JSON values of the drawn models and the bytes of the meshes of all versions, each content once."""
     pool = MeshPool()
     drawn = [model for model in models if model.is_drawn]
     titles = Counter(model.title for model in drawn)
     built = [
-        _build_versions(model, model.title if titles[model.title] == 1 else f"{model.title} ({model.name})", pool)
+        _build_versions(
+            model, model.title if titles[model.title] == 1 else f"{model.title} ({model.name})", pool, steps
+        )
         for model in drawn
     ]
     return {"models": built, "meshes": pool.entries}, b"".join(pool.data)
 
 
-def _build_versions(model: ComparedModel, title: str, pool: MeshPool) -> dict[str, Any]:
+def _build_versions(model: ComparedModel, title: str, pool: MeshPool, steps: Sequence[ReportedStep]) -> dict[str, Any]:
     def build(scene: Scene, cards: Sequence[FindingCard]) -> dict[str, Any]:
         # What a repair would make of it is no version.
         return build_model(model.id, title=title, scene=replace(scene, previews=()), cards=cards, meshes=pool)
@@ -58,7 +63,7 @@ def _build_versions(model: ComparedModel, title: str, pool: MeshPool) -> dict[st
     values = build(model.after, model.new)
     before = build(model.before, model.gone)
     gone = [_translate_finding(finding, names) for finding in before.pop("findings")]
-    values["findings"] += [*gone, *_iter_entries(model, names)]
+    values["findings"] += [*gone, *_iter_entries(model, names), *_iter_step_entries(model, names, steps)]
     return {
         **values,
         "before": {**before, "findings": []},
@@ -169,6 +174,22 @@ def _build_effect(entry_id: str, effect: MechanismEffect, names: _PartNames) -> 
 def _name_positions(configuration: Mapping[str, float], names: _PartNames) -> dict[str, float]:
     """Name the joints of a configuration as the second version calls them."""
     return {names.get_new_name("joint", joint): value for joint, value in configuration.items()}
+
+
+def _iter_step_entries(
+    model: ComparedModel, names: _PartNames, steps: Sequence[ReportedStep]
+) -> Iterator[dict[str, Any]]:
+    """Yield what the row of each step of a repair shows."""
+    for number, step in enumerate(steps):
+        parts = [part for subject in step.parts for part in _PART.findall(subject)]
+        yield _build_entry(
+            f"{model.id}-r{number}",
+            step.stage,
+            pairs=[names.find_links(kind, name) for kind, name in parts],
+            joints=[name for kind, name in parts if kind == "joint"],
+            layers=_LAYERS.get(step.stage, ()),
+            names=names,
+        )
 
 
 def _list_pairs(change: MechanismChange, names: _PartNames) -> list[tuple[str, str]]:
