@@ -54,7 +54,8 @@ def _describe_repair(uses: Sequence[ResourceUse], source: Source, folder: str) -
     is_marked = source.package is not None or source.finder.find_repository() is not None
     if is_marked or any(use.resource.kind != "relative" for use in uses):
         return f"move what the robot needs into its package; if you trust the place, allow its folder: --allow-read {folder}"
-    return f"if the folder is the robot's own, allow it: --allow-read {folder}; without .git or package.xml only the model's folder is read"
+    reason = "without .git or package.xml only the model's folder is read"
+    return f"if the folder is the robot's own, allow it: --allow-read {folder}; {reason}"
 
 
 def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:
