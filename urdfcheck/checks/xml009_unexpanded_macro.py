@@ -113,7 +113,7 @@ def _is_result(source: Source) -> bool:
 
 
 def _is_commented_out(call: str, text: str) -> bool:
-    """Whether a text defines the macro of a call that is left: outside of a comment the definition would be left as an element."""
+    """Whether a text defines the macro of a call that is left: if that were not in a comment, it would be left as an element."""
     name = re.fullmatch(r"<xacro:([\w.-]+)>", call)
     return name is not None and re.search(rf"macro\s+name=[\"']{re.escape(name[1])}[\"']", text) is not None
 
