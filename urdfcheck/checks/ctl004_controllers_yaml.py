@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
@@ -20,6 +22,7 @@ from urdfcheck.model.motion.controllers import (
     list_parameter_files,
 )
 from urdfcheck.model.repairs.number_text import keep_notation
+from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.controllers import Controller, GpioClaim
 from urdfcheck.source.ros.yaml_files import find_yaml_error
@@ -72,7 +75,16 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
                 severity=Severity.WARNING,
                 path=parameters.text,
                 found=f" (here {shown})" if parameters.path is not None else "",
+                repair=_describe_portable_path(model.source, parameters.path),
             )
+
+
+def _describe_portable_path(source: Source, path: Path | None) -> str:
+    """Say what to write for the path of one machine: by the package that has the file, in a xacro."""
+    package = source.package
+    own = None if path is None or package is None else Path(os.path.relpath(path, package.path)).as_posix()
+    inside = "package)/config/…" if package is None or own is None or own.startswith("..") else f"{package.name})/{own}"
+    return f"{'' if source.is_xacro else 'make the model a xacro and '}write `$(find {inside}`"
 
 
 def _check_unknown_joints(
