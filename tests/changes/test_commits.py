@@ -158,7 +158,9 @@ def test_python_compares_commits_of_a_repository_elsewhere(
     settings: DiffSettings = {"select": "INR003", "tier": "source", "cache": False}
     found = urdfcheck.diff_commits("HEAD~1..HEAD", repository=repository, **settings)
     assert [model.headline for model in found.models] == ["tool0 moves by 41 mm in every configuration"]
-    limited = urdfcheck.diff_commits("HEAD~1..HEAD", [repository / "absent"], repository=repository, **settings)
+    write(repository / "other/notes.txt", "")
+    commit(repository)
+    limited = urdfcheck.diff_commits("HEAD~2..HEAD", [repository / "other"], repository=repository, **settings)
     assert (limited.models, limited.failures) == ((), ())
 
 
@@ -265,6 +267,28 @@ def test_an_edited_condition_is_the_cause_of_what_it_lets_in(repository: Path) -
     ]
 
 
+@pytest.mark.parametrize(
+    ("definition", "condition"),
+    [
+        ('<xacro:arg name="rolls" default="{}"/>', "$(arg rolls)"),
+        ('<xacro:property name="rolls" value="{}"/>', "${rolls}"),
+    ],
+)
+def test_a_switch_is_the_cause_of_what_it_lets_in(repository: Path, definition: str, condition: str) -> None:
+    """Neither the condition nor what it holds was edited."""
+    lines = [definition, f'<xacro:property name="on" value="{condition}"/>', '<xacro:if value="${on}">']
+    text = XACRO.replace("  <xacro:wheel/>\n", "\n".join(["", *lines, "<xacro:wheel/>", "</xacro:if>", ""]))
+    write(repository / "parts/package.xml", MANIFEST.format("parts"))
+    write(repository / "parts/wheel.xacro", WHEEL)
+    write(repository / "car/car.urdf.xacro", text.replace("{}", "false"))
+    commit(repository)
+    write(repository / "car/car.urdf.xacro", text.replace("{}", "true"))
+    (model,) = compare().models
+    assert model.mechanism is not None
+    (cause,) = model.mechanism.causes
+    assert [line for _, _, line in (*cause.before, *cause.after)] == [definition.format("true")]
+
+
 def test_a_replaced_mesh_touches_its_model(repository: Path) -> None:
     write(repository / "arm_description/urdf/box.urdf", MESHED)
     write(repository / "arm_description/meshes/part.stl", CUBE.format(1))
@@ -282,6 +306,14 @@ def test_a_model_that_is_new_gone_or_ignored(repository: Path) -> None:
     (repository / MODEL).unlink()
     found = {Path(m.after or m.before).name: m.headline for m in compare().models}
     assert found == {"extra.urdf": "the model is new", "arm.urdf": "the model is gone"}
+
+
+def test_a_new_model_that_cannot_be_read_is_unknown(repository: Path) -> None:
+    write(repository / "arm_description/urdf/extra.urdf", "<robot")
+    found = compare()
+    (model,) = found.models
+    assert (model.verdict, len(found.failures)) == ("unknown", 1)
+    assert model.headline.startswith("cannot be compared: it is new, and not well-formed XML")
 
 
 def test_a_model_that_moved_is_found_by_its_name(repository: Path) -> None:
@@ -554,6 +586,7 @@ def test_the_command_compares_revisions_and_fails_as_asked(repository: Path) -> 
         (("HEAD", "HEAD~1"), "two revisions are written HEAD..HEAD~1"),
         (("arm_description",), "write -- arm_description to compare"),
         (("HEAD", "--", "../elsewhere.urdf"), "../elsewhere.urdf: it is outside the repository"),
+        (("HEAD", "--", MODEL, "*.urdf"), "*.urdf: neither version has it"),
         (("a", "b", "--", "c"), "name two paths"),
         (("--", ""), "a path is empty"),
         (("HEAD\x1b[31m",), "there is no such revision"),

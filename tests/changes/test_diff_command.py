@@ -25,6 +25,10 @@ QUICK = ("--tier", "source", "--select", "INR003", "--no-cache")
 LONGER = ARM.replace('<origin xyz="0.3 0 0" rpy="0 0 0"/>', '<origin xyz="0.341 0 0" rpy="0 0 0"/>')
 HEAVIER = ARM.replace('<mass value="0.6"/>', '<mass value="0.65"/>')
 STRONGER = ARM.replace('effort="40"', 'effort="50"')
+TURNED = ARM.replace(
+    '<origin xyz="0.1 0 0" rpy="0 0 0"/>', '<origin xyz="0.1 0 0" rpy="1.57 0 0"/>'
+)  # stays at its place
+SHUFFLED = ARM.replace('"2.0"', '"2.5"').replace('"1.5"', '"1.0"')  # as heavy
 IMPOSSIBLE = ARM.replace('ixx="0.0006"', 'ixx="0.006"')
 
 
@@ -52,6 +56,8 @@ def make_folder(tmp_path: Path) -> Path:
     write(tmp_path / "longer.urdf", LONGER)
     write(tmp_path / "heavier.urdf", HEAVIER)
     write(tmp_path / "stronger.urdf", STRONGER)
+    write(tmp_path / "turned.urdf", TURNED)
+    write(tmp_path / "shuffled.urdf", SHUFFLED)
     return tmp_path
 
 
@@ -90,6 +96,8 @@ def test_the_text_begins_with_the_verdict_and_names_the_lines(folder: Path) -> N
         ("stronger", ("--fail-on", "kinematic", "--fail-on", "collision"), OK),
         ("stronger", ("--fail-on", "any,never"), FINDINGS),
         ("a", ("--fail-on", "any"), OK),
+        ("turned", ("--max-tool-shift", "1mm", "--fail-on", "kinematic"), FINDINGS),
+        ("shuffled", ("--max-mass", "1%", "--fail-on", "dynamic"), FINDINGS),
     ],
 )
 def test_the_exit_code_follows_what_fails(folder: Path, after: str, options: tuple[str, ...], code: int) -> None:
@@ -102,6 +110,7 @@ def test_the_exit_code_follows_what_fails(folder: Path, after: str, options: tup
         (("--fail-on", "warning"), "--fail-on warning: one or more of kinematic"),
         (("--max-tool-shift", "1"), "--max-tool-shift 1: write a number with one of the units m, cm"),
         (("--max-tool-shift", "1.2.3mm"), "--max-tool-shift 1.2.3mm: write a number"),
+        (("--max-mass", "1e999kg"), "--max-mass 1e999kg: write a number"),
         (("--max-mass", "1lb"), "--max-mass 1lb: write a number with one of the units kg, g, %"),
     ],
 )

@@ -489,3 +489,45 @@ def test_one_line_that_moves_many_parts_is_one_cause(tmp_path: Path) -> None:
     ((file, line, text),) = cause.before
     assert (file.rpartition("/")[2], line) == ("sizes.xacro", 3)
     assert text == '<xacro:property name="reach" value="0.4"/>'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "label"),
+    [
+        ('<mass value="0.6"/>', '<mass value="heavy"/>', "link[hand]/inertial/mass@value"),
+        ('<mass value="0.6"/>', '<mass value="nan"/>', "link[hand]/inertial/mass@value"),
+        ('<mass value="0.6"/>', '<mass value="1e308"/>', "link[hand]/inertial/mass@value"),
+        ('effort="10"', 'effort="10 N"', "joint[wrist]/limit@effort"),
+        ('<box size="0.06 0.1 0.04"/>', '<box size="0.06 0.1"/>', "link[hand]/visual/box@size"),
+    ],
+)
+def test_what_is_no_number_is_compared_as_it_is_written(tmp_path: Path, old: str, new: str, label: str) -> None:
+    """It was worth nothing in both versions: one that is as unreadable in another way was called cosmetic."""
+    unreadable = ARM.replace(old, new, 1)
+    assert unreadable != ARM
+    found = [change.subject for change in get_mechanism(compare_texts(tmp_path / "a", ARM, unreadable)).changes]
+    assert f"unreadable {label}" in found
+    other = unreadable.replace(new, new.replace('="', '="x', 1), 1)
+    found = compare_texts(tmp_path / "b", unreadable, other)
+    assert [(change.id, change.subject) for change in get_mechanism(found).changes] == [
+        ("extra-changed", f"unreadable {label}")
+    ]
+    assert found.verdict == "extension"
+    assert compare_texts(tmp_path / "c", unreadable, unreadable.replace(f" {new}", f"  {new}")).verdict in {
+        "cosmetic",
+        "identical",
+    }
+
+
+def test_of_blocks_that_set_one_value_the_order_counts(tmp_path: Path) -> None:
+    """And of others it does not."""
+    rough, smooth, plain = (
+        f'<gazebo reference="hand">{value}</gazebo>' for value in ("<mu1>1</mu1>", "<mu1>0</mu1>", "<kp>1</kp>")
+    )
+
+    def compare(folder: str, before: str, after: str) -> ModelDiff:
+        old, new = (ARM.replace("</robot>", f"{blocks}</robot>") for blocks in (before, after))
+        return compare_texts(tmp_path / folder, old, new)
+
+    assert compare("swapped", rough + smooth, smooth + rough).verdict == "extension"
+    assert compare("same", rough + plain, plain + rough).verdict == "cosmetic"

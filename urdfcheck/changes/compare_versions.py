@@ -295,6 +295,8 @@ def _describe_lone(pair: ModelPair) -> ModelDiff:
         if len(unread) == 2 and first.problem == second.problem:
             unread = [("both versions", first.problem)]
         return _make_unknown(pair, "; ".join(f"{name}: {problem}" for name, problem in unread))
+    if second is not None and second.mechanism is None:
+        return _make_unknown(pair, f"it is new, and {second.problem}")
     return ModelDiff(
         before="" if first is None else first.info.id,
         after="" if second is None else second.info.id,

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import UrdfcheckError
-from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, MechanismDiff, ModelDiff
+from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, MechanismChange, MechanismDiff, ModelDiff
 
 # What `--fail-on` takes.
 KINDS = ("kinematic", "dynamic", "limits", "collision", "seams", "findings", "any", "never")
 # Effects by which links collide that did not.
 _COLLIDING = frozenset({"pair-collides", "rest-collides"})
+# A link that turns farther moves what is fixed to it, however little its own frame does: 1°, in rad.
+_MOST_TURN = math.radians(1.0)
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
 _MASSES = {"kg": 1.0, "g": 1e-3}
 _QUANTITY = re.compile(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*([a-zA-Zµ%]+)\s*")
@@ -25,9 +28,9 @@ class Gate:
     kinds: frozenset[str] = frozenset()
     """Of `KINDS`."""
     max_tool_shift: float | None = None
-    """m; a link that moves farther fails, and the motion of one that moves less does not."""
+    """m; a link that moves farther fails, and the motion of one that moves less does not, unless it turns by more than 1°."""
     max_mass: float | None = None
-    """Share (`is_share`) or kg; a total mass that changes by more fails, and a change of mass by less does not."""
+    """Share (`is_share`) or kg; a total mass that changes by more fails, and one of a body that changes by less does not."""
     is_share: bool = True
 
     def list_reasons(self, diff: Diff) -> list[str]:
@@ -56,8 +59,16 @@ class Gate:
 
     def _is_small_mass(self, found: MechanismDiff) -> bool:
         before, after = found.mass
-        change = abs(after - before)
-        return self.max_mass is not None and change <= self.max_mass * (before if self.is_share else 1.0)
+        return self._is_allowed_mass(found, after - before)
+
+    def _is_allowed_mass(self, found: MechanismDiff, change: float) -> bool:
+        """Whether ``change``, in kg, is at most what the robot's mass may change by."""
+        total = found.mass[0] if self.is_share else 1.0
+        return self.max_mass is not None and abs(change) <= self.max_mass * total
+
+    def _is_small_in_body(self, found: MechanismDiff, change: MechanismChange) -> bool:
+        """Whether one body gained or lost little: mass that goes from one to another leaves the sum as it is."""
+        return self._is_allowed_mass(found, change.numbers["after"] - change.numbers["before"])
 
     def _judge_kinds(self, found: MechanismDiff) -> list[str]:
         """Return the kinds of changes that fail, without motions and masses that the tolerances allow."""
@@ -65,7 +76,7 @@ class Gate:
         for change in found.changes:
             if change.category == "kinematic" and self._is_tolerated_motion(found, change.id):
                 continue
-            if change.id == "mass" and self._is_small_mass(found):
+            if change.id == "mass" and self._is_small_mass(found) and self._is_small_in_body(found, change):
                 continue
             kind = "kinematic" if change.category == "structure" else change.category
             if kind in self.kinds or "any" in self.kinds:
@@ -78,7 +89,7 @@ class Gate:
         limit = self.max_tool_shift
         if limit is None or change in {"type", "mimic"}:
             return False
-        return all(shift.distance <= limit for shift in found.shifts)
+        return all(shift.distance <= limit and shift.angle <= _MOST_TURN for shift in found.shifts)
 
 
 def make_gate(fail_on: Sequence[str], max_tool_shift: str | None, max_mass: str | None) -> Gate:
@@ -102,8 +113,8 @@ def make_gate(fail_on: Sequence[str], max_tool_shift: str | None, max_mass: str 
 def _parse_quantity(option: str, text: str, units: dict[str, float]) -> float:
     match = _QUANTITY.fullmatch(text)
     try:
-        if match is not None and match[2] in units:
-            return float(match[1]) * units[match[2]]
+        if match is not None and match[2] in units and math.isfinite(number := float(match[1])):
+            return number * units[match[2]]
     except ValueError:
         pass
     raise UrdfcheckError(f"{option} {text}: write a number with one of the units {', '.join(units)}")

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import NEWLINE, Span
-from urdfcheck.core.mechanism import RobotMechanism, Trace
+from urdfcheck.core.mechanism import MechanismCondition, RobotMechanism, Trace
 from urdfcheck.core.model_diff import ChangeCause, MechanismChange
 
 # Lines of one cause that are shown of either version.
@@ -43,7 +43,7 @@ class SideTexts:
     folder: str
     """Where this version is: files of two versions with one path from there are versions of one file."""
     main_file: str
-    conditions: Sequence[tuple[Span, int]] = ()
+    conditions: Sequence[MechanismCondition] = ()
     """See `RobotMechanism.conditions`."""
 
     @classmethod
@@ -145,8 +145,8 @@ def find_causes(
     """Group changes by the lines that caused them, in the order of the changes.
 
     Of the lines that a value was computed from those count that were edited; where none of those was, the calls that brought it
-    in, and then the conditions around both. Where nothing was edited, the value is shown where it is typed: a mesh file or an
-    argument changed.
+    in, and then the conditions around both, with the properties and arguments that they read. Where nothing was edited, the value
+    is shown where it is typed: a mesh file or an argument changed.
     """
     groups: dict[tuple[tuple[Line, ...], tuple[Line, ...], bool], list[int]] = {}
     for index, change in enumerate(changes):
@@ -175,12 +175,13 @@ def find_causes(
     )
 
 
-def _list_conditions(trace: Trace, conditions: Sequence[tuple[Span, int]]) -> Iterator[Span]:
-    """Yield the tags of the conditions in which the places and calls of a trace are typed."""
+def _list_conditions(trace: Trace, conditions: Sequence[MechanismCondition]) -> Iterator[Span]:
+    """Yield the tags of the conditions in which the places and calls of a trace are typed, and of what these read."""
     for span in (*trace.places, *trace.calls):
-        for tag, end in conditions:
-            if tag.file == span.file and tag.line <= span.line <= end:
-                yield tag
+        for condition in conditions:
+            tag = condition.tag
+            if tag.file == span.file and tag.line <= span.line <= condition.end:
+                yield from (tag, *condition.definitions)
 
 
 def _select_edited(spans: Iterable[Span], edited: Mapping[str, frozenset[int]]) -> list[Line]:

@@ -123,6 +123,17 @@ class MechanismExtra:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MechanismCondition:
+    """An ``xacro:if`` or ``xacro:unless``."""
+
+    tag: Span
+    end: int
+    """The last line of what it may leave out."""
+    definitions: tuple[Span, ...] = ()
+    """The tags of the properties and arguments that it reads, itself or by way of others."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MechanismStance:
     """How a robot stands that is meant to, upright on level ground with all joints at zero."""
 
@@ -168,8 +179,8 @@ class RobotMechanism:
     idle_lines: Mapping[str, frozenset[int]] = field(default_factory=dict)
     """Lines of xacro files, by name, with tags that make no part of the robot: of branches that its arguments leave out, and
     of macros that nothing calls."""
-    conditions: tuple[tuple[Span, int], ...] = ()
-    """The tags of ``xacro:if`` and ``xacro:unless``, each with the last line of what it may leave out."""
+    conditions: tuple[MechanismCondition, ...] = ()
+    """What decides whether a part is in it."""
 
     def compute_digest(self) -> str:
         """Return a digest of everything that is compared: robots with one digest are the same, whatever files they are from."""

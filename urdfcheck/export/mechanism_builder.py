@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 from urdfcheck.core import FactUnavailableError, Span
 from urdfcheck.core.mechanism import (
     NO_TRACE,
+    MechanismCondition,
     MechanismExtra,
     MechanismJoint,
     MechanismLink,
@@ -24,9 +26,10 @@ from urdfcheck.export.scene_builder import find_color
 from urdfcheck.model import Model
 from urdfcheck.model.parts import GROUND_NAMES, TENSOR_NAMES, Inertial, Joint, Link, Pose, Shape
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
-from urdfcheck.source.text.values import read_attribute_number
+from urdfcheck.source.text.values import is_computable, parse_numbers, read_attribute_number
 from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
+from urdfcheck.source.xacro.usage import collect_definitions, list_definitions
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -43,6 +46,15 @@ _KNOWN_ATTRIBUTES = {
     "dynamics": frozenset({"damping", "friction"}),
     "mimic": frozenset({"joint", "multiplier", "offset"}),
 }
+# How many numbers the attributes hold that are compared as physics; origins and axes of joints must be readable anyway.
+_NUMBERS = {
+    **dict.fromkeys(("xyz", "rpy", "size", "scale"), 3),
+    "quat_xyzw": 4,
+    **dict.fromkeys(("value", *TENSOR_NAMES, "radius", "length"), 1),
+    **dict.fromkeys((*_KNOWN_ATTRIBUTES["limit"], *_KNOWN_ATTRIBUTES["dynamics"], "multiplier", "offset"), 1),
+}
+# What a link may have several of from several blocks.
+_REPEATABLE = frozenset({"plugin", "sensor"})
 _LIMITED = frozenset({"revolute", "prismatic"})
 _KNOWN_TYPES = frozenset({"fixed", "revolute", "continuous", "prismatic", "planar", "floating"})
 
@@ -258,12 +270,19 @@ def _trace_joint(joint: Joint) -> dict[str, Trace]:
 
 
 def _iter_extras(model: Model) -> Iterator[MechanismExtra]:
+    set_before: Counter[tuple[str, str]] = Counter()
     for element in model.robot.children:
         if element.tag in {"link", "joint"}:
             yield from _iter_unknown_parts(model, element)
+            yield from _iter_unreadable_values(model, element)
         elif element.tag != "material":  # the shapes that use it have its colour
             number = element.get("reference") or element.get("name")
-            yield _build_extra(model, element, f"{element.tag}[{number}]" if number else element.tag)
+            label = f"{element.tag}[{number}]" if number else element.tag
+            # Of values that several blocks set, it matters which block comes first.
+            keys = {(label, child.tag) for child in element.children if child.tag not in _REPEATABLE}
+            place = max((set_before[key] for key in keys), default=0) if element.tag == "gazebo" else 0
+            set_before.update(keys)
+            yield _build_extra(model, element, f"{label}, block {place + 1}" if place else label)
 
 
 def _iter_unknown_parts(model: Model, element: Element) -> Iterator[MechanismExtra]:
@@ -282,6 +301,21 @@ def _iter_unknown_parts(model: Model, element: Element) -> Iterator[MechanismExt
         if child.tag in {"visual", "collision"} and child.get("name"):
             named = _trace_attributes([child.attributes["name"]]) or NO_TRACE
             yield MechanismExtra(label=f"{child.tag}[{child.get('name')}]", content="", trace=named)
+
+
+def _iter_unreadable_values(model: Model, element: Element) -> Iterator[MechanismExtra]:
+    """Yield the values of a link or joint that are no numbers to compute with: they are compared as they are written."""
+    for child in element.children:
+        for part in child.walk() if child.tag in _KNOWN_TAGS[element.tag] else ():
+            for name, attribute in part.attributes.items():
+                numbers = parse_numbers(attribute.value, _NUMBERS[name]) if name in _NUMBERS else ()
+                if numbers is None or not all(map(is_computable, numbers)):
+                    where = child.tag if part is child else f"{child.tag}/{part.tag}"
+                    yield MechanismExtra(
+                        label=f"unreadable {element.label}/{where}@{name}",
+                        content=f"{_normalize_words(model, attribute.value)}",
+                        trace=_trace_attributes([attribute]) or NO_TRACE,
+                    )
 
 
 def _name_file(model: Model, value: str) -> str:
@@ -343,12 +377,15 @@ def _list_idle_lines(model: Model) -> Iterator[tuple[str, frozenset[int]]]:
             yield name, idle
 
 
-def _list_conditions(model: Model) -> Iterator[tuple[Span, int]]:
+def _list_conditions(model: Model) -> Iterator[MechanismCondition]:
+    definitions = collect_definitions(model.source.trees)
     for tree in model.source.trees.values():
         for element in tree.walk():
             if element.tag in {"xacro:if", "xacro:unless"} and element.span is not None:
                 lines = [inner.span.end_line for inner in element.walk() if inner.span is not None]
-                yield element.span, max(lines)
+                read = list_definitions(definitions, element.get("value"))
+                spans = tuple(definition.span for definition in read if definition.span is not None)
+                yield MechanismCondition(tag=element.span, end=max(lines), definitions=spans)
 
 
 def _list_lines(spans: Iterable[Span | None]) -> Iterator[tuple[str, int]]:

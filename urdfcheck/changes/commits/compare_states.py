@@ -66,7 +66,7 @@ def compare_states(
     :param revisions: ``REV``, ``REV..REV`` or ``REV...REV``; empty for HEAD. Without dots the second state is the work tree.
     :param paths: the models, and what they use, to which the comparison is limited; none for everything.
     :param allowed: folders that may hold objects that the repository borrows.
-    :raises UrdfcheckError: if there is no repository or revision, or it cannot be read.
+    :raises UrdfcheckError: if there is no repository or revision, it cannot be read, or neither state has one of the paths.
     :raises KeyboardInterrupt: if the user interrupts.
     """
     if around is None:
@@ -86,6 +86,9 @@ def compare_states(
             _ReadableState(revision, state, _make_request(repository.top, state, make_request))
             for revision, state in ((old, first), (new, second))
         ]
+        for path, place in zip(paths, wanted, strict=True):
+            if not any(_has_path(state, place) for state in (first, second)):
+                raise UrdfcheckError(f"{path}: neither version has it (what git ignores is in none)")
         changed = list_changed_paths(first, second)
         touched = _find_touched(sides, changed, wanted, execution)
         found = _compare(sides, touched, execution.without_start())
@@ -116,6 +119,12 @@ def _find_place(path: str, top: Path) -> str:
     if relative.split("/")[0] == ".." or os.path.isabs(relative):
         raise UrdfcheckError(f"{path}: it is outside the repository")
     return "" if relative == "." else relative
+
+
+def _has_path(state: StateFolder, place: str) -> bool:
+    """Whether a state has a file or folder, also one that was not written."""
+    known = (*state.digests, *state.submodules, *(path for paths in state.skipped.values() for path in paths))
+    return not place or any(_is_below(path, [place]) or _is_below(place, [path]) for path in known)
 
 
 def _make_request(top: Path, state: StateFolder, make_request: RequestMaker) -> Request:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import Span
@@ -235,6 +235,30 @@ def list_condition_arguments(trees: Mapping[str, Element], conditions: Iterable[
                 definitions = (e for e in iter_elements_by_tag(trees, "xacro:property") if e.get("name") == name)
                 texts += [definition.get("value") for definition in definitions]
     return tuple(found)
+
+
+def collect_definitions(trees: Mapping[str, Element]) -> dict[str, list[Element]]:
+    """Return what gives each name of properties and arguments its value, as far as the names are typed."""
+    found: dict[str, list[Element]] = {}
+    for tag in ("xacro:property", "xacro:arg"):
+        for element in iter_elements_by_tag(trees, tag):
+            found.setdefault(element.get("name"), []).append(element)
+    return found
+
+
+def list_definitions(definitions: Mapping[str, Sequence[Element]], text: str) -> list[Element]:
+    """Return those of some definitions that a text reads, itself or by way of others, in the order in which they are met."""
+    found: list[Element] = []
+    texts, seen = [text], set[str]()
+    while texts:
+        text = texts.pop(0)
+        for name in (*_iter_names(text), *ARGUMENT.findall(text)):
+            if name not in seen:
+                seen.add(name)
+                met = definitions.get(name, ())
+                found += met
+                texts += [element.get(value) for element in met for value in ("value", "default")]
+    return found
 
 
 def _iter_names(text: str) -> Iterator[str]:
