@@ -237,6 +237,9 @@ def test_a_path_of_the_authors_machine_is_found_in_the_package(tmp_path: Path) -
     yaml = group("left_wheel", "rigth_wheel")
     findings = find_in_cart(tmp_path, yaml, PLUGIN.format("/home/me/ws/src/cart/config/c.yaml"))
     assert sorted((f.message_id, str(f.severity)) for f in findings) == [("machine", "warning"), ("unknown", "error")]
+    machine = next(f.fix for f in findings if f.message_id == "machine")
+    assert machine is not None
+    assert machine.title.endswith("write $(find cart)/config/c.yaml")
 
 
 def test_no_file_out_of_reach_is_asked_for(tmp_path: Path) -> None:

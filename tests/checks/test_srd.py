@@ -231,6 +231,15 @@ def test_a_state_is_of_its_group(tmp_path: Path, group: str, reported: bool) -> 
     assert ids(findings) == (["state-foreign"] if reported else [])
 
 
+@pytest.mark.parametrize("group", ["h", "g"])
+def test_a_state_of_a_group_with_an_unknown_part_may_be_of_that_part(tmp_path: Path, group: str) -> None:
+    groups = (
+        '<group name="h"><chain base_link="base" tip_link="gone"/></group><group name="g"><group name="h"/></group>'
+    )
+    state = f'<group_state name="s" group="{group}"><joint name="elbow" value="0"/></group_state>'
+    assert ids(find_with_srdf(tmp_path, f"{GROUP}{groups}{state}")) == ["link"]
+
+
 # -- states ------------------------------------------------------------------------------------------------------------
 
 

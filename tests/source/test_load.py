@@ -267,6 +267,7 @@ FIRST = '<launch><param name="robot_description" command="$(find xacro)/xacro $(
     [
         ({"view.py": HANDS_OVER}, True),
         ({"view.launch.py": HANDS_OVER, "rviz.py": CALLS}, True),
+        ({"view.launch.py": 'NAME = "arm"\n' + HANDS_OVER.replace('"arm"', "NAME")}, True),
         ({"view.launch": FIRST}, True),
         ({"view.py": HANDS_OVER, "rviz.launch.py": SHOWS}, False),
         ({"view.launch.py": HANDS_OVER + "text = open(model).read()"}, False),

@@ -15,9 +15,11 @@ from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.similar_files import (
     FilesByName,
     describe_uninstalled_file,
+    find_moved_files,
     find_similar_name,
     find_uninstalled_file,
     index_files,
+    normalise_path,
     select_python_data,
 )
 from urdfcheck.source.path_arguments import (
@@ -31,6 +33,7 @@ from urdfcheck.source.resources import (
     describe_missing_uses,
     find_above,
     find_missing_path,
+    find_search_root,
     format_path_from_model,
     is_misspelt,
     list_resource_uses,
@@ -39,8 +42,6 @@ from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
 
-# So many missing files of one folder that are in one other folder are those that are meant.
-_MOVED = 3
 _REPAIRS = {
     "file": "correct the path, or add the file",
     "several": "correct the path, or add the files",
@@ -68,7 +69,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         if path is None:
             continue
         if path.exists():
-            special.setdefault(_normalise_path(path), []).append(use)
+            special.setdefault(normalise_path(path), []).append(use)
         else:
             missing.append((use, path))
     for place, found in special.items():
@@ -79,18 +80,18 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         )
     if not missing:
         return
-    index = index_files({_find_search_root(use, source) for use, _ in missing})
+    index = index_files({find_search_root(use, source) for use, _ in missing})
     by_package: dict[str, list[tuple[ResourceUse, Path]]] = {}
     for use, path in missing:
         by_package.setdefault(use.resource.package or "", []).append((use, path))
     for name, absent in by_package.items():
-        package = source.finder.find_package_of(_normalise_path(absent[0][1])) if name else None
+        package = source.finder.find_package_of(normalise_path(absent[0][1])) if name else None
         data = select_python_data((path for _, path in absent), package, index, source.finder)
         inside = [(use, path) for use, path in absent if path in data]
         if inside:
             yield _build_python_finding(inside, name, rule)
         missing = [(use, path) for use, path in missing if path not in data]
-    moved = _find_moved_files({_normalise_path(path) for _, path in missing}, index)
+    moved = find_moved_files({normalise_path(path) for _, path in missing}, index)
     for gap in _group_missing_files(missing):
         yield _build_finding(gap, index, rule, source, moved=moved)
 
@@ -111,18 +112,13 @@ def _build_python_finding(uses: list[tuple[ResourceUse, Path]], package: str, ru
     )
 
 
-def _normalise_path(path: Path) -> Path:
-    """Return a path without `..`: two spellings of one file are one cause."""
-    return Path(os.path.normpath(path))
-
-
 def _group_missing_files(missing: Iterable[tuple[ResourceUse, Path]]) -> list[_MissingFiles]:
     """Return one gap for each missing folder or file; files that one text names through a macro belong together."""
     by_cause: dict[Path, _MissingFiles] = {}
     by_span: dict[object, _MissingFiles] = {}
     gaps: list[_MissingFiles] = []
     for use, typed in missing:
-        path = _normalise_path(typed)
+        path = normalise_path(typed)
         folder = _find_missing_folder(path)
         cause, span = folder or path, use.attribute.span
         gap = by_cause.get(cause) or (by_span.get(span) if span is not None else None)
@@ -140,33 +136,14 @@ def _find_missing_folder(path: Path) -> Path | None:
     return next((folder for folder in reversed(path.parents) if not folder.is_dir()), None)
 
 
-def _find_moved_files(missing: Iterable[Path], index: FilesByName) -> dict[Path, Path]:
-    """Find the missing files of one folder that are together in another: each with its place there.
-
-    One file of the same name may be another robot's, several are the robot's own.
-    """
-    by_folder: dict[Path, dict[Path, dict[Path, Path]]] = {}
-    for path in sorted(missing):
-        for other in index.get(path.name.lower(), []):
-            if other.name == path.name and other != path:
-                by_folder.setdefault(path.parent, {}).setdefault(other.parent, {}).setdefault(path, other)
-    found: dict[Path, Path] = {}
-    for folders in by_folder.values():
-        most, *others = sorted(folders.values(), key=len, reverse=True)
-        # As many in a second folder leave open which one is meant.
-        if len(most) >= _MOVED and not (others and len(others[0]) == len(most)):
-            found |= most
-    return found
-
-
 def _build_finding(
     gap: _MissingFiles, index: FilesByName, rule: Rule, source: Source, *, moved: Mapping[Path, Path]
 ) -> Finding:
     at, path = gap.uses[0], gap.path
     related = {use.attribute.span: use for use in gap.uses if use.attribute.span != at.attribute.span}
-    package = source.finder.find_package_of(_normalise_path(path)) if at.resource.package else None
+    package = source.finder.find_package_of(normalise_path(path)) if at.resource.package else None
     elsewhere = find_uninstalled_file(path, package, index)
-    similar = moved.get(_normalise_path(path))
+    similar = moved.get(normalise_path(path))
     similar_files = [similar] if similar else _find_similar_files(path, index)
     near = [format_path(one) for one in ([elsewhere] if elsewhere else similar_files)]
     argued, places = _explain_by_argument(gap, source)
@@ -260,12 +237,3 @@ def _find_link_name(use: ResourceUse) -> str:
     while element.parent is not None and element.tag != "link":
         element = element.parent
     return element.get("name")
-
-
-def _find_search_root(use: ResourceUse, source: Source) -> Path:
-    """Return the folder to search for files of the same name: the package that the path names, or that of the model."""
-    package = use.resource.package
-    folder = source.finder.find(package) if package else None
-    if folder is not None:
-        return folder
-    return source.path.parent if source.package is None else source.package.path

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
 from urdfcheck.source.load import Source
-from urdfcheck.source.resources import ResourceUse, find_machine_path, list_resource_uses
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.similar_files import find_moved_files, index_files, normalise_path
+from urdfcheck.source.resources import (
+    ResourceUse,
+    find_machine_path,
+    find_missing_path,
+    find_search_root,
+    list_resource_uses,
+)
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.xml import SourceFile
 
@@ -17,10 +26,12 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         resource = use.resource
         if not resource.exists and resource.actual_spelling is not None and find_machine_path(use, source) is None:
             by_path.setdefault((resource.path, resource.text), []).append(use)
+    moved = _find_moved_files([uses[0] for uses in by_path.values()], source)
     for uses in by_path.values():
         first = uses[0]
         actual = first.resource.actual_spelling or ""
-        edits = [_propose_edit(use, actual, source.files) for use in uses]
+        other = None if first.resource.path is None else moved.get(normalise_path(first.resource.path))
+        edits = [None if other else _propose_edit(use, actual, source.files) for use in uses]
         yield rule.finding(
             "case",
             at=_locate(first, actual, source.files),
@@ -30,8 +41,24 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             written=_extract_typed_ending(first, actual),
             actual=actual,
             file=first.resource.text,
+            hint=f"; {format_path(other.parent)} has `{other.name}` and other files that the model misses"
+            if other
+            else "",
+            repair=f"name the file in {format_path(other.parent)}, or write `{actual}` if that is meant"
+            if other
+            else f"write `{actual}`",
             consequences=describe_missing_mesh(use.attribute.owner for use in uses),
         )
+
+
+def _find_moved_files(different: Sequence[ResourceUse], source: Source) -> dict[Path, Path]:
+    """Find those of these files that are, spelled as typed, in another folder together with more that the model misses."""
+    if not different:
+        return {}
+    index = index_files({find_search_root(use, source) for use in different})
+    absent = (find_missing_path(use, source) for use in list_resource_uses(source))
+    typed = (use.resource.path for use in different)
+    return find_moved_files({normalise_path(path) for path in (*absent, *typed) if path is not None}, index)
 
 
 def _extract_typed_ending(use: ResourceUse, actual: str) -> str:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.resources import ResourceUse, find_machine_path, list_resource_uses
+from urdfcheck.source.package.similar_files import index_files
+from urdfcheck.source.resources import ResourceUse, find_machine_path, format_path_from_model, list_resource_uses
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
 
@@ -72,7 +74,7 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
         listed=join_names(files, 2),
         kind=_KINDS[first.resource.kind][len(files) > 1],
         amount=format_count(len(files), "file is", "files are"),
-        repair=_describe_repair(message, portable),
+        repair=_describe_repair(message, place, portable, source),
     )
 
 
@@ -80,10 +82,14 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
     """Return the package path of a file in the model's own package, or None for another file.
 
     The path may be that of another machine: what follows the name of the package there is then a file of the package here.
+    Without a package, it is the path from the model's folder.
     """
     package, path = source.package, use.resource.path
-    if package is None or path is None:
+    if path is None:
         return None
+    if package is None:
+        own = _find_by_ending(use, path, source)
+        return None if own is None else format_path_from_model(own, source)
     if use.resource.exists:
         try:
             return f"package://{package.name}/{path.resolve().relative_to(package.path.resolve()).as_posix()}"
@@ -98,14 +104,41 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
     return None
 
 
-def _describe_repair(message: str, portable: Sequence[str | None]) -> str:
+def _find_by_ending(use: ResourceUse, path: Path, source: Source) -> Path | None:
+    """Return the file that the end of a path, a folder and a name at least, names in the model's folder or in one around it."""
+    parts = path.as_posix().replace("\\", "/").split("/")
+    for start in range(1, len(parts) - 1):
+        for folder in source.finder.list_parent_folders():
+            place = folder.joinpath(*parts[start:])
+            if source.finder.can_open(place) and os.path.isfile(place):
+                return place if not use.resource.exists or os.path.samefile(place, path) else None
+    return None
+
+
+def _list_namesakes(uses: Iterable[ResourceUse], source: Source) -> list[str]:
+    """Return for each file that of the same name in the model's package; nothing unless each name is there once."""
+    if source.package is None:
+        return []
+    index = index_files([source.package.path])
+    names = dict.fromkeys(use.resource.path.name for use in uses if use.resource.path is not None)
+    found = [[path for path in index.get(name.lower(), []) if path.name == name] for name in names]
+    if any(len(paths) != 1 for paths in found):
+        return []
+    return [paths[0].relative_to(source.package.path).as_posix() for paths in found]
+
+
+def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str | None], source: Source) -> str:
     """Say what to write, or to move the files first."""
     paths = [path for path in portable if path is not None]
     if len(paths) == len(portable):
-        return (
-            f"write `{paths[0]}`{', and the others likewise' if len(set(paths)) > 1 else ''}: the package has the file"
-        )
+        others = ", and the others likewise" if len(set(paths)) > 1 else ""
+        return f"write `{paths[0]}`{others}: {'the file is there' if source.package is None else 'the package has the file'}"
     repair = "move the file into the model's package and write `package://PACKAGE/meshes/FILE`"
+    namesakes = _list_namesakes(place.uses, source)
+    if namesakes and source.package is not None:
+        others = ", and the others likewise" if len(namesakes) > 1 else ""
+        own = f"package://{source.package.name}/{namesakes[0]}"
+        repair = f"if {namesakes[0]} of the package is the file that is meant, write `{own}`{others}; else {repair}"
     return f"{repair}; if you trust the place, allow its folder: --allow-read DIR" if message == "unread" else repair
 
 

@@ -44,7 +44,14 @@ _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 # Files of a robot: a package of this repository that has one of the same name is where a mention of no known package leads.
 _ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
 # Messages about packages that cannot both declare each other.
-_MUTUAL = frozenset({"circle", "mutual"})
+_MUTUAL = frozenset({"circle", "mutual", "presumed-circle"})
+# What the names of packages that start a robot end with, where its model is in one that ends with the first.
+_MODEL_SUFFIX = "_description"
+_STARTER_SUFFIXES = ("_bringup", "_control", "_gazebo", "_moveit_config", "_simulation")
+# Released packages without files: one of such a name that has a file is the author's.
+_METAPACKAGES = frozenset(
+    {"desktop", "desktop_full", "perception", "robot", "ros_base", "ros_core", "simulators", "viz"}
+)
 # The default of an argument in a launch file; in Python the package may be named so many lines below the word.
 _DEFAULT = re.compile(r"\bdefault(?:_value)?\s*=")
 _DEFAULT_LINES = 4
@@ -52,6 +59,8 @@ _DEFAULT_LINES = 4
 _PLAIN_FILE = re.compile(r"^[^$*]*\.(?:urdf|xacro|launch|xml|yaml|dae|stl|rviz)$", re.IGNORECASE)
 _VIEW_SUFFIX = ".rviz"
 _SHAPE_FOLDERS = frozenset({"mesh", "meshes", "textures", "materials"})
+# Folders of files that are kept and not used.
+_ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "old", "unused"})
 # So many files of each package of the repository are compared.
 _MOST_FILES = 20_000
 
@@ -63,7 +72,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     declared = {package.name, *package.dependencies}
     undeclared: dict[str, list[PackageMention]] = {}
     for mention in read_package_contents(package).mentions:
-        if mention.package not in declared and not mention.optional:
+        if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
             undeclared.setdefault(mention.package, []).append(mention)
     covered = _collect_dependencies(package, package.dependencies) if undeclared else set()
     parts = tuple(prefix for name in package.dependencies for prefix in _PARTS_OF.get(name, (f"{name}_",)))
@@ -77,6 +86,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for name, home in homes.items():
         if home is not None:
             yield _build_misnamed_finding(package, rule, root, name=name, uses=missing.pop(name), home=home)
+    for name in [n for n, uses in missing.items() if not (_find_package(package, n) or _are_in_launch_files(uses))]:
+        del missing[name]  # a folder of that name is no package
     unknown = [name for name in missing if not _is_known(package, name)]
     if unknown:
         message = "unknown" if len(unknown) == 1 else "unknown-several"
@@ -89,6 +100,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         yield _build_finding(package, rule, root, file, message="mutual", missing={name: missing.pop(name)})
     for name in [name for name, uses in missing.items() if all(_leads_nowhere(use, package) for use in uses)]:
         yield _build_finding(package, rule, root, file, message="dangling", missing={name: missing.pop(name)})
+    for name in [name for name in missing if _is_probably_above(package, name)]:
+        yield _build_finding(package, rule, root, file, message="presumed-circle", missing={name: missing.pop(name)})
     chosen = select_alternatives(package, read_package_contents(package).mentions, missing)
     if chosen:
         yield _build_finding(
@@ -146,30 +159,54 @@ def _is_known(package: Package, name: str) -> bool:
         return True
     if package.finder is None:
         return False
-    if package.finder.find(name) is not None:
+    if _find_package(package, name) is not None:
         return True
     folders = package.finder.list_workspace_packages().values()
     return any(has_dependency_entry(folder, name) for folder in folders if folder != package.path)
 
 
+def _find_package(package: Package, name: str) -> Path | None:
+    """Return the folder of a package that is found; a folder without a manifest is one only where the user says so."""
+    folder = None if package.finder is None else package.finder.find(name)
+    if folder is None or package.finder is None:
+        return None
+    return folder if name in package.finder.explicit or read_manifest_name(folder) is not None else None
+
+
+def _is_probably_above(package: Package, name: str) -> bool:
+    """Whether a package that is not found is named like those that start the robot of this package, and so depend on it."""
+    stem = package.name.removesuffix(_MODEL_SUFFIX)
+    return (
+        stem != package.name
+        and name in {stem + suffix for suffix in _STARTER_SUFFIXES}
+        and _find_package(package, name) is None
+    )
+
+
 def _drop_stray_uses(package: Package, missing: dict[str, list[PackageMention]]) -> None:
     """Leave out the packages that are not found and that only files name to which nothing leads."""
     for name, uses in list(missing.items()):
-        folder = None if package.finder is None else package.finder.find(name)
-        if folder is None or read_manifest_name(folder) is None:  # a folder of that name is no package
+        if _find_package(package, name) is None:
             missing[name] = [use for use in uses if not _is_stray(use, package)]
             if not missing[name]:
                 del missing[name]
 
 
+def _list_folders(use: PackageMention, package: Package) -> tuple[str, ...]:
+    """Return the folders of the package, from the outermost, in which the file is that names another."""
+    own = package.path.absolute()
+    file = None if use.location.span is None else Path(os.path.abspath(use.location.span.file))
+    return () if file is None or not file.is_relative_to(own) else file.relative_to(own).parts[:-1]
+
+
+def _is_aside(use: PackageMention, package: Package) -> bool:
+    """Whether the file that names a package is kept in a folder of what is no longer used."""
+    return not _ASIDE_FOLDERS.isdisjoint(folder.lower() for folder in _list_folders(use, package))
+
+
 def _is_stray(use: PackageMention, package: Package) -> bool:
     """Whether nothing leads to the file that names a package: the build leaves it out, or it was left beside meshes."""
-    span = use.location.span
-    own = package.path.absolute()
-    file = None if span is None else Path(os.path.abspath(span.file))
-    if file is None or not file.is_relative_to(own):
-        return False
-    folders = file.relative_to(own).parts[:-1]
+    folders = _list_folders(use, package)
     if not folders:
         return False
     if not _SHAPE_FOLDERS.isdisjoint(folder.lower() for folder in folders):
@@ -289,11 +326,16 @@ def _uses_files_of(package: Package, name: str) -> bool:
 
 
 def _leads_nowhere(use: PackageMention, package: Package) -> bool:
-    """Whether a mention is of a file that the package, which is found, lacks: a line left from another robot's launch file."""
-    folder = None if package.finder is None else package.finder.find(use.package)
+    """Whether a mention is of a file that the package lacks: a line left from another robot's launch file.
+
+    The package is found, or it is released and has no files.
+    """
+    folder = _find_package(package, use.package)
     path = use.subpath.strip("/")
-    if package.finder is None or folder is None or not _PLAIN_FILE.search(path):
+    if package.finder is None or not _PLAIN_FILE.search(path):
         return False
+    if folder is None:
+        return use.package in _METAPACKAGES
     return package.finder.can_open(folder / "package.xml") and not (folder / path).exists()
 
 

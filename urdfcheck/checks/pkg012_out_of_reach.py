@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +32,7 @@ def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
         uses = [u for u in list_resource_uses(subject) if _is_outside(u, subject)]
         files = list(dict.fromkeys(u.resource.text for u in uses))
         if uses:
+            folder = _name_folder(uses[0].resource.path)
             yield rule.finding(
                 "mesh",
                 at=uses[0],
@@ -39,12 +40,22 @@ def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
                 amount=format_count(len(files), "file is", "files are"),
                 files=files,
                 listed=join_names(files, 3),
-                folder=_name_folder(uses[0].resource.path),
+                folder=folder,
+                repair=_describe_repair(uses, subject, folder),
             )
 
 
 def _is_outside(use: ResourceUse, source: Source) -> bool:
     return not use.resource.allowed and not is_misspelt(use) and find_machine_path(use, source) is None
+
+
+def _describe_repair(uses: Sequence[ResourceUse], source: Source, folder: str) -> str:
+    """Say to allow the folder first where nothing shows which folder the robot's is: the files may well be its own."""
+    is_marked = source.package is not None or source.finder.find_repository() is not None
+    if is_marked or any(use.resource.kind != "relative" for use in uses):
+        return f"move what the robot needs into its package; if you trust the place, allow its folder: --allow-read {folder}"
+    reason = "without .git or package.xml only the model's folder is read"
+    return f"if the folder is the robot's own, allow it: --allow-read {folder}; {reason}"
 
 
 def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -66,7 +67,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for srdf in srdfs:
         yield from _check_chains(model, rule, srdf)
         yield from _check_virtual_joints(model, rule, srdf)
-        yield from _check_state_joints(model, rule, srdf)
+        yield from _check_state_joints(model, rule, srdf, unknown=_find_partly_unknown_groups(model, srdf))
 
 
 def _collect_name_uses(srdf: Srdf) -> Iterator[_NameUse]:
@@ -254,12 +255,28 @@ def _check_virtual_joints(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Find
             )
 
 
-def _check_state_joints(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
-    """Report the joints of each state that are not in its group."""
+def _find_partly_unknown_groups(model: Model, srdf: Srdf) -> set[str]:
+    """Return the groups of which a part is unknown, or is a group that is unknown or itself one of these."""
+    missing = {use.attribute.span for like in _find_missing_names(model, srdf).values() for use in like}
+    partly = {
+        name
+        for name, group in srdf.groups.items()
+        if any(attribute.span in missing for part in group.children for attribute in part.attributes.values())
+    }
+    inner = {
+        name: {part.get("name").strip() for part in group.find_children("group")} for name, group in srdf.groups.items()
+    }
+    while further := {name for name, parts in inner.items() if parts & partly or parts - inner.keys()} - partly:
+        partly |= further
+    return partly
+
+
+def _check_state_joints(model: Model, rule: Rule, srdf: Srdf, *, unknown: AbstractSet[str]) -> Iterator[Finding]:
+    """Report the joints of each state that are not in its group, unless what belongs to the group is unknown."""
     joints = collect_group_joints(model, srdf)
     for state in srdf.root.find_children("group_state"):
         group = state.get("group").strip()
-        if group not in joints:
+        if group not in joints or group in unknown:
             continue
         foreign = [
             name

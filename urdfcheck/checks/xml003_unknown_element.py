@@ -10,6 +10,7 @@ from typing import Any
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.model import Model
+from urdfcheck.model.ground.drive_plugins import list_drive_plugins
 from urdfcheck.source.text.engine_reactions import is_collision_part
 from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, guess_element_tag, iter_urdf_elements
 from urdfcheck.source.text.tokens import build_rename_edits
@@ -64,6 +65,7 @@ _XACRO = frozenset(["macro", "property", "include", "arg", "if", "unless", "inse
 _REPEATED = {"robot": CHILDREN["robot"], "link": frozenset({"visual", "collision"})}
 # The parts of a joint that a fixed one does not use.
 _OF_MOVING_JOINTS = frozenset({"axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"})
+_AGREE = {False: "has its", True: "have their"}
 RENAMING = "write `<{near}>`, also in the end tag"
 MERGING = "write a single `<{near}>` where a <{parent}> has the element twice"
 DELETION = "delete it: <{parent}> already has a <{near}>"
@@ -76,7 +78,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             if _is_unknown_element(parent.tag, child):
                 unknown.setdefault((parent.tag, child.tag), []).append(child)
     for (parent_tag, tag), places in unknown.items():
-        verdict = _classify_element(parent_tag, places[0])
+        verdict = _classify_element(parent_tag, places)
         if verdict is None:
             continue
         message, severity, data = verdict
@@ -96,7 +98,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             template = DELETION if taken else MERGING if repeated else RENAMING
             data["repair"] = template.format(parent=parent_tag, **data)
             wrong = [] if taken else _find_wrong_numbers(places, data["near"])
-            wrong += _find_stuck_joints(places) if data["near"] == "dynamics" and not taken else []
+            wrong += _find_stuck_joints(places, model) if data["near"] == "dynamics" and not taken else []
             is_safe = not (taken or repeated or wrong)
             edits = build_rename_edits(places, data["near"], model.source.files) if is_safe else ()
             if wrong:
@@ -175,10 +177,24 @@ def _find_wrong_numbers(places: list[Element], tag: str) -> list[str]:
     return list(wrong)
 
 
-def _find_stuck_joints(places: list[Element]) -> list[str]:
-    """Return what must be written instead of a friction that is not less than the effort limit of its joint."""
+def _find_stuck_joints(places: list[Element], model: Model) -> list[str]:
+    """Return what must be written instead of a friction that is not less than the effort limit of its joint, or instead of
+    numbers with which the torque of a drive plugin does not turn its wheels."""
+    torques = {
+        wheel.text.strip(): plugin.torque
+        for plugin in list_drive_plugins(model)
+        for wheel in (*plugin.left, *plugin.right)
+    }
     stuck: dict[str, None] = {}
     for place in places:
+        torque = None if place.parent is None else torques.get(place.parent.get("name"))
+        if torque is not None and torque > 0:
+            values = {name: parse_number(place.get(name)) for name in ("friction", "damping")}
+            high = [name for name, value in values.items() if value is not None and value >= torque]
+            if high:
+                stuck[
+                    f"less {' and '.join(high)} than the {torque:g} N·m with which the drive plugin turns the wheel"
+                ] = None
         limit = None if place.parent is None else place.parent.find_child("limit")
         effort = None if limit is None else parse_number(limit.get("effort"))
         friction = parse_number(place.get("friction"))
@@ -215,15 +231,22 @@ def _is_unknown_element(parent: str, child: Element) -> bool:
     return child.tag not in known and ":" not in child.tag and child.tag not in _XACRO
 
 
-def _classify_element(parent: str, child: Element) -> tuple[str, Severity, dict[str, Any]] | None:
+def _classify_element(parent: str, places: list[Element]) -> tuple[str, Severity, dict[str, Any]] | None:
     """Return the message, its severity and its data for an unknown element, or None for an extension."""
+    child = places[0]
     near = guess_element_tag(parent, child)
     if near is not None:
         return "misspelt", Severity.ERROR if parent == "geometry" else Severity.WARNING, {"near": near}
     homes = [home for home, children in CHILDREN.items() if child.tag in children and home != "robot"]
     if homes:
         listed = " or ".join(f"<{home}>" for home in homes)
-        repair = "delete it: it is empty" if _is_empty(child) else f"move it into {listed}"
+        held = [home for home in homes if home in CHILDREN.get(parent, ())]
+        if all(map(_is_empty, places)):
+            repair = "delete it: it is empty"
+        elif held and all(_has_in_all(place.parent, held, child.tag) for place in places):
+            repair = f"delete it: {_list_tags(held)} beside it {_AGREE[len(held) > 1]} own"
+        else:
+            repair = f"move it into {listed}"
         return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
     if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
         is_first = _is_in_place_of_shape(child)
@@ -232,12 +255,56 @@ def _classify_element(parent: str, child: Element) -> tuple[str, Severity, dict[
     if parent == "robot":
         return None
     if child.tag in _SDF:
-        around = parent if parent == "visual" else "collision"
-        block = f"<{around}>…</{around}>" if child.tag in _SDF_OF_SHAPES else "…"
-        repair = (
-            "delete it: in URDF `<origin>` gives the place"
-            if child.tag == "pose"
-            else f'move it into `<gazebo reference="LINK_OR_JOINT">{block}</gazebo>` at the end of the robot'
-        )
-        return "sdf", Severity.WARNING, {"repair": repair}
+        return "sdf", Severity.WARNING, {"repair": _describe_sdf_repair(parent, places)}
     return "ignored", Severity.INFO, {}
+
+
+def _list_tags(tags: list[str]) -> str:
+    """Return ``<a>, <b> and <c>``."""
+    *before, last = (f"<{tag}>" for tag in tags)
+    return " and ".join(filter(None, (", ".join(before), last)))
+
+
+def _has_in_all(around: Element | None, homes: list[str], tag: str) -> bool:
+    """Whether an element holds each of these homes, and each has a child of this tag."""
+    found = [[] if around is None else around.find_children(home) for home in homes]
+    return all(inner and all(one.find_child(tag) is not None for one in inner) for inner in found)
+
+
+def _describe_sdf_repair(parent: str, places: list[Element]) -> str:
+    """Say where an element of SDF is read: in a <gazebo> block of its link or joint."""
+    child = places[0]
+    if child.tag == "pose":
+        return "delete it: in URDF `<origin>` gives the place"
+    around = parent if parent == "visual" else "collision"
+    owner = _find_around(child, "link", "joint")
+    name = "LINK" if owner is None else owner.get("name")
+    others = ", and the others likewise" if len(places) > 1 else ""
+    # In the block, sdformat writes a <gravity> of its own before this one, which then does not count.
+    is_off = child.tag == "gravity" and not all(map(_holds_sdf_defaults, places))
+    inside = "<turnGravityOff>true</turnGravityOff>" if is_off else "…"
+    if child.tag in _SDF_OF_SHAPES:
+        inside = f"<{around}>…</{around}>"
+    block = f'`<gazebo reference="{name}">{inside}</gazebo>` at the end of the robot'
+    repair = f"write {block} instead{others}" if is_off else f"move it into {block}{others}"
+    if child.tag in _SDF_OF_SHAPES and any(map(_is_in_named_shape, places)):
+        repair += f", and delete the name of the <{around}>, with which Gazebo ignores this block (GZB003)"
+    return repair
+
+
+def _is_in_named_shape(element: Element) -> bool:
+    """Whether the shape around an element has a name that does not begin with that of its link: Gazebo looks for this."""
+    shape, link = _find_around(element, "collision", "visual"), _find_around(element, "link")
+    return (
+        shape is not None
+        and link is not None
+        and not (shape.get("name") or link.get("name")).startswith(link.get("name"))
+    )
+
+
+def _find_around(element: Element, *tags: str) -> Element | None:
+    """Return the innermost element of one of these tags around an element."""
+    around = element.parent
+    while around is not None and around.tag not in tags:
+        around = around.parent
+    return around

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_count, truncate_text
-from urdfcheck.source.load import Source, has_unbound_xacro
+from urdfcheck.source.load import RESULT_OF_XACRO, Source, has_unbound_xacro
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, SUBSTITUTION, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
@@ -21,6 +22,10 @@ CONSEQUENCES = {
         "bullet": "replaces the number by 0, or refuses the file",
     },
 }
+
+
+# What xacro reads and writes nothing for.
+_DEFINITIONS = frozenset({"<xacro:arg>", "<xacro:macro>", "<xacro:property>"})
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -64,6 +69,9 @@ def _build_plain_finding(
     counts = ((tags, "xacro element"), (len(remaining or left) - tags, "substitution"))
     held = " and ".join(format_count(count, what) for count, what in counts if count)
     where, text, _ = (remaining or left)[0]
+    texts = [text for _, text, _ in remaining]
+    if remaining and _is_left_over(source, texts):
+        return rule.finding("leftover", at=where, severity=Severity.INFO, text=text, held=held)
     if remaining and not has_read:
         text = _shorten_expression(text)
         return rule.finding("gazebo", at=where, severity=Severity.WARNING, text=text, held=held)
@@ -76,6 +84,7 @@ def _build_plain_finding(
             ),
             text=_shorten_expression(text),
             held=held,
+            repair=_describe_repair(source, texts),
         )
     place = next(location for known, location in replaced.items() if known in text)
     launch = Path(place.file).name
@@ -88,6 +97,35 @@ def _build_plain_finding(
         text=_shorten_expression(text),
         held=held,
         launch=launch,
+    )
+
+
+def _is_left_over(source: Source, texts: Iterable[str]) -> bool:
+    """Whether all that is left are elements of xacro that add nothing: definitions, and in what xacro has made, calls of macros
+    whose definition is commented out."""
+    text = source.files[source.name].text
+    calls = [left for left in texts if left not in _DEFINITIONS]
+    return not calls or (_is_result(source) and all(_is_commented_out(call, text) for call in calls))
+
+
+def _is_result(source: Source) -> bool:
+    return RESULT_OF_XACRO in source.files[source.name].text
+
+
+def _is_commented_out(call: str, text: str) -> bool:
+    """Whether a text defines the macro of a call that is left: if that were not in a comment, it would be left as an element."""
+    name = re.fullmatch(r"<xacro:([\w.-]+)>", call)
+    return name is not None and re.search(rf"macro\s+name=[\"']{re.escape(name[1])}[\"']", text) is not None
+
+
+def _describe_repair(source: Source, texts: Sequence[str]) -> str:
+    """Say how what is left is expanded: in what xacro has made, by running it again."""
+    if _is_result(source) and all(text.startswith("<xacro:") for text in texts):
+        call = next(text for text in texts if text not in _DEFINITIONS)
+        return f"include the file that defines {call} in the xacro of which this file was made, and run xacro again"
+    return (
+        'load it with `command="xacro …"` instead of `textfile` and declare `xmlns:xacro` in the root element, or run '
+        "`xacro model.urdf.xacro > model.urdf`"
     )
 
 

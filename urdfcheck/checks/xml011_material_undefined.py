@@ -12,6 +12,22 @@ from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, find_missing_path, list_resource_uses
 from urdfcheck.source.text.xml import Element
 
+# The colours of plain names; grey for all others.
+_GREY = "0.5 0.5 0.5 1"
+_COLOURS = {
+    "black": "0 0 0 1",
+    "blue": "0 0 1 1",
+    "brown": "0.6 0.4 0.2 1",
+    "cyan": "0 1 1 1",
+    "green": "0 1 0 1",
+    "magenta": "1 0 1 1",
+    "orange": "1 0.5 0 1",
+    "purple": "0.5 0 0.5 1",
+    "red": "1 0 0 1",
+    "white": "1 1 1 1",
+    "yellow": "1 1 0 1",
+}
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     yield from _check_undefined_materials(model, rule)
@@ -40,6 +56,7 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
             names,
             material=name,
             shapes=format_count(len(names), "shape refers", "shapes refer"),
+            colour=_COLOURS.get(name.strip().lower(), _GREY),
             near=format_name_hint(name, everywhere),
         )
 

@@ -304,7 +304,7 @@ def _iter_unknown_parts(model: Model, element: Element) -> Iterator[MechanismExt
 
 
 def _iter_unreadable_values(model: Model, element: Element) -> Iterator[MechanismExtra]:
-    """Yield the values of a link or joint that are no numbers to compute with: they are compared as they are written."""
+    """Yield the values of a link or joint with which nothing can be computed: they are compared as they are written."""
     for child in element.children:
         for part in child.walk() if child.tag in _KNOWN_TAGS[element.tag] else ():
             for name, attribute in part.attributes.items():

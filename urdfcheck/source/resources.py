@@ -102,6 +102,15 @@ def find_missing_path(use: ResourceUse, source: Source) -> Path | None:
     return resource.path if resource.path is not None and find_machine_path(use, source) is None else None
 
 
+def find_search_root(use: ResourceUse, source: Source) -> Path:
+    """Return the folder to search for files of the same name: the package that the path names, or that of the model."""
+    package = use.resource.package
+    folder = source.finder.find(package) if package else None
+    if folder is not None:
+        return folder
+    return source.path.parent if source.package is None else source.package.path
+
+
 def find_above(use: ResourceUse, source: Source) -> Path | None:
     """Return the file that a path without its scheme names in the model's folder or the nearest one above it that has it.
 
@@ -159,7 +168,19 @@ def _read_definition(definition: Definition, source: Source) -> str:
 def _find_filenames(root: Element) -> Iterator[Attribute]:
     for element in root.walk():
         inside = element.parent.tag if element.parent is not None else ""
+        if element.tag == "mesh" and _is_stray_geometry(element.parent):
+            continue
         if (element.tag == "mesh" and inside == "geometry") or (element.tag == "texture" and inside == "material"):
             filename = element.attributes.get("filename")
             if filename is not None:
                 yield filename
+
+
+def _is_stray_geometry(element: Element | None) -> bool:
+    """Whether a geometry is directly in a link, where no parser reads it (XML003)."""
+    return (
+        element is not None
+        and element.tag == "geometry"
+        and element.parent is not None
+        and element.parent.tag == "link"
+    )

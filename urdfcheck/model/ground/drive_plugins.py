@@ -22,6 +22,7 @@ _SEPARATION = ("wheel_separation", "wheelSeparation")
 _RADIUS = {"wheel_radius": 1.0, "wheelRadius": 1.0, "wheel_diameter": 2.0, "wheelDiameter": 2.0}
 _NEW_PLUGIN = re.compile(r"^(?:lib)?(?:gz|ignition)-", re.IGNORECASE)
 _ODOMETRY_SOURCES = ("odometrySource", "odometry_source")
+_TORQUE = ("max_wheel_torque", "torque", "wheelTorque")
 _KEYS = ("mu1", "mu2")
 
 
@@ -44,6 +45,12 @@ class DrivePlugin:
             return True
         sources = [e for tag in _ODOMETRY_SOURCES for e in self.element.find_children(tag)]
         return any(source.text.strip().lower() in {"encoder", "0", "false"} for source in sources)
+
+    @property
+    def torque(self) -> float | None:
+        """The most that it turns a wheel with, in N·m; None if it is not typed as one number."""
+        typed = [element for tag in _TORQUE for element in self.element.find_children(tag)]
+        return parse_number(typed[0].text.strip()) if len(typed) == 1 else None
 
     @property
     def swaps_sides(self) -> bool:

@@ -113,7 +113,7 @@ class PythonTexts:
     def get_package(self, node: ast.AST) -> str | None:
         """Return the package that a call looks up, if its name is known."""
         name = get_package_name(node)
-        if name is not None or not self.arguments or not is_package_lookup(node) or not isinstance(node, ast.Call):
+        if name is not None or not is_package_lookup(node) or not isinstance(node, ast.Call):
             return name
         asked = find_call_argument(node, 0, "package", "package_name")
         return None if asked is None else self.evaluate(asked)

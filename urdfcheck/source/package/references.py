@@ -41,7 +41,8 @@ _INSIDE_XML = r"((?:/(?:\$\([^()\"'<>\n]*\)|[^\s\"'<>()|;,])*)?)"
 _MENTION = re.compile(
     rf"package://{_PACKAGE}(?![$\w.-]){_INSIDE}"
     rf"|\$\(find(?:-pkg-share)?\s+['\"]?{_PACKAGE}['\"]?\s*\){_INSIDE_XML}"
-    rf"|(?:FindPackageShare|get_package_share_directory|get_package_share_path)\(\s*(?:package\s*=\s*)?['\"]{_PACKAGE}['\"]"
+    rf"|(?:FindPackageShare|get_package_share_directory|get_package_share_path)\(\s*(?:package\s*=\s*)?"
+    rf"(?:['\"]{_PACKAGE}['\"]|([A-Za-z_]\w*)(?=\s*[,)]))"
 )
 # The first path that Python joins to a package's folder, and the name that it assigns the folder to before.
 _JOINED = r"""\s*(?:,|/|\+)\s*f?['"]/?([^'"{}]*)['"]"""
@@ -185,12 +186,24 @@ def _iter_mentions(path: Path) -> Iterator[PackageMention]:
     optional = _find_optional_lines(text) if path.suffix == ".py" and "except" in text else frozenset()
     for match in _MENTION.finditer(bare):
         file = file or SourceFile(path, format_path(path), text=text)
-        group = next(i for i in (1, 3, 5) if match.group(i))
+        group = next(i for i in (1, 3, 5, 6) if match.group(i))
         name = match.group(group)
+        searched += group >= 5  # in Python
+        if group == 6:
+            value = _find_assigned_name(bare, name) if searched <= _MOST_NAMES else None
+            if value is None:
+                continue
+            name = value
         at = Location(f"package[{name}]", file.make_span(*match.span(group)))
-        searched += group == 5
         for inside in [match.group(group + 1)] if group < 5 else _find_joined_paths(bare, match, searched):
             yield PackageMention(name, inside, at, at.span is not None and at.span.line in optional)
+
+
+def _find_assigned_name(text: str, variable: str) -> str | None:
+    """Return the name of a package that a Python file assigns to a variable; None unless the only value is one."""
+    values = re.findall(rf"(?<![\w.]){variable}[ \t]*(?::[ \t]*str[ \t]*)?=(?!=)[ \t]*([^\n]*)", text)
+    match = re.fullmatch(rf"['\"]{_PACKAGE}['\"][ \t\r]*(?:#.*)?", values[0]) if len(values) == 1 else None
+    return None if match is None else match[1]
 
 
 def _find_optional_lines(text: str) -> frozenset[int]:

@@ -22,6 +22,9 @@ _MAX_FILES = 20_000
 # A shorter word with another letter is another word: `arm` and `art`.
 _SHORTEST_SLIP = 4
 
+# So many missing files of one folder that are in one other folder are those that are meant.
+_MOVED = 3
+
 # The files below some folders, by their names in lower case.
 FilesByName = Mapping[str, list[Path]]
 
@@ -43,6 +46,30 @@ def index_files(roots: Iterable[Path]) -> FilesByName:
             for name in files:
                 by_name.setdefault(name.lower(), []).append(Path(folder, name))
     return by_name
+
+
+def normalise_path(path: Path) -> Path:
+    """Return a path without `..`: two spellings of one file are one cause."""
+    return Path(os.path.normpath(path))
+
+
+def find_moved_files(missing: Iterable[Path], index: FilesByName) -> dict[Path, Path]:
+    """Find the missing files of one folder that are together in another: each with its place there.
+
+    One file of the same name may be another robot's, several are the robot's own.
+    """
+    by_folder: dict[Path, dict[Path, dict[Path, Path]]] = {}
+    for path in sorted(missing):
+        for other in index.get(path.name.lower(), []):
+            if other.name == path.name and other != path:
+                by_folder.setdefault(path.parent, {}).setdefault(other.parent, {}).setdefault(path, other)
+    found: dict[Path, Path] = {}
+    for folders in by_folder.values():
+        most, *others = sorted(folders.values(), key=len, reverse=True)
+        # As many in a second folder leave open which one is meant.
+        if len(most) >= _MOVED and not (others and len(others[0]) == len(most)):
+            found |= most
+    return found
 
 
 def find_uninstalled_file(path: Path, package: Package | None, files: FilesByName) -> Path | None:
