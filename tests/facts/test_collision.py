@@ -17,10 +17,10 @@ from urdfcheck.facts.motion.collision_geometry import (
     detect_box_overlap,
     find_piercing_edges,
     is_convex,
-    sample_sphere_directions,
 )
 from urdfcheck.facts.motion.kinematics import build_origin_transform, compute_joint_motions
 from urdfcheck.facts.motion.swept_spheres import compute_least_distance, compute_swept_spheres
+from urdfcheck.facts.sphere_directions import spread_directions_and_axes
 
 pytest.importorskip("coal")
 
@@ -230,7 +230,7 @@ def test_no_direction_is_more_than_23_degrees_from_one_of_those_tried() -> None:
     rng = np.random.default_rng(4)
     wanted = rng.normal(size=(2000, 3))
     wanted /= np.linalg.norm(wanted, axis=1, keepdims=True)
-    nearest = (wanted @ sample_sphere_directions(40).T).max(axis=1)
+    nearest = (wanted @ spread_directions_and_axes(40).T).max(axis=1)
     assert nearest.min() > math.cos(math.radians(23))
 
 

@@ -16,8 +16,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.motion.buoyancy import find_submersible_name
 from urdfcheck.model.motion.joint_loads import Overload, find_overloads, list_carried_links
-from urdfcheck.model.shapes.bounds import compute_bounding_box
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape
+from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 
 # An effort that this many joints or more have, and all that have one, does not come from their drives.
 _PLACEHOLDER_JOINTS = 3

@@ -20,7 +20,7 @@ from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape
+from urdfcheck.model.shapes.bounds import has_drawn_shape
 
 if TYPE_CHECKING:
     from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal

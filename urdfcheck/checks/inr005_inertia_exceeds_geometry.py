@@ -40,7 +40,8 @@ from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MI
 from urdfcheck.model.inertials.shared_mistakes import list_habitual_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape, measure_link_geometry
+from urdfcheck.model.shapes.bounds import has_drawn_shape
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array

@@ -14,7 +14,8 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_d
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
+from urdfcheck.model.shapes.bounds import has_drawn_shape
+from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
 
 # A coordinate has the wrong sign if the other sign brings the centre of mass this near to the drawn part's own, relative to the
 # part's size; a motor at one end of a link moves it by as much.

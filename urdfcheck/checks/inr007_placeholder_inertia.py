@@ -20,8 +20,8 @@ from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_bo
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
 from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
-from urdfcheck.model.shapes.bounds import compute_bounding_box
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
+from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
+from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array

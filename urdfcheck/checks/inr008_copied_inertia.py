@@ -18,8 +18,8 @@ from urdfcheck.model.inertials.diagnosis_words import NOTABLE
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.rigid_bodies import is_point_mass
-from urdfcheck.model.shapes.bounds import is_dummy_shape
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_role_geometry
+from urdfcheck.model.shapes.bounds import has_drawn_shape, is_dummy_shape
+from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_role_geometry
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array

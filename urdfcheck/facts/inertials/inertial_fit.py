@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
+from urdfcheck.facts.sphere_directions import spread_directions
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -340,7 +341,7 @@ def _select_outermost_points(points: Array) -> Array:
     """Return the outermost of the points in evenly spread directions: their hull lies just inside."""
     if len(points) <= _DIRECTIONS:
         return points
-    directions = _sample_sphere_directions()
+    directions = spread_directions(_DIRECTIONS)
     rows, farthest, places = np.arange(_DIRECTIONS), np.full(_DIRECTIONS, -np.inf), np.zeros(_DIRECTIONS, dtype=int)
     for start in range(0, len(points), _CHUNK):
         heights = directions @ points[start : start + _CHUNK].T
@@ -350,12 +351,3 @@ def _select_outermost_points(points: Array) -> Array:
         places[is_farther] = start + highest[is_farther]
     outermost: Array = points[np.unique(places)]
     return outermost
-
-
-@cache
-def _sample_sphere_directions() -> Array:
-    """Return unit vectors spread evenly over the sphere (a Fibonacci spiral)."""
-    n = np.arange(_DIRECTIONS) + 0.5
-    z, angle = 1.0 - 2.0 * n / _DIRECTIONS, math.pi * (1.0 + math.sqrt(5.0)) * n
-    across = np.sqrt(1.0 - z * z)
-    return np.column_stack((across * np.cos(angle), across * np.sin(angle), z))

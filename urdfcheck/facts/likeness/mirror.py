@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
+from urdfcheck.facts.sphere_directions import spread_directions_and_axes
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -85,8 +86,8 @@ class PartOutline:
 
     @cached_property
     def reach(self) -> Array:
-        """Reach (n,) in m from the origin of the frame in each direction of `sample_sphere_directions`."""
-        farthest: Array = (self.points @ sample_sphere_directions().T).max(axis=0)
+        """Reach (n,) in m from the origin of the frame in each direction of `spread_directions_and_axes`."""
+        farthest: Array = (self.points @ spread_directions_and_axes(_DIRECTIONS).T).max(axis=0)
         return farthest
 
 
@@ -145,7 +146,7 @@ def measure_outline_mismatch(one: PartOutline, other: PartOutline, *, linear: Ar
         return math.inf
     centroid = float(np.linalg.norm(turn @ one.centroid + move - other.centroid)) / size
     spread = float(np.linalg.norm(turn @ one.covariance @ turn.T - other.covariance)) / (2.0 * size**2)
-    directions = sample_sphere_directions()
+    directions = spread_directions_and_axes(_DIRECTIONS)
     # A point x reaches d·(T x + t) = (Tᵀ d)·x + d·t.
     reach = (one.points @ (directions @ turn).T).max(axis=0) + directions @ move - other.reach
     return max(centroid, spread, float(np.abs(reach).max()) / size)
@@ -218,14 +219,3 @@ def mirror_range(lower: float, upper: float, along: float, *, rotates: bool) -> 
     """
     same = (along < 0.0) if rotates else (along > 0.0)
     return (lower, upper) if same else (-upper + 0.0, -lower + 0.0)
-
-
-@cache
-def sample_sphere_directions() -> Array:
-    """Return directions (n, 3) spread evenly over the sphere (the Fibonacci lattice), and the axes."""
-    index = np.arange(_DIRECTIONS) + 0.5
-    height = 1.0 - 2.0 * index / _DIRECTIONS
-    turn = np.pi * (1.0 + np.sqrt(5.0)) * index
-    around = np.sqrt(1.0 - height**2)
-    spread = np.column_stack((around * np.cos(turn), around * np.sin(turn), height))
-    return np.concatenate((spread, np.eye(3), -np.eye(3)))

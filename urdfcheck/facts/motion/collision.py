@@ -27,8 +27,8 @@ from urdfcheck.facts.motion.collision_geometry import (
     find_piercing_edges,
     find_separating_translation,
     is_convex,
-    sample_sphere_directions,
 )
+from urdfcheck.facts.sphere_directions import spread_directions_and_axes
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools, Indices, Mat4, Vec3
@@ -306,7 +306,7 @@ class Colliders:
         depth, normal = find_separating_translation(
             self.placed[one].geometry.corners @ at_one[:3, :3].T + at_one[:3, 3],
             self.placed[other].geometry.corners @ at_other[:3, :3].T + at_other[:3, 3],
-            np.concatenate([sample_sphere_directions(DIRECTIONS) @ at[:3, :3].T for at in (at_one, at_other)]),
+            np.concatenate([spread_directions_and_axes(DIRECTIONS) @ at[:3, :3].T for at in (at_one, at_other)]),
             is_free=is_free,
             rounding=rounding,
             with_depth=with_depth,

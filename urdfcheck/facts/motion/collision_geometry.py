@@ -188,13 +188,3 @@ def find_separating_translation(
             low, high = (low, middle) if can_exit(middle, i) else (middle, high)
         best, normal = high, directions[i]
     return best, normal
-
-
-def sample_sphere_directions(count: int) -> Array:
-    """Return the six directions of the axes and ``count`` more unit vectors (n, 3), spread evenly (a Fibonacci lattice)."""
-    place = np.arange(count) + 0.5
-    height = 1.0 - 2.0 * place / count
-    angle = math.pi * (3.0 - math.sqrt(5.0)) * place
-    across = np.sqrt(1.0 - height**2)
-    spread = np.column_stack((across * np.cos(angle), across * np.sin(angle), height))
-    return np.concatenate((np.eye(3), -np.eye(3), spread))

@@ -29,8 +29,8 @@ from urdfcheck.model.inertials.unmoved_pieces import join_unmoved_pieces
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.repeated_drawings import find_repeated_drawings
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 from urdfcheck.system.array_cache import compute_code_version
 
 # The modules and packages that decide a verdict, besides the numbers and the drawing.

@@ -13,9 +13,9 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_whole_bodies
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
+from urdfcheck.model.shapes.bounds import has_drawn_shape, is_dummy_shape
 from urdfcheck.model.shapes.corners import collect_body_corners
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, has_up_axis_ambiguity
+from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, has_up_axis_ambiguity
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array

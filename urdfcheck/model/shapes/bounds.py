@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.mesh.topology import compute_bounds
-from urdfcheck.model.parts import Shape
+from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
@@ -100,3 +100,8 @@ def _compute_half_extents(kind: str, size: Array, turn: Array) -> Array:
 def get_up_axis_rotation(facts: MeshFacts, apply_up_axis: bool) -> Array:
     """Return the rotation that puts a mesh upright (a permutation of its axes), the identity without ``apply_up_axis``."""
     return Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)
+
+
+def has_drawn_shape(link: Link) -> bool:
+    """Whether a link has a shape that is meant as a part."""
+    return any(not is_dummy_shape(shape) for shape in (*link.visuals, *link.collisions))

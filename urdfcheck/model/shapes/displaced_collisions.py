@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Edit, Located
-from urdfcheck.facts.likeness.mirror import sample_sphere_directions
+from urdfcheck.facts.sphere_directions import spread_directions_and_axes
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.robot import Model
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 # The differences that count unless a configuration says otherwise (m, rad); the page of GEO005 has the reasons.
 MIN_DISTANCE, MIN_ANGLE = 1e-4, 2e-3
+# In which two outlines are compared.
+_DIRECTIONS = 256
 # What rounding leaves (m, rad).
 _NO_DISTANCE, _NO_ANGLE = 1e-9, 1e-6
 
@@ -150,7 +152,7 @@ def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float)
     if facts is None or scale is None:
         return False
     factors = np.array(scale)
-    directions = sample_sphere_directions()
+    directions = spread_directions_and_axes(_DIRECTIONS)
     outlines = []
     for pose in (one.pose, other.pose):
         turn, place = pose[:3, :3], pose[:3, 3]

@@ -156,11 +156,6 @@ def _transform_geometry(drawn: VisualGeometry, placement: Array) -> VisualGeomet
     )
 
 
-def has_drawn_shape(link: Link) -> bool:
-    """Whether a link has a shape that is meant as a part."""
-    return any(not is_dummy_shape(shape) for shape in (*link.visuals, *link.collisions))
-
-
 def has_unit_ambiguity(model: Model, links: Iterable[str]) -> bool:
     """Whether what these links draw has another size in programs that ignore COLLADA's ``<unit>`` (MSH008)."""
     shapes = (s for name in links for link in (model.link_by_name[name],) for s in (*link.visuals, *link.collisions))

@@ -8,8 +8,8 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import (
-    has_drawn_shape,
     has_unit_ambiguity,
     has_up_axis_ambiguity,
     measure_link_geometry,

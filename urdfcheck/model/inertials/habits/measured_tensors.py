@@ -13,7 +13,8 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
+from urdfcheck.model.shapes.bounds import has_drawn_shape
+from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Mat3, Vec3
