@@ -47,6 +47,9 @@ settings.load_profile("urdfcheck")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
+# The processes of the tests share the cores as those of the command do: threads of BLAS would only compete.
+process_pool.limit_threads()
+
 # Thousands of tests are made and none is thrown away: looking for garbage among them takes a fifth of the collection.
 gc.disable()
 
