@@ -95,7 +95,9 @@ def _collect_uses_by_name(srdf: Srdf) -> _Uses:
 def _list_names_beside(uses: Sequence[_NameUse]) -> set[str]:
     """Return the names in the same groups and states: none of them is meant by another name there."""
     around = [use.attribute.owner.parent for use in uses]
-    beside = [element for parent in around if parent is not None and parent.tag != "robot" for element in parent.children]
+    beside = [
+        element for parent in around if parent is not None and parent.tag != "robot" for element in parent.children
+    ]
     return {element.get("name").strip() for element in beside} - {use.name for use in uses}
 
 
