@@ -879,6 +879,53 @@ def test_xacro_tags_in_a_plain_urdf_are_a_warning(tmp_path: Path) -> None:
     assert (finding.code, finding.message_id, finding.severity) == ("XAC007", "plain", Severity.WARNING)
 
 
+@pytest.mark.parametrize(
+    ("text", "message", "severity"),
+    [
+        ('<property name="a" value="1"/>', "dead", Severity.INFO),
+        (
+            '<property name="a" value="1"/><xacro:property name="a" value="1"/><link name="l${a}"/>',
+            "dead",
+            Severity.INFO,
+        ),
+        (
+            '<property name="a" value="2"/><xacro:property name="a" value="1"/><link name="l${a}"/>',
+            "value",
+            Severity.WARNING,
+        ),
+        ('<arg name="a" default="2"/><xacro:arg name="a" default="2"/><link name="l$(arg a)"/>', "dead", Severity.INFO),
+        ('<property name="a" value="1"/><link name="l${a}"/>', "halted", Severity.ERROR),
+        (f'<property name="a" value="1"/>{WHEEL}<wheel name="a"/>', "unprefixed", Severity.ERROR),
+    ],
+)
+def test_a_value_without_its_prefix_takes_no_link_from_a_robot(
+    tmp_path: Path, text: str, message: str, severity: Severity
+) -> None:
+    finding = only(xacro(tmp_path, text, {"XAC001", "XAC007", "XAC010", "XML003"}))
+    assert (finding.message_id, finding.severity) == (message, severity)
+    assert ("urdfdom" in finding.consequences) == (message == "unprefixed")
+
+
+def test_the_call_that_makes_links_is_named_before_the_rest(tmp_path: Path) -> None:
+    calls = '<link name="b"><inertial><mass value="1"/><inertia_of m="1"/></inertial></link><wheel name="a"/>'
+    finding = only(xacro(tmp_path, INERTIA + WHEEL + '<property name="c" value="1"/>' + calls, {"XAC007"}))
+    assert finding.headline == "<wheel> and 2 other tags lack the prefix xacro:"
+    assert finding.data["listed"] == "<wheel>, <inertia_of>, <property>"
+    assert finding.consequences["mujoco"].startswith("refuses the file")
+
+
+def test_what_follows_from_a_call_without_its_prefix_is_not_told_again(tmp_path: Path) -> None:
+    parts = WHEEL + '<gazebo reference="a"><mu1>1</mu1></gazebo><gazebo reference="b"><mu1>1</mu1></gazebo>'
+    light = (
+        '<link name="tip"><inertial><mass value="1e-5"/>'
+        '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
+    )
+    codes = {"XAC007", "XAC003", "GZB001", "INR015"}
+    found = xacro(tmp_path, parts + light + '<wheel name="a"/>', codes)
+    assert sorted(f.code for f in found.findings) == ["GZB001", "XAC007"]
+    assert "'b'" in next(f.message for f in found.findings if f.code == "GZB001")
+
+
 # -- properties that are lost ----------------------------------------------------------------------------------------------
 
 
