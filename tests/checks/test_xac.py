@@ -198,6 +198,14 @@ CONDITIONAL = """<xacro:arg name="prefix" default=""/><xacro:property name="side
 <link name="l${corner}"/>"""
 
 
+def test_a_condition_that_is_one_argument_names_the_default_that_is_no_truth(tmp_path: Path) -> None:
+    text = '<xacro:arg name="gps" default="30.0"/>\n<xacro:if value="$(arg gps)"><link name="a"/></xacro:if>'
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title == "write true or false as the default of gps (line 3), or compare it here"
+    assert [place.span and place.span.line for place in finding.related] == [3]
+
+
 def test_property_that_is_only_defined_under_conditions_names_them_and_their_arguments(tmp_path: Path) -> None:
     finding = only(xacro(tmp_path, CONDITIONAL, {"XAC001"}))
     assert "only defined if `${side == 'left'}` or if `${side == 'right'}`" in finding.message
