@@ -405,6 +405,16 @@ def test_what_a_contact_sensor_watches(tmp_path: Path, reference: str, collision
     )
 
 
+@pytest.mark.parametrize(("reference", "expected"), [("base", ["GZB004"]), ("laser", ["GZB001"])])
+def test_a_sensor_in_a_block_without_effect_is_left_to_that_block(
+    tmp_path: Path, reference: str, expected: list[str]
+) -> None:
+    sensor = '<sensor name="s" type="lidarr"><update_rate>5</update_rate></sensor>'
+    body = f'<gazebo reference="{reference}">{sensor}</gazebo>'
+    run = check_text(tmp_path, robot(link("base"), body), codes={"GZB001", "GZB004"})
+    assert [f.code for f in run.findings] == expected
+
+
 # -- bridges ------------------------------------------------------------------------------------------------------------
 
 
