@@ -144,6 +144,30 @@ def test_an_old_copy_of_a_model_needs_no_folder(
     assert [set(f.consequences) for f in findings] == ([] if programs is None else [programs])
 
 
+@pytest.mark.parametrize(
+    ("beside", "repair"),
+    [
+        ("rviz/b.rviz", "glob('rviz/*'))`"),
+        ("rviz/deep/b.rviz", "glob('rviz/*.*'))`, and a line for each of its subfolders that is read"),
+        ("rviz/show.py", "glob('rviz/*.*'))`"),
+        ("rviz/__init__.py", "start what is in rviz by its name in console_scripts"),
+    ],
+)
+def test_the_line_for_setup_py_names_no_folder(tmp_path: Path, beside: str, repair: str) -> None:
+    build = "<export><build_type>ament_python</build_type></export>"
+    write(tmp_path, "package.xml", text=f'<package format="3"><name>p</name>{build}</package>')
+    write(tmp_path, "setup.py", text=SETUP.format(', ("share/p/launch", glob("launch/*"))'))
+    for name in ("rviz/a.rviz", beside):
+        write(tmp_path, name)
+    launch = '<launch><arg name="r" default="$(find-pkg-share p)/rviz/a.rviz"/></launch>'
+    write(tmp_path, "launch/a.launch.xml", text=launch)
+    write(tmp_path, "urdf/r.urdf", text='<robot name="r"><link name="l"/></robot>')
+    (finding,) = check(tmp_path, codes={"PKG008"}).findings
+    assert finding.fix is not None
+    assert repair in finding.fix.title
+    assert finding.fix.title.endswith(repair) or "start" in repair
+
+
 def test_a_folder_without_meshes_loses_none(tmp_path: Path) -> None:
     build = "<export><build_type>ament_python</build_type></export>"
     write(tmp_path, "package.xml", text=f'<package format="3"><name>p</name>{build}</package>')
