@@ -495,6 +495,13 @@ def test_joints_left_out_of_control_are_listed(tmp_path: Path) -> None:
     assert (finding.message_id, finding.location.subject) == ("most", "joint[k]")
 
 
+@pytest.mark.parametrize(("typed", "count"), [("right", 0), ("Right", 0), ("left", 1)])
+def test_a_joint_that_is_meant_in_other_capitals_is_driven(tmp_path: Path, typed: str, count: int) -> None:
+    wheels = "".join(link(side) + joint(f"{side}_wheel", "base", side, kind="continuous") for side in ("left", "right"))
+    drives = "".join(f'<transmission name="{n}"><joint name="{n}_wheel"/></transmission>' for n in ("left", typed))
+    assert len(find(tmp_path, robot(link("base"), wheels, drives), "CTL002")) == count
+
+
 @pytest.mark.parametrize(
     ("names", "driven", "message"),
     [
