@@ -144,6 +144,24 @@ def test_an_old_copy_of_a_model_needs_no_folder(
     assert [set(f.consequences) for f in findings] == ([] if programs is None else [programs])
 
 
+@pytest.mark.parametrize("has_file", [True, False])
+def test_a_package_of_another_project_does_not_hide_the_model_s_own_files(tmp_path: Path, has_file: bool) -> None:
+    """Two clones in one workspace: one is the package that the other's paths name."""
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, "clone/package.xml", text='<package format="3"><name>arm</name></package>')
+    write(
+        tmp_path,
+        "mine/urdf/arm.urdf",
+        text=f'<robot name="r">{link("l", visual(mesh("package://arm/meshes/a.stl")))}</robot>',
+    )
+    if has_file:
+        write(tmp_path, "mine/meshes/a.stl")
+    (finding,) = check(tmp_path / "mine/urdf/arm.urdf", codes={"PKG002"}).findings
+    assert finding.fix is not None
+    assert ("write the path from this file, `../meshes/a.stl`" in finding.fix.title) == has_file
+    assert ("the package arm that is found is another project" in finding.message) == has_file
+
+
 @pytest.mark.parametrize(
     ("beside", "repair"),
     [
