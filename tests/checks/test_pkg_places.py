@@ -219,6 +219,22 @@ def test_the_end_of_a_machine_path_may_be_a_file_of_the_package(tmp_path: Path, 
     assert ("move the file into" in finding.fix.title) == (edit is None)
 
 
+@pytest.mark.parametrize(
+    ("typed", "path"),
+    [
+        ("/home/ann/ws/src/p/mesh/a.stl", "package://p/mesh/a.stl"),
+        ("/home/ann/cad/a.stl", "package://p/meshes/a.stl"),
+    ],
+)
+def test_a_file_that_is_on_one_machine_only_has_its_place_in_the_package(tmp_path: Path, typed: str, path: str) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, "p/package.xml", text='<package format="3"><name>p</name></package>')
+    write(tmp_path, "p/urdf/r.urdf", text=f'<robot name="r">{link("l", visual(mesh(typed)))}</robot>')
+    finding = find(tmp_path / "p/urdf/r.urdf", typed, code="PKG004")
+    assert finding.fix is not None
+    assert f"write `{path}`" in finding.fix.title
+
+
 @pytest.mark.parametrize(("place", "told"), [("meshes/robot.urdf", False), ("urdf/robot.urdf", True)])
 def test_a_model_that_an_exporter_left_beside_the_meshes_names_no_package(
     tmp_path: Path, place: str, told: bool

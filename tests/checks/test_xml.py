@@ -719,6 +719,17 @@ class TestXML004:
 
 
 class TestXML006:
+    def test_of_two_equal_elements_the_macro_s_is_kept(self, tmp_path: Path) -> None:
+        macro = '<xacro:macro name="i" params="m">\n<mass value="${m}"/></xacro:macro>'
+        inside = (
+            '<inertial>\n<mass value="1"/>\n<xacro:i m="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        )
+        link = f'<link name="a">{inside}</inertial></link>'
+        text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{macro}{link}</robot>'
+        (finding,) = findings(tmp_path, text, "XML006", name="r.urdf.xacro")
+        assert finding.fix is not None
+        assert [(edit.span.line, edit.expected) for edit in finding.fix.edits] == [(3, '<mass value="1"/>\n')]
+
     @pytest.mark.parametrize(
         ("link", "messages"),
         [
