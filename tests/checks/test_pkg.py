@@ -609,6 +609,25 @@ def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, betw
     assert [edit.replacement.strip() for edit in other.fix.edits] == ["<exec_depend>amcl</exec_depend>"]
 
 
+@pytest.mark.parametrize(
+    ("first", "names"),
+    [
+        ("$(find xacro)/xacro", ["xacro", "robot_state_publisher", "rviz"]),
+        ("cat", []),
+    ],
+)
+def test_programs_that_launch_files_start_are_listed_with_what_is_missing(
+    tmp_path: Path, first: str, names: list[str]
+) -> None:
+    nodes = "".join(f'<node name="{n}" pkg="{n}" type="t"/>' for n in ("robot_state_publisher", "rviz", "p", "my_own"))
+    launch = (
+        f'<launch><param name="robot_description" command="{first} a.urdf"/><!-- <node pkg="tf"/> -->{nodes}</launch>'
+    )
+    write(tmp_path, {"package.xml": manifest(), "launch/a.launch": launch, "urdf/a.urdf": '<robot name="r"/>'})
+    found = findings(tmp_path, "PKG007")
+    assert [f.data["names"] for f in found] == ([names] if names else [])
+
+
 def test_what_only_tests_name_is_a_dependency_of_tests(tmp_path: Path) -> None:
     for name, packages in (("test/a.launch", ("amcl", "tf2")), ("launch/a.launch", ("tf2",))):
         lines = "".join(f'<include file="$(find {other})/a.launch"/>' for other in packages)
