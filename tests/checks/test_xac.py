@@ -258,6 +258,21 @@ def test_slip_in_a_path_with_an_empty_argument_is_told_at_the_path(tmp_path: Pat
     assert (finding.message_id, finding.data["hint"]) == ("file-missing", " (did you mean 'meterials.xacro'?)")
 
 
+@pytest.mark.parametrize(
+    ("others", "hint"),
+    [
+        (["car.trans"], " (the only other .trans file there is 'car.trans')"),
+        (["car.trans", "arm.trans"], ""),
+        (["car.gazebo"], ""),
+    ],
+)
+def test_the_only_file_of_a_kind_is_named_for_a_missing_one(tmp_path: Path, others: list[str], hint: str) -> None:
+    for name in others:
+        (tmp_path / name).write_text("<robot/>")
+    finding = only(xacro(tmp_path, '<xacro:include filename="guzergah.trans"/>', {"XAC001"}))
+    assert (finding.message_id, finding.data["hint"]) == ("file-missing", hint)
+
+
 def test_missing_yaml_key(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("a: 1\n", encoding="utf-8")
     text = """<xacro:property name="data" value="${xacro.load_yaml('a.yaml')}"/><link name="${data['b']}"/>"""

@@ -330,7 +330,10 @@ def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
     near = find_nearest_name(path.name, beside)
     if defining and near not in defining:
         return f" (did you mean {' or '.join(map(repr, defining[:_MOST_PROPOSED]))}?)"
-    return f" (did you mean {near!r}?)" if near and (near in defining or not unknown or not defined.get(near)) else ""
+    if near and (near in defining or not unknown or not defined.get(near)):
+        return f" (did you mean {near!r}?)"
+    alike = [name for name in beside if Path(name).suffix == path.suffix and not defined.get(name)]
+    return f" (the only other {path.suffix} file there is {alike[0]!r})" if path.suffix and len(alike) == 1 else ""
 
 
 def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _FailureReport | None:
