@@ -40,6 +40,7 @@ def convert(text: str, source: str = "docs/install.md", address: str = "guides/i
         ("## INR003\n", "## INR003\n"),
         ("```\nINR003 [fix](fix.md)\n```", "```\nINR003 [fix](fix.md)\n```"),
         ("````md\n```urdf file=a.urdf\n```\n````", "````md\n```urdf file=a.urdf\n```\n````"),
+        ("```console exit=1\n$ false\n```", "```console\n$ false\n```"),
         ("```urdf file=p/a.urdf\n<robot/>\n```", '```xml title="p/a.urdf"\n<robot/>\n```'),
         (
             '```urdf\n<robot>\n  <link/> <!-- expect: INR003 "link" -->\n</robot>\n```',
@@ -56,7 +57,7 @@ def test_a_rule_is_no_link_on_its_own_page() -> None:
 
 
 def test_the_navigation_holds_every_document_once() -> None:
-    documents = [f"docs/{path.name}" for path in (REPOSITORY / "docs").glob("*.md")]
+    documents = [path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "docs").rglob("*.md")]
     documents += [path.name for path in REPOSITORY.glob("*.md") if path.name != "README.md"]
     sources = [page.source for page in iter_pages() if page.source]
     assert {*documents} <= {*sources}

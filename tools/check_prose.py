@@ -166,7 +166,14 @@ def read_passages(path: Path) -> Iterator[Passage]:
 
 def list_files() -> list[Path]:
     """Return the files of the project that hold words for users."""
-    pages = ["*.md", "docs/*.md", "rules/*.md", "integrations/**/*.md", "benchmarks/**/*.md", "tools/website/**/*.md"]
+    pages = [
+        "*.md",
+        "docs/**/*.md",
+        "rules/*.md",
+        "integrations/**/*.md",
+        "benchmarks/**/*.md",
+        "tools/website/**/*.md",
+    ]
     pages.append("fixtures/demos/*.md")
     code = [
         "urdfcheck/**/*.py",

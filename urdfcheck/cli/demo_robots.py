@@ -69,8 +69,8 @@ def read_demo_robot(page: Path) -> DemoRobot:
             subject=found["subject"],
             title=found["title"],
             file=found["file"],
-            sound=_take_lines(found["diff"], " -"),
-            planted=_take_lines(found["diff"], " +"),
+            sound=split_diff(found["diff"])[0],
+            planted=split_diff(found["diff"])[1],
         )
         for found in _DEFECT.finditer(text)
     )
@@ -92,6 +92,12 @@ def copy_demo_robot(robot: DemoRobot, folder: Path, *, is_sound: bool = False) -
     shutil.copyfile(robot.page, folder / ANSWERS)
 
 
+def split_diff(diff: str) -> tuple[str, str]:
+    """Return the lines before and after an edit that is written as a diff without a header."""
+    before, after = ("".join(f"{line[1:]}\n" for line in diff.splitlines() if line[:1] in (" ", mark)) for mark in "-+")
+    return before, after
+
+
 def plant_defect(defect: PlantedDefect, folder: Path) -> None:
     """Plant a defect into a copy of its robot.
 
@@ -102,10 +108,6 @@ def plant_defect(defect: PlantedDefect, folder: Path) -> None:
     if text.count(defect.sound) != 1:
         raise UrdfcheckError(f"{file}: the lines of {defect.code} {defect.subject} are not there exactly once")
     file.write_bytes(text.replace(defect.sound, defect.planted).encode())
-
-
-def _take_lines(diff: str, marks: str) -> str:
-    return "".join(f"{line[1:]}\n" for line in diff.splitlines() if line[:1] in tuple(marks))
 
 
 def _find_demos_folder() -> Path:
