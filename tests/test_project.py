@@ -43,6 +43,7 @@ def test_changelog_begins_with_this_version() -> None:
         ("make_rules_index", "render_index", "rules/README.md"),
         ("make_model_page", "render_page", "docs/what-a-check-can-ask.md"),
         ("make_command_page", "render_page", "docs/command-line.md"),
+        ("make_configuration_page", "render_page", "docs/configuration-keys.md"),
     ],
 )
 def test_generated_pages_are_current(generator: str, render: str, page: str) -> None:

@@ -31,7 +31,7 @@ HOLE = "□"
 # Tables of a rule page whose strings are sentences, and keys that are sentences in any table.
 SENTENCES = ("headlines", "messages", "fixes", "causes", "consumers")
 # Made from sources that are read themselves.
-GENERATED = ("rules/README.md", "docs/command-line.md", "docs/what-a-check-can-ask.md")
+GENERATED = ("rules/README.md", "docs/command-line.md", "docs/configuration-keys.md", "docs/what-a-check-can-ask.md")
 # Words in a sentence of a page, and in a message as its rule page has it.
 LONGEST_SENTENCE = 40
 LONGEST_MESSAGE = 40

@@ -32,6 +32,7 @@ class Section:
 START = Page("index.md", title="Start")
 SAMPLE = Page("sample/index.md", title="Sample report")
 RULES_INDEX = Page("rules/index.md", "rules/README.md")
+CONFIGURATION = Page("reference/configuration.md", "docs/configuration-keys.md")
 EXIT_CODES = Page("reference/exit-codes.md")
 PYTHON_API = Page("reference/python-api.md")
 SCHEMAS = Page("reference/json.md")
@@ -117,6 +118,7 @@ NAVIGATION = (
         "Reference",
         (
             Page("reference/command-line.md", "docs/command-line.md"),
+            CONFIGURATION,
             EXIT_CODES,
             PYTHON_API,
             SCHEMAS,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 
 import yaml
 
+from urdfcheck.cli.config_schema import render_config_schema
 from urdfcheck.rules import find_pages_folder, load_families, load_rules
 from website import reference_pages, rule_index, rule_pages, start_page
 from website.markdown import convert_markdown
@@ -53,6 +55,7 @@ def write_source_tree(folder: Path) -> Path:
     for name in ("logo.svg", "rules.js", "site.css"):
         _copy(start_page.ASSETS / name, pages / "assets" / name)
     start_page.write_report(_make_room(pages / start_page.REPORT))
+    _write(pages / reference_pages.CONFIG_SCHEMA, json.dumps(render_config_schema(), indent=1) + "\n")
     navigation = yaml.safe_dump(
         {"nav": [_list_entry(entry) for entry in NAVIGATION]}, allow_unicode=True, sort_keys=False
     )
