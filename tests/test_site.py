@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from xml.etree import ElementTree
 
 import pytest
 from conftest import REPOSITORY
@@ -11,10 +12,12 @@ from website.markdown import convert_markdown
 from website.navigation import iter_pages
 from website.reference_pages import render_exit_codes, render_python_api, render_schemas
 from website.source_tree import list_addresses
+from website.terminal_recording import DARK, LIGHT, Recorded, render_recording
 
 import urdfcheck
 from urdfcheck.rules import load_rules
 
+SVG = "{http://www.w3.org/2000/svg}"
 ADDRESSES = {"docs/fix.md": "guides/fix.md", "rules/README.md": "rules/index.md", "LICENSE": "files/LICENSE.txt"}
 
 
@@ -50,6 +53,31 @@ def convert(text: str, source: str = "docs/install.md", address: str = "guides/i
 )
 def test_markdown_of_the_repository_becomes_markdown_of_the_site(written: str, made: str) -> None:
     assert convert(written) == made
+
+
+def test_a_recording_shows_what_was_printed_in_its_colours_and_loads_nothing() -> None:
+    printed = "\x1b[1;31m✖ a <b> & c\x1b[0m  plain\n\n  \x1b[2mquiet\x1b[0m\n"
+    light, dark = (
+        render_recording([Recorded("urdfcheck -q", printed), Recorded("ls", "")], palette, 40, 'two "commands"')
+        for palette in (LIGHT, DARK)
+    )
+    for svg, palette in ((light, LIGHT), (dark, DARK)):
+        root = ElementTree.fromstring(svg)
+        texts = [element for element in root.iter(f"{SVG}text") if element.text != "$"]
+        shown = "".join(str(element.text) for element in texts)
+        assert shown == "urdfcheck-q✖ a <b> & cplainquietls"
+        error, plain, quiet = texts[-5:-2]
+        assert (error.get("class"), error.get("style")) == ("b", f"fill:{palette.colors[1]}")
+        assert float(plain.get("x", "")) - float(error.get("x", "")) == 13 * 8
+        assert quiet.get("style") == f"fill:{palette.dim}"
+        assert float(quiet.get("y", "")) - float(error.get("y", "")) == 2 * 18
+        delays = [float(group.get("style", "").partition(":")[2].rstrip("s")) for group in root.iter(f"{SVG}g")]
+        assert delays == sorted(delays)
+        assert "prefers-reduced-motion: reduce) { g { animation: none; } }" in svg
+        assert not re.search(r"url\(|href|@import|<script", svg)
+    assert light != dark
+    still = render_recording([Recorded("ls", "")], LIGHT, 40, "one", is_still=True)
+    assert "animation:" not in still
 
 
 def test_a_rule_is_no_link_on_its_own_page() -> None:

@@ -55,6 +55,7 @@ def write_source_tree(folder: Path) -> Path:
     for name in ("logo.svg", "rules.js", "site.css"):
         _copy(start_page.ASSETS / name, pages / "assets" / name)
     start_page.write_report(_make_room(pages / start_page.REPORT))
+    start_page.write_recordings(pages / "assets")
     _write(pages / reference_pages.CONFIG_SCHEMA, json.dumps(render_config_schema(), indent=1) + "\n")
     navigation = yaml.safe_dump(
         {"nav": [_list_entry(entry) for entry in NAVIGATION]}, allow_unicode=True, sort_keys=False
