@@ -134,6 +134,7 @@ NAVIGATION = (
             Page("project/contributing.md", "CONTRIBUTING.md"),
             Page("project/what-a-check-can-ask.md", "docs/what-a-check-can-ask.md"),
             Page("project/security.md", "SECURITY.md"),
+            Page("project/code-of-conduct.md", "CODE_OF_CONDUCT.md"),
             Page("project/hostile.md", "fixtures/hostile/README.md"),
             Section(
                 "Measured",
