@@ -33,6 +33,7 @@ START = Page("index.md", title="Start")
 SAMPLE = Page("sample/index.md", title="Sample report")
 RULES_INDEX = Page("rules/index.md", "rules/README.md")
 CONFIGURATION = Page("reference/configuration.md", "docs/configuration-keys.md")
+DEMOS = Page("guides/demos.md", "fixtures/demos/README.md")
 EXIT_CODES = Page("reference/exit-codes.md")
 PYTHON_API = Page("reference/python-api.md")
 SCHEMAS = Page("reference/json.md")
@@ -105,7 +106,7 @@ NAVIGATION = (
             Section(
                 "Robots to practise on",
                 (
-                    Page("guides/demos.md", "fixtures/demos/README.md"),
+                    DEMOS,
                     Page("guides/demo-arm.md", "fixtures/demos/arm.md"),
                     Page("guides/demo-mobile-manipulator.md", "fixtures/demos/mobile_manipulator.md"),
                     Page("guides/demo-quadruped.md", "fixtures/demos/quadruped.md"),

@@ -15,6 +15,7 @@ from urdfcheck.rules import find_pages_folder, load_families, load_rules
 from website import reference_pages, rule_index, rule_pages, start_page
 from website.markdown import convert_markdown
 from website.navigation import (
+    DEMOS,
     EXIT_CODES,
     NAVIGATION,
     PYTHON_API,
@@ -33,6 +34,7 @@ from website.navigation import (
 _MADE: dict[str, tuple[Callable[[], str], str]] = {
     START.address: (start_page.render_start, "README.md"),
     SAMPLE.address: (start_page.render_sample, "README.md"),
+    DEMOS.address: (start_page.render_demos, DEMOS.source),
     EXIT_CODES.address: (reference_pages.render_exit_codes, reference_pages.GATE),
     PYTHON_API.address: (reference_pages.render_python_api, "docs/python.md"),
 }
@@ -56,6 +58,7 @@ def write_source_tree(folder: Path) -> Path:
         _copy(start_page.ASSETS / name, pages / "assets" / name)
     start_page.write_report(_make_room(pages / start_page.REPORT))
     start_page.write_recordings(pages / "assets")
+    start_page.write_pictures(pages)
     _write(pages / reference_pages.CONFIG_SCHEMA, json.dumps(render_config_schema(), indent=1) + "\n")
     navigation = yaml.safe_dump(
         {"nav": [_list_entry(entry) for entry in NAVIGATION]}, allow_unicode=True, sort_keys=False

@@ -14,7 +14,8 @@ from rich.terminal_theme import TerminalTheme
 from rich.text import Text
 
 from urdfcheck.cli import FINDINGS, OK
-from website.navigation import REPOSITORY, START
+from urdfcheck.cli.demo_robots import load_demo_robots
+from website.navigation import DEMOS, REPOSITORY, START
 from website.terminal_recording import DARK, LIGHT, Recorded, render_recording
 
 ASSETS = Path(__file__).parent / "assets"
@@ -69,6 +70,26 @@ def write_recordings(folder: Path) -> None:
         for is_still, suffix in ((False, ""), (True, "-still")):
             svg = render_recording(steps, palette, RECORDED_COLUMNS, RECORDING_TITLE, is_still=is_still)
             (folder / f"recording-{name}{suffix}.svg").write_text(svg, encoding="utf-8", newline="\n")
+
+
+def render_demos() -> str:
+    """Return the page about the demo robots with their pictures, with its links as they are in fixtures/demos."""
+    introduction, table = (REPOSITORY / DEMOS.source).read_text(encoding="utf-8").split("\n| ", 1)
+    pictures = (
+        f'<img src="../../{_name_picture(name)}" alt="{name}: {robot.title}" loading="lazy">'
+        for name, robot in load_demo_robots().items()
+    )
+    return f'{introduction}\n<div class="gallery">{"".join(pictures)}</div>\n\n| {table}'
+
+
+def write_pictures(pages: Path) -> None:
+    """Write a picture of each demo robot as it is without defects."""
+    for name, robot in load_demo_robots().items():
+        _run(str(robot.folder / "urdf" / f"{name}.urdf.xacro"), "-o", f"png={pages / _name_picture(name)}")
+
+
+def _name_picture(name: str) -> str:
+    return f"assets/demo-{name}.png"
 
 
 def render_sample() -> str:

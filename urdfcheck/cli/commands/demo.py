@@ -53,7 +53,7 @@ def main(words: Sequence[str]) -> int:
     if code != OK:
         return code
     sys.stdout.flush()
-    say(f"\n{folder} is {robot.name}: {robot.title}, as a ROS package")
+    say(f"\n{folder}: {robot.title} (a ROS package)")
     if not options.sound:
         say(f"{len(robot.defects)} defects are planted in it: {folder / ANSWERS} says which")
     say(f"{report} is the report, with the robot in 3D")
