@@ -176,7 +176,14 @@ def test_every_text_can_be_read(address: str, browser: Any, scheme: str) -> None
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     page = browser.new_page(color_scheme=scheme)
     page.route("**/sample/*", lambda route: route.abort())  # the report has tests of its own
-    for place in ("/", "/rules/?words=wheel", "/rules/INR003/"):
+    for place in (
+        "/",
+        "/rules/?words=wheel",
+        "/rules/INR003/",
+        "/guides/demos/",
+        "/guides/fix/",
+        "/reference/configuration/",
+    ):
         page.goto(f"{address}{place}")
         asked = {"runOnly": ["color-contrast", "link-in-text-block", "empty-table-header"], "iframes": False}
         found = axe.Axe().run(page, options=asked).response["violations"]
