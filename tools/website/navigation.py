@@ -82,7 +82,11 @@ NAVIGATION = (
             ),
             Section(
                 "Use it with other programs",
-                (Page("guides/python.md", "docs/python.md"), Page("guides/moveit.md", "docs/moveit.md")),
+                (
+                    Page("guides/python.md", "docs/python.md"),
+                    Page("guides/agents.md", "docs/agents.md"),
+                    Page("guides/moveit.md", "docs/moveit.md"),
+                ),
             ),
         ),
     ),

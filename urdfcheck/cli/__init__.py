@@ -23,6 +23,7 @@ COMMANDS = (
     "engines",
     "drop",
     "repair",
+    "mcp",
     "config",
     "init",
     "completion",
