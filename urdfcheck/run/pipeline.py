@@ -43,7 +43,7 @@ from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import FileReach
 from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.array_cache import ArrayCache
-from urdfcheck.system.files import overlay_files
+from urdfcheck.system.files import overlay_files, read_stamp
 from urdfcheck.system.process_pool import Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 # The search for all models may take so many times longer than the check of one, and at least so many seconds: a model takes
@@ -139,6 +139,30 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
     outcome = strip_volatile_values(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
     return AuditedRun(request=request, plan=plan, units=units, reports=reports, outcome=outcome)
+
+
+def keep_valid_reports(last: AuditedRun | None, request: Request) -> AuditedRun | None:
+    """Return the last run with only the reports whose files on the disk are unchanged, for :func:`run_audit`.
+
+    None where the request differs in more than its texts, and where a file has appeared or disappeared that may matter to any
+    unit that looked for it.
+    """
+    if last is None or _without_texts(last.request) != _without_texts(request):
+        return None
+    now = functools.cache(read_stamp)
+    reports = {
+        place: report
+        for place, report in last.reports.items()
+        if not report.failures and all(now(path) == stamp for path, stamp in report.reads.items())
+    }
+    stamps = [(stamp, now(path)) for report in last.reports.values() for path, stamp in report.reads.items()]
+    if any((before is None) != (after is None) for before, after in stamps):
+        return None
+    return replace(last, reports=reports)
+
+
+def _without_texts(request: Request) -> Request:
+    return replace(request, options=replace(request.options, texts={}))
 
 
 def _reuse_reports(previous: AuditedRun, units: Sequence[Unit], texts: Mapping[str, bytes]) -> dict[int, UnitReport]:

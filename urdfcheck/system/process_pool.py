@@ -128,6 +128,7 @@ class _PlainUnpickler(pickle.Unpickler):
             "policy.limits",
             "policy.suppression",
             "run.jobs",
+            "server.check_messages",
             "simulators.outcome",
             "source.plan",
             "source.reach",
@@ -297,7 +298,7 @@ def block_ending_signals() -> Iterator[None]:
 def _serve_jobs(
     pipe: Connection, prepare: Callable[[], object] | None, inherited: Connection | None, parent: int
 ) -> None:
-    _end_with_parent(parent)
+    end_with_parent(parent)
     # An interrupt from the keyboard reaches every process of the terminal; the parent ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -316,7 +317,7 @@ def _serve_jobs(
             pipe.send(function(*arguments))
 
 
-def _end_with_parent(parent: int) -> None:
+def end_with_parent(parent: int) -> None:
     """Let the kernel kill this process when its parent ends, however that ends. Linux only: elsewhere a worker whose parent was
     killed ends after its job."""
     if sys.platform != "linux":
@@ -328,10 +329,17 @@ def _end_with_parent(parent: int) -> None:
         os._exit(0)
 
 
-def _make_context() -> Any:
-    # The processes share the cores, so BLAS threads in each would only compete; and a process with threads must not be forked.
+def limit_threads() -> None:
+    """Keep numpy and its libraries from starting threads, unless the user asks for some.
+
+    The processes share the cores, so BLAS threads in each would only compete; and a process with threads must not be forked.
+    """
     for variable in _THREAD_VARIABLES:
         os.environ.setdefault(variable, "1")
+
+
+def _make_context() -> Any:
+    limit_threads()
     if FORKS:
         return multiprocessing.get_context("fork")
     os.environ["PYTHONSAFEPATH"] = "1"
