@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -94,7 +93,7 @@ def test_positions_count_utf_16_units(editor: Editor, project: Path, before: str
 
 
 @pytest.fixture
-def macro_project(project: Path) -> Iterator[tuple[Path, Path]]:
+def macro_project(project: Path) -> tuple[Path, Path]:
     macros, user = project / "urdf/body.xacro", project / "urdf/r.urdf.xacro"
     macros.write_text(MACROS)
     user.write_text(USER)

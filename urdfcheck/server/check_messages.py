@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from urdfcheck.core import Finding
+from urdfcheck.export.index.source_index import SourceIndex
 
 HEADER = struct.Struct("<Q")
 
@@ -46,6 +47,7 @@ class ProjectAnswer:
     """What could not be checked: a wrong configuration, a path that does not exist, a crash."""
     model_paths: Mapping[str, str] = field(default_factory=dict)
     """Id of each model → path of its file."""
+    indexes: tuple[SourceIndex, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -150,6 +150,7 @@ class _CheckProcess:
             sources=outcome.sources,
             failures=outcome.failures,
             model_paths={model.id: model.path for model in outcome.models},
+            indexes=tuple(report.index for report in audited.reports.values() if report.index is not None),
         )
 
     def _find_fixes(self, job: CheckJob) -> CheckAnswer:
@@ -168,7 +169,7 @@ class _CheckProcess:
 
     def _make_request(self, paths: tuple[str, ...], job: CheckJob, *, tier: str | None) -> Request:
         request, _ = make_request(replace(self.options, paths=paths, tier=tier or self.options.tier))
-        return replace(request, options=replace(request.options, texts=job.texts))
+        return replace(request, options=replace(request.options, texts=job.texts, index=not job.fixes))
 
 
 def _group_by_project(paths: tuple[str, ...]) -> Mapping[str, tuple[str, ...]]:

@@ -6,6 +6,7 @@ One job runs at a time. An edit interrupts the slow one; at rest, the last job t
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -15,10 +16,13 @@ from urdfcheck.server.check_client import CheckClient, CheckProcessError
 from urdfcheck.server.check_messages import CheckAnswer, CheckJob
 from urdfcheck.server.diagnostics import CheckedState
 from urdfcheck.server.documents import DocumentStore, OpenDocument
+from urdfcheck.server.index_store import IndexStore
 from urdfcheck.source.package.file_kinds import is_launch, is_model
 
 # Seconds after the last edit: until the source tier is computed, and until everything is.
 TYPING, RESTING = 0.1, 1.0
+# Seconds for which a question about a document that was not checked yet waits.
+PATIENCE = 20.0
 SOURCE = TIERS[0]
 # A part of a robot or a robot under another name.
 _ROBOT = "<robot"
@@ -35,6 +39,7 @@ class CheckSchedule:
         """The outcome of the last job."""
         self.complete: CheckedState | None = None
         """The outcome of the last job that computed everything."""
+        self.indexes = IndexStore()
         self.problem = ""
         """Why nothing can be checked."""
         self._delays: Mapping[str | None, float] = {SOURCE: TYPING, None: RESTING}
@@ -46,6 +51,7 @@ class CheckSchedule:
         self._running: str | None = ""  # the tier; empty where nothing runs
         self._forgets = False
         self._tasks: set[asyncio.Task[None]] = set()
+        self._answered = asyncio.Event()
         self._at_rest = asyncio.Event()
         self._at_rest.set()
 
@@ -74,6 +80,12 @@ class CheckSchedule:
     async def wait_until_rest(self) -> None:
         """Wait until all that was asked for is checked."""
         await self._at_rest.wait()
+
+    async def wait_until_known(self, document: OpenDocument) -> None:
+        """Wait until a document was checked once, but not for ever: an editor that has just opened it asks only once."""
+        with contextlib.suppress(asyncio.TimeoutError):
+            while self.latest is None or document.real not in self.latest.texts:
+                await asyncio.wait_for(self._answered.wait(), PATIENCE)
 
     async def find_fixes(self, only: OpenDocument) -> CheckAnswer:
         """Return what the safe fixes change in the model of a document.
@@ -134,6 +146,9 @@ class CheckSchedule:
                 self._waiting.add(tier)
             return
         self.latest = CheckedState(answer=answer, texts=texts)
+        self.indexes.take_answer(answer, texts)
+        self._answered.set()
+        self._answered = asyncio.Event()
         if tier is None:
             self.complete = self.latest
         self.on_change()

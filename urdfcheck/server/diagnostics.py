@@ -35,6 +35,8 @@ class ShownFinding:
     """That of this place."""
     range: types.Range
     diagnostic: types.Diagnostic
+    state: CheckedState
+    """The outcome that has it."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -88,7 +90,9 @@ def show_findings(states: Iterable[CheckedState], documents: DocumentStore) -> d
                 key = (uri, finding.code, diagnostic.message, *offsets)
                 if key not in seen:  # two projects may read one file
                     seen.add(key)
-                    shown.setdefault(uri, []).append(ShownFinding(finding=finding, range=range_, diagnostic=diagnostic))
+                    shown.setdefault(uri, []).append(
+                        ShownFinding(finding=finding, range=range_, diagnostic=diagnostic, state=state)
+                    )
     return shown
 
 

@@ -74,6 +74,16 @@ def _count_units(text: str, encoding: types.PositionEncodingKind | str) -> int:
     return len(text.encode("utf-8", "surrogatepass")) if encoding == UTF_8 else len(text)
 
 
+def find_word(text: str, offset: int) -> tuple[str, str]:
+    """Return the parts of the word around an offset before it and behind it."""
+    start = end = offset
+    while start > 0 and (text[start - 1].isalnum() or text[start - 1] == "_"):
+        start -= 1
+    while end < len(text) and (text[end].isalnum() or text[end] == "_"):
+        end += 1
+    return text[start:offset], text[offset:end]
+
+
 class TextShift:
     """Where the places of an old text are in a new one: unchanged before the first difference, moved after the last."""
 
@@ -132,6 +142,7 @@ class DocumentStore:
 
     def __init__(self) -> None:
         self.encoding: types.PositionEncodingKind | str = UTF_16
+        self.has_versioned_edits = False
         self.by_uri: dict[str, OpenDocument] = {}
         self._files: dict[str, tuple[tuple[int, int] | None, TextPositions]] = {}
 

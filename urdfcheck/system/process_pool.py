@@ -119,6 +119,7 @@ class _PlainUnpickler(pickle.Unpickler):
             "core.run",
             "core.scene",
             "core.seams",
+            "export.index.source_index",
             "export.link_pairs",
             "fix.repair.steps",
             "export.outline",
