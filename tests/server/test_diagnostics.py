@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import time
 from pathlib import Path
 
@@ -187,14 +188,30 @@ def test_findings_that_take_meshes_come_when_nothing_is_typed(tmp_path: Path) ->
     editor.end()
 
 
+def test_a_check_process_that_dies_is_started_again(editor: Editor, project: Path) -> None:
+    path = project / "urdf/r.urdf"
+    path.write_text(SOUND)
+    editor.open(path)
+    assert "INR003" not in editor.codes(path)
+    for child in list_children(editor):
+        os.kill(child, signal.SIGKILL)
+    editor.type(path, IMPOSSIBLE)
+    assert "INR003" in editor.codes(path)
+
+
+def list_children(editor: Editor) -> list[int]:
+    """The processes that the server has started."""
+    server = editor.client._server.pid
+    return [int(word) for word in Path(f"/proc/{server}/task/{server}/children").read_text().split()]
+
+
 def test_the_server_and_its_processes_end_with_the_client(tmp_path: Path) -> None:
     editor = Editor(tmp_path)
     path = tmp_path / "r.urdf"
     path.write_text(SOUND)
     editor.open(path)
     editor.rest()
-    server = editor.client._server.pid
-    children = [int(word) for word in Path(f"/proc/{server}/task/{server}/children").read_text().split()]
+    children = list_children(editor)
     assert children
     assert editor.end().returncode == 0
     for _ in range(100):

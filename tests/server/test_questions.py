@@ -190,3 +190,36 @@ def test_answers_survive_a_text_that_does_not_parse(editor: Editor, robot: tuple
     assert "argument `reach`" in hover(editor, user, editor.find(user, "$(arg reach)"))
     assert define(editor, user, editor.find(user, "<xacro:arm", part="arm")) == {("arm.xacro", "arm")}
     assert "`0.25`" in hover(editor, macros, editor.find(macros, "${length / 2}"))
+
+
+def complete(editor: Editor, path: Path, text: str, *, at: str) -> dict[str, str]:
+    """What can be typed at a mark in a text, and what that writes."""
+    editor.type(path, text.replace(at, "", 1))
+    before = text[: text.index(at)]
+    line = before.rpartition("\n")[2]
+    position = types.Position(before.count("\n"), len(line.encode("utf-16-le")) // 2)
+    params = types.CompletionParams(editor.identify(path), position)
+    found = editor.wait(editor.client.text_document_completion_async(params)) or []
+    assert isinstance(found, list)
+    return {item.label: item.text_edit.new_text for item in found if item.text_edit is not None}
+
+
+def test_what_the_model_knows_can_be_completed(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, _ = robot
+
+    def ask(typed: str) -> dict[str, str]:
+        return complete(editor, user, ROBOT.replace("</robot>", f"{typed}\n</robot>"), at="|")
+
+    assert set(ask('<joint name="j" type="fixed"><parent link="|')) == {"base", "left_arm", "right_arm"}
+    assert set(ask('<joint name="j" type="|"/>')) >= {"revolute", "prismatic"}
+    assert ask('<joint name="|"/>') == {}
+    assert set(ask('<gazebo reference="le|"/>')) >= {"left_arm", "left_joint"}
+    assert set(ask('<link name="${|')) >= {"density", "sizes", "prefix"}
+    assert set(ask('<link name="$(arg |')) == {"reach"}
+    assert set(ask('<visual><material name="|"/>')) == {"blue"}
+    assert {"link", "joint", "xacro:if", "xacro:arm"} <= set(ask("<|"))
+    assert "inertial" in ask('<link name="x"><iner|')
+    assert ask('<link name="x"></|') == {"link": "link>"}
+    assert ask('<xacro:arm prefix="x" |') == {"parent": 'parent=""', "length": 'length=""'}
+    assert set(ask("<limit lower='1' |/>")) >= {"upper", "effort"}
+    assert ask("<!-- <|") == {}

@@ -39,6 +39,11 @@ class CheckClient:
         self.can_be_interrupted = False
         self._lock = asyncio.Lock()
 
+    @property
+    def can_start(self) -> bool:
+        """Whether the next job starts a process again if this one has died."""
+        return self.deaths < _MOST_DEATHS
+
     async def start(self) -> None:
         """Start the process, which loads its libraries while there is nothing to do."""
         self.can_be_interrupted = False  # it would die before it is ready for that
@@ -57,7 +62,7 @@ class CheckClient:
         :raises CheckProcessError: if the process died; the next job starts another.
         """
         async with self._lock:
-            if self.deaths >= _MOST_DEATHS:
+            if not self.can_start:
                 raise CheckProcessError("the check process died too often: start the server again")
             try:
                 return await self._exchange(job)

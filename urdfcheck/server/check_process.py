@@ -106,12 +106,13 @@ class _CheckProcess:
     def interrupt(self, _signal: int, _frame: FrameType | None) -> None:
         """End the current job; between jobs, an interrupt comes too late."""
         if self.is_busy:
+            self.is_busy = False  # one is enough
             raise KeyboardInterrupt
 
     def run_job(self, job: CheckJob) -> CheckAnswer:
         """Return the outcome of a job."""
-        self.is_busy = True
         try:
+            self.is_busy = True
             os.chdir(job.folder)
             if job.forgets:
                 self.kept.clear()
@@ -119,7 +120,6 @@ class _CheckProcess:
             self.is_busy = False
             return answer
         except KeyboardInterrupt:
-            self.is_busy = False
             for child in multiprocessing.active_children():
                 child.kill()
             return CheckAnswer(number=job.number, is_cancelled=True)

@@ -133,6 +133,8 @@ class CheckSchedule:
         except CheckProcessError as error:
             self.problem = str(error)
             self.on_change()
+            if self.client.can_start:
+                self._waiting.add(tier)
         else:
             self.problem = ""
             self._take_answer(answer, tier, texts)

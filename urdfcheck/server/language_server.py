@@ -20,6 +20,7 @@ from urdfcheck.run.request import RunOptions
 from urdfcheck.server.check_client import CheckClient, CheckProcessError
 from urdfcheck.server.check_schedule import CheckSchedule
 from urdfcheck.server.code_actions import FIX_ALL, OPEN_RULE, Action, list_actions, make_fix_all
+from urdfcheck.server.completion import TRIGGERS, complete
 from urdfcheck.server.diagnostics import SOURCE, ShownFinding, make_failure_diagnostics, show_findings
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.hover import describe_position
@@ -148,6 +149,11 @@ def _add_questions(server: UrdfcheckServer) -> None:
     async def outline(params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
         place = await find_place(params.text_document, types.Position(0, 0))
         return [] if place is None else list_symbols(place[0], indexes, documents)
+
+    @server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(list(TRIGGERS)))
+    async def suggest(params: types.CompletionParams) -> list[types.CompletionItem]:
+        place = await find_place(params.text_document, params.position)
+        return [] if place is None else complete(*place, indexes, documents)
 
     @server.feature(types.TEXT_DOCUMENT_INLAY_HINT)
     async def hint(params: types.InlayHintParams) -> list[types.InlayHint]:
