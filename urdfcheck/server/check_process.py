@@ -26,19 +26,21 @@ from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.fix.fixer import compute_fixes
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Request
-from urdfcheck.run.pipeline import AuditedRun, keep_valid_reports, run_audit
+from urdfcheck.run.pipeline import AuditedRun, Execution, keep_valid_reports, run_audit
 from urdfcheck.run.preload import preload_modules
 from urdfcheck.run.request import RunOptions, make_request
 from urdfcheck.server.check_messages import HEADER, CheckAnswer, CheckJob, ProjectAnswer
 from urdfcheck.source.reach import find_project_folder
 from urdfcheck.system import libraries
-from urdfcheck.system.process_pool import end_with_parent, limit_threads
+from urdfcheck.system.process_pool import SpareWorkers, end_with_parent, limit_threads
 
 # What workers import when they first need it; here once, for all of them.
 _PACKAGES = ("checks", "export", "facts", "model", "source")
 _LIBRARIES = ("xacro", "yaml", "urdfcheck.source.xacro.expand", "trimesh", "scipy.spatial", "pinocchio", "coal")
 # What the rules of the source tier need.
 _SOURCE_NEEDS = frozenset({"source", "package"})
+# Jobs after which the workers are replaced, as nobody knows how their memory grows, and the most kinds of them.
+_MOST_JOBS, _MOST_WORKERS = 100, 6
 # Runs of projects that are kept to reuse their reports.
 _MOST_KEPT = 8
 
@@ -102,6 +104,8 @@ class _CheckProcess:
         self.options = options
         self.kept: dict[tuple[str, str | None], AuditedRun] = {}
         self.is_busy = False
+        self.jobs = 0
+        self.spare_workers = SpareWorkers()
 
     def interrupt(self, _signal: int, _frame: FrameType | None) -> None:
         """End the current job; between jobs, an interrupt comes too late."""
@@ -116,10 +120,14 @@ class _CheckProcess:
             os.chdir(job.folder)
             if job.forgets:
                 self.kept.clear()
+            self.jobs += 1
+            if self.jobs % _MOST_JOBS == 0 or len(self.spare_workers) > _MOST_WORKERS:
+                self.spare_workers.end()
             answer = self._find_fixes(job) if job.fixes else self._check_projects(job)
             self.is_busy = False
             return answer
         except KeyboardInterrupt:
+            self.spare_workers.end()
             for child in multiprocessing.active_children():
                 child.kill()
             return CheckAnswer(number=job.number, is_cancelled=True)
@@ -137,7 +145,7 @@ class _CheckProcess:
     def _check_project(self, folder: str, paths: tuple[str, ...], job: CheckJob) -> ProjectAnswer:
         request = self._make_request(paths, job, tier=job.tier)
         last = keep_valid_reports(self.kept.pop((folder, job.tier), None), request)
-        audited = run_audit(request, previous=last)
+        audited = run_audit(request, Execution(spare_workers=self.spare_workers), previous=last)
         outcome = audited.outcome
         if outcome.partial:
             raise KeyboardInterrupt
