@@ -83,7 +83,7 @@ def test_a_path_that_does_not_exist_is_2_and_the_others_are_still_checked(folder
         (["x.urdf", "--statistics", "--format", "json"], "write -o json=FILE"),
         (["x.urdf", "--watch", "--fix"], "leave out --fix"),
         (["x.urdf", "-q", "-v"], "not allowed with"),
-        (["lsp"], "does not exist yet"),
+        (["lsp"], "did you mean urdfcheck server?"),
         (["rule", "XYZ000"], "no rule"),
     ],
 )

@@ -48,6 +48,7 @@ NAVIGATION = (
                 (
                     Page("guides/install.md", "docs/install.md"),
                     Page("guides/reports.md", "docs/reports.md", "Read the report"),
+                    Page("guides/editors.md", "docs/editors.md"),
                     Page("guides/variants.md", "docs/variants.md"),
                     Page("guides/simulators.md", "docs/simulators.md"),
                 ),

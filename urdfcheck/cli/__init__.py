@@ -26,6 +26,7 @@ COMMANDS = (
     "mcp",
     "config",
     "init",
+    "server",
     "completion",
 )
 # What other programs call a command.
@@ -39,11 +40,10 @@ _OTHER_NAMES = {
     "watch": "check --watch",
     "version": "--version",
     "help": "--help",
+    "lsp": "server",
 }
 # What the shell says of a command that SIGPIPE ended, as grep and git end.
 CLOSED_PIPE = 141
-# Words that later versions will use as commands; a file of such a name is written ./lsp.
-RESERVED = ("lsp",)
 
 
 def main(argv: Sequence[str] | None = None, *, working_folders: Sequence[str] = ()) -> int:
@@ -88,8 +88,6 @@ def _run_command(words: list[str]) -> int:
         if word.startswith("-") and os.path.lexists(word):
             raise UrdfcheckError(f"{word} is the name of a file, but reads like an option: write ./{word}")
     name = words[0] if words else ""
-    if name in RESERVED:
-        raise UrdfcheckError(f"the command {name!r} does not exist yet; to check a file of this name write ./{name}")
     _suggest_command(name)
     command, rest = (name, words[1:]) if name in COMMANDS else ("check", words)
     code: int = importlib.import_module(f"urdfcheck.cli.commands.{command}").main(rest)
