@@ -19,7 +19,7 @@ HEAD = re.compile(r"^\[([0-9a-f]{8})\] (error|warning|info) ([A-Z]{3}\d{3}) (\S+
 
 @pytest.fixture(scope="module")
 def car() -> Run:
-    return run(make_request(FIXTURES / "car-3", tier="source"), IN_THIS_PROCESS)
+    return run(make_request(FIXTURES / "car-3", tier="mesh"), IN_THIS_PROCESS)
 
 
 def test_each_finding_has_an_id_a_place_evidence_and_its_edit(car: Run) -> None:

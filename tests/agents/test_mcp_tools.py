@@ -65,6 +65,25 @@ def test_a_robot_is_told_on_a_page(workspace: Workspace) -> None:
     assert page[2].startswith("  wheel_1_to_base_link: continuous, axis 0 1 0 → wheel_1 (")
 
 
+XACRO = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:property name="heavy" value="2.5"/>
+<xacro:macro name="part" params="name mass">
+<link name="${name}"><inertial><mass value="${mass * 2}"/></inertial></link>
+</xacro:macro>
+<xacro:part name="arm" mass="${heavy}"/>
+</robot>"""
+
+
+def test_a_number_is_led_back_to_where_it_was_typed(workspace: Workspace, tmp_path: Path) -> None:
+    (tmp_path / "arm.xacro").write_text(XACRO, encoding="utf-8")
+    lines = [line.strip() for line in workspace.expand("arm.xacro", "link[arm]/inertial/mass").splitlines()]
+    assert lines[:2] == ["arm.xacro:4 ${mass * 2}", "= 5.0 in link[arm]/inertial/mass@value"]
+    assert "parameter mass: ${heavy} = 2.5 at arm.xacro:6" in lines
+    assert "property heavy: 2.5 at arm.xacro:2" in lines
+    assert workspace.expand("arm.xacro", "nothing like it") == "no expression of arm.xacro matches 'nothing like it'"
+    assert workspace.expand("car-3/urdf/car-3.urdf") == "car-3/urdf/car-3.urdf has no expressions"
+
+
 def test_a_model_that_is_not_one_is_explained_instead_of_described(workspace: Workspace, tmp_path: Path) -> None:
     (tmp_path / "broken.urdf").write_text("<robot", encoding="utf-8")
     assert "error XML001 broken.urdf" in workspace.describe("broken.urdf")

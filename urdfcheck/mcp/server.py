@@ -62,6 +62,13 @@ def build_server(root: Path) -> MCPServer:
             return workspace.compare_commits(revisions, paths or [])
 
     @server.tool(annotations=_READS)
+    def expand(path: str, words: str = "") -> str:
+        """Say what the expressions of a xacro became and where the numbers in them were typed: property, argument, macro call or
+        yaml key. words: part of a place (arm.xacro:12), of an element (link[arm]/inertial) or of an expression (arm_mass)."""
+        with _explained():
+            return workspace.expand(path, words)
+
+    @server.tool(annotations=_READS)
     def describe(path: str) -> str:
         """Return a robot on one page: its kinematic tree with masses, densities, joint axes and limits."""
         with _explained():

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.api import check, diff, diff_commits, prepare_worker_surroundings
@@ -14,10 +15,12 @@ from urdfcheck.core import Finding, Run, UrdfcheckError
 from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.fix.fixer import compute_fixes
 from urdfcheck.fix.patch import iter_diff_lines, write_files
+from urdfcheck.mcp.computed_values import describe_computed
 from urdfcheck.mcp.robot_summary import summarize_robot
 from urdfcheck.output import changes, render_picture
 from urdfcheck.output.agent import MOST_CHARACTERS, name_finding, render_findings
 from urdfcheck.rules import explain_rule, load_rules, select_rules
+from urdfcheck.run.pipeline import audit_single_model
 from urdfcheck.run.request import RunOptions, make_request
 
 # A finding is also named by a longer beginning of its fingerprint.
@@ -75,6 +78,18 @@ class Workspace:
         """Say what a change of the git repository does to the robots: REV against the work tree, or REV..REV."""
         inside = [os.path.relpath(path, self.root) for path in self._list_inside(paths)]
         return _cut(changes.render(diff_commits(revisions, inside, repository=self.root), "text"), "name one model")
+
+    def expand(self, path: str, words: str = "") -> str:
+        """Return what the expressions of a model became and where their numbers were typed.
+
+        ``words``: part of a place (``arm.xacro:12``), of an element (``link[arm]/inertial``) or of an expression (``arm_mass``).
+        """
+        request, _ = make_request(RunOptions(paths=self._list_inside([path]), tier="source"))
+        with prepare_worker_surroundings():
+            report = audit_single_model(replace(request, options=replace(request.options, index=True)))
+        if report.index is None:
+            raise UrdfcheckError(f"{path} was not read: check it")
+        return _cut(describe_computed(report.index, words), "name a place or an element")
 
     def describe(self, path: str) -> str:
         """Return a robot on one page: the tree, masses, joints and limits."""
