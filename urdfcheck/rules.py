@@ -82,6 +82,12 @@ def load_rules() -> Mapping[str, Rule]:
     return MappingProxyType({rule.code: rule for rule in loaded})
 
 
+@cache
+def find_page(code: str) -> Path | None:
+    """Return the file of a rule's page."""
+    return next(find_pages_folder().glob(f"{code}-*.md"), None)
+
+
 def load_page(path: Path) -> Rule:
     """Read one page.
 
