@@ -15,7 +15,7 @@ from urdfcheck.mcp.tools import Workspace
 from urdfcheck.version import __version__
 
 INSTRUCTIONS = """\
-urdfcheck audits robot models (URDF, xacro, meshes, launch files). Check first. Mend at the place that a finding names: it may
+urdfcheck audits robot models (URDF, xacro, meshes, launch files). Check first. Repair at the place that a finding names: it may
 be a macro argument or a property, not the element. Check again, then compare with what there was. What is proven follows from
 the file; a hint may be meant: read `explain` before you change what it names."""
 _READS = ToolAnnotations(read_only_hint=True, open_world_hint=False)
