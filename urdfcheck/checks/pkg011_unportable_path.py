@@ -102,7 +102,7 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
 
 
 def _get_severity(problem: _PathProblem) -> Severity | None:
-    """Return that of paths that are no error: letters of files that are found are a note about other machines."""
+    """Return the severity of paths that are found or may be: letters of a file that is found are a note about other machines."""
     is_found = all(use.resource.exists for use in problem.uses)
     return Severity.INFO if problem.message == "letters" and is_found else None
 
