@@ -6,13 +6,14 @@ import json
 import os
 import signal
 import time
+import warnings
 from pathlib import Path
 
 import pytest
 from conftest import FIXTURES, command
 from lsprotocol import types
 
-from .conftest import Editor
+from .editor import Editor
 
 pytestmark = pytest.mark.slow
 
@@ -185,6 +186,23 @@ def test_findings_that_take_meshes_come_when_nothing_is_typed(tmp_path: Path) ->
     assert {line for _, line, _ in moved} == {line + 1 for _, line, _ in shown}
     editor.save(path)
     assert list_shown(editor, path) == moved == list_found(tmp_path, path)
+    editor.end()
+
+
+@pytest.mark.parametrize("like", ["neovim", "emacs"])
+def test_other_editors_get_what_they_said_they_understand(like: str, tmp_path: Path) -> None:
+    """The client warns of anything that the capabilities of its editor do not allow."""
+    editor = Editor(tmp_path, "--tier", "source", like=like)
+    path = tmp_path / "é 🤖.urdf"
+    path.write_text(IMPOSSIBLE)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        editor.open(path)
+        (found,) = [d for d in editor.diagnostics(path) if d.code == "INR003"]
+        params = types.CodeActionParams(editor.identify(path), found.range, types.CodeActionContext([found]))
+        assert editor.wait(editor.client.text_document_code_action_async(params))
+        hover = types.HoverParams(editor.identify(path), found.range.start)
+        assert editor.wait(editor.client.text_document_hover_async(hover)) is not None
     editor.end()
 
 

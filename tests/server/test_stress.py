@@ -18,7 +18,7 @@ import pytest
 from conftest import FIXTURES, command
 from lsprotocol import types
 
-from .conftest import Editor
+from .editor import Editor
 
 pytestmark = pytest.mark.slow
 
