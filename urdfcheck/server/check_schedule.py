@@ -153,6 +153,12 @@ class CheckSchedule:
         self._answered = asyncio.Event()
         if tier is None:
             self.complete = self.latest
+        self.documents.sources = {
+            os.path.realpath(name): text
+            for state in reversed(self.states)
+            for project in state.answer.projects
+            for name, text in project.sources.items()
+        }
         self.on_change()
 
     def _make_job(self, tier: str | None, paths: list[str], *, fixes: bool = False) -> CheckJob:
