@@ -368,9 +368,9 @@ def end_with_parent(parent: int) -> None:
 
 
 def limit_threads() -> None:
-    """Keep numpy and its libraries from starting threads, unless the user asks for some.
+    """One thread of BLAS for each process, unless the environment says otherwise. Before NumPy is loaded.
 
-    The processes share the cores, so BLAS threads in each would only compete; and a process with threads must not be forked.
+    The processes share the cores, so that more threads would only compete; and a process with threads must not be forked.
     """
     for variable in _THREAD_VARIABLES:
         os.environ.setdefault(variable, "1")
