@@ -84,7 +84,7 @@ class CheckSchedule:
     async def wait_until_known(self, document: OpenDocument) -> None:
         """Wait until a document was checked once, but not for ever: an editor that has just opened it asks only once."""
         with contextlib.suppress(asyncio.TimeoutError):
-            while self.latest is None or document.real not in self.latest.texts:
+            while not self.problem and (self.latest is None or document.real not in self.latest.texts):
                 await asyncio.wait_for(self._answered.wait(), PATIENCE)
 
     async def find_fixes(self, only: OpenDocument) -> CheckAnswer:
@@ -131,7 +131,10 @@ class CheckSchedule:
         try:
             answer = await self.client.run_job(self._make_job(tier, list_checked_paths(self.documents)))
         except CheckProcessError as error:
+            if self.client.is_ended:
+                return
             self.problem = str(error)
+            self._note_answer()
             self.on_change()
             if self.client.can_start:
                 self._waiting.add(tier)
@@ -149,8 +152,7 @@ class CheckSchedule:
             return
         self.latest = CheckedState(answer=answer, texts=texts)
         self.indexes.take_answer(answer, texts)
-        self._answered.set()
-        self._answered = asyncio.Event()
+        self._note_answer()
         if tier is None:
             self.complete = self.latest
         self.documents.sources = {
@@ -160,6 +162,10 @@ class CheckSchedule:
             for name, text in project.sources.items()
         }
         self.on_change()
+
+    def _note_answer(self) -> None:
+        self._answered.set()
+        self._answered = asyncio.Event()
 
     def _make_job(self, tier: str | None, paths: list[str], *, fixes: bool = False) -> CheckJob:
         self._numbers += 1

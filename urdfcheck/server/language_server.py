@@ -111,7 +111,7 @@ def _add_lifecycle(server: UrdfcheckServer) -> None:
 
     @server.feature(types.SHUTDOWN)
     async def end(*_: Any) -> None:
-        await server.client.stop()
+        await server.client.end()
 
 
 def _add_questions(server: UrdfcheckServer) -> None:
