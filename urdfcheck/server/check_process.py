@@ -180,7 +180,7 @@ class _CheckProcess:
 
     def _make_request(self, paths: tuple[str, ...], job: CheckJob, *, tier: str | None) -> Request:
         request, _ = make_request(replace(self.options, paths=paths, tier=tier or self.options.tier))
-        return replace(request, options=replace(request.options, texts=job.texts, index=not job.fixes))
+        return replace(request, options=replace(request.options, texts=job.texts, index=job.index))
 
 
 def _group_by_project(paths: tuple[str, ...]) -> Mapping[str, tuple[str, ...]]:
