@@ -424,13 +424,12 @@ def test_a_cache_without_permission_is_told(folder: Path, monkeypatch: pytest.Mo
 
 
 def test_every_command_takes_the_options_of_the_table() -> None:
-    import importlib
 
     from urdfcheck.cli import options
 
     for option in options._OPTIONS:
         for command in options._ALL:
-            parser = importlib.import_module(f"urdfcheck.cli.commands.{command}").build_parser()
+            parser = cli.load_command(command).build_parser()
             known = option.name in parser._option_string_actions
             assert known or command not in option.commands, f"{command} {option.name}"
     assert {name for option in options._OPTIONS for name in option.commands} == set(options._ALL)
