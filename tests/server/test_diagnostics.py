@@ -201,6 +201,7 @@ def test_findings_that_take_meshes_come_when_nothing_is_typed(tmp_path: Path) ->
     editor.end()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("like", ["neovim", "emacs"])
 def test_other_editors_get_what_they_said_they_understand(like: str, tmp_path: Path) -> None:
     """The client warns of anything that the capabilities of its editor do not allow."""
@@ -248,6 +249,7 @@ def test_the_server_ends_when_its_client_is_gone(tmp_path: Path) -> None:
     process.stdout.close()
 
 
+@pytest.mark.long
 def test_what_an_engine_that_is_a_target_says_is_shown(tmp_path: Path) -> None:
     """As the command shows it: an engine that refuses the model."""
     pytest.importorskip("mujoco")

@@ -20,7 +20,7 @@ from lsprotocol import types
 
 from .editor import Editor
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 EDITS = int(os.environ.get("URDFCHECK_SERVER_EDITS", "12"))
 # Real robots of many kinds, by the ids of their corpus.
