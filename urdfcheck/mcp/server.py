@@ -85,7 +85,7 @@ def build_server(root: Path) -> MCPServer:
 
 @contextlib.contextmanager
 def _explained() -> Iterator[None]:
-    """What a person would read is the answer; of any other exception the protocol tells nothing."""
+    """What a person would read is the answer; any other exception stays inside."""
     try:
         yield
     except UrdfcheckError as error:

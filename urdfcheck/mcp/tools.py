@@ -46,7 +46,7 @@ class Workspace:
     def fix(self, paths: Sequence[str], ids: Sequence[str], *, write: bool = False) -> str:
         """Compute the edits of some findings, check the edited files, and return the diff and what remains.
 
-        ``ids``: as `check` returns them. An edit that makes anything worse is refused. ``write``: write the files as well.
+        ``ids``: as `check` returns them. An edit that makes anything worse is refused. ``write``: also write the files.
         """
         before = self._run(paths)
         wanted = _find_named(before, ids)
