@@ -150,6 +150,24 @@ def test_what_only_slides_on_a_fixed_base_needs_no_inertia(tmp_path: Path, kind:
     assert finding.message_id == message
 
 
+@pytest.mark.parametrize(("root", "message"), [("world", "bolted"), ("flange", "placeholder")])
+def test_the_palm_of_a_gripper_needs_no_inertia_only_where_the_file_fixes_it_to_the_world(
+    tmp_path: Path, root: str, message: str
+) -> None:
+    finger = inertial(0.5, ixx=1e-4, iyy=1.1e-4, izz=2e-5), visual(box("0.01 0.01 0.05"))
+    text = robot(
+        link(root),
+        link("palm", inertial(1.5, 0.1), visual(box("0.1 0.1 0.1"))),
+        link("left_finger", *finger),
+        link("right_finger", *finger),
+        joint("weld", root, "palm"),
+        joint("left", "palm", "left_finger", kind="prismatic", xyz="0 0.02 0.07", axis="0 1 0"),
+        joint("right", "palm", "right_finger", kind="prismatic", xyz="0 -0.02 0.07", axis="0 -1 0"),
+    )
+    (finding,) = find(tmp_path, text, {"INR007"})
+    assert finding.message_id == message
+
+
 # -- INR008 -----------------------------------------------------------------------------------------------------------
 
 
