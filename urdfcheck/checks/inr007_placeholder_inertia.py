@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Rule, Severity, Span
+from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
@@ -22,6 +22,7 @@ from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
+from urdfcheck.model.simulation_use import is_made_for_display
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -96,7 +97,7 @@ def _count_masses(suspects: Iterable[_PlaceholderInertial]) -> int:
 
 
 def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderInertial]:
-    for body in list_whole_bodies(model):
+    for body in [] if _is_display_model(model) else list_whole_bodies(model):
         descriptions = {
             name: what
             for name in body.links
@@ -111,6 +112,14 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
                 yield _PlaceholderInertial(
                     declared, mass, description, shares[name][1], misfit=_measure_misfit(model, declared, mass, factor)
                 )
+
+
+def _is_display_model(model: Model) -> bool:
+    """Whether a robot is only drawn: then the inertial of its root is a dummy (INR001)."""
+    try:
+        return is_made_for_display(model)
+    except FactUnavailableError:  # the tree is broken
+        return False
 
 
 def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:
