@@ -13,7 +13,7 @@ from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule, Severity, 
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
-from urdfcheck.facts.inertials.materials import DENSEST
+from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
@@ -33,6 +33,8 @@ _FEWEST = 4
 _FEWEST_MASSES = 3
 # Cosine: a joint's axis is along a rod where the angle between the two is below 25°.
 _ALONG = 0.9
+# A link of less than a gram (kg) is a mark on the body that it is fixed to. Its tensor counts from this share of the body's.
+_SPECK, _SPECK_SHARE = 1e-3, 0.25
 # The diagonal in m above which a model without moving joints is no object that a robot handles.
 _SCENERY = 10.0
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
@@ -107,8 +109,10 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
             continue
         shares = compute_body_shares(model, body.links) if descriptions else {}
         for name, description in descriptions.items():
-            if name in shares and shares[name][1] >= NEGLIGIBLE_SHARE:
-                declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
+            if name not in shares:
+                continue
+            declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
+            if shares[name][1] >= (_SPECK_SHARE if mass < _SPECK else NEGLIGIBLE_SHARE):
                 yield _PlaceholderInertial(
                     declared, mass, description, shares[name][1], misfit=_measure_misfit(model, declared, mass, factor)
                 )
@@ -154,6 +158,8 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed
             if is_unknown_mass(mass, declared.tensor, drawn.solid):
                 return None
             solid = compute_solid_inertia(drawn.solid, mass)
+            if mass < LIGHTEST * drawn.solid.volume and np.trace(declared.tensor) < np.trace(solid):
+                return None  # no material is so light: the drawing is too large, rather than the tensor too small
             misfit = _compare_moments(declared.tensor, solid, allowed)
             if misfit is not None and misfit.is_axial:
                 misfit = misfit._replace(is_felt=_turns_about_length(model, declared.link, solid))
