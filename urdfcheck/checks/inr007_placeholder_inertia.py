@@ -34,7 +34,7 @@ _FEWEST_MASSES = 3
 # Cosine: a joint's axis is along a rod where the angle between the two is below 25°.
 _ALONG = 0.9
 # A link of less than a gram (kg) is a mark on the body that it is fixed to. Its tensor counts from this share of the body's.
-_SPECK, _SPECK_SHARE = 1e-3, 0.25
+_SPECK, _SPECK_SHARE = 1e-3, 0.15
 # The diagonal in m above which a model without moving joints is no object that a robot handles.
 _SCENERY = 10.0
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
