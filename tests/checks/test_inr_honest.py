@@ -270,6 +270,15 @@ def test_what_is_far_too_small_about_the_right_com_may_lack_the_term_of_several_
     assert ("parallel-axis" in finding.message) == hint
 
 
+@pytest.mark.parametrize(("mass", "found"), [(2.0, True), (0.5, False)])
+def test_a_drawing_that_no_material_is_light_enough_for_says_nothing(tmp_path: Path, mass: float, found: bool) -> None:
+    solid = geometry([((0.4, 0.4, 0.5), (0.0, 0.0, 0.0))]).solid
+    own = uniform(solid, mass)
+    small = own.tensor * 0.004 * np.diag((1.0, 1.2, 1.3))
+    numbers = replace(own, com=np.array((0.09, -0.06, 0.05)), tensor=small)
+    assert bool(find(tmp_path, arm_on_base(format_inertial(numbers), visual(box("0.4 0.4 0.5"))), {"INR009"})) == found
+
+
 def test_a_hull_says_nothing_about_the_com(tmp_path: Path) -> None:
     drawn = geometry(CASTING)
     assert drawn.hull is not None

@@ -32,7 +32,7 @@ from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
+from urdfcheck.model.inertials.inertial_hull import EnclosedInertial, enclosed_inertials, has_negligible_moment
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, lacks_only_com
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
@@ -42,6 +42,7 @@ from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.simulation_use import is_made_for_display
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -65,8 +66,8 @@ def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[
 def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
     unit = find_tensor_unit(model)
     in_unit: list[tuple[DeclaredTensor, bool]] = []
-    for part in enclosed_inertials(model):
-        if part.moment_share < NEGLIGIBLE_SHARE:
+    for part in [] if is_made_for_display(model) else enclosed_inertials(model):
+        if has_negligible_moment(part.mass, part.moment_share):
             continue
         declared = model.tensor_by_name[part.link.name]
         # If programs disagree about the size (MSH008) or the up axis of a mesh, the excess must be there in all readings.

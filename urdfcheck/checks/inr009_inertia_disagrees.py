@@ -11,7 +11,7 @@ from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
-from urdfcheck.facts.inertials.materials import DENSEST
+from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
@@ -153,6 +153,9 @@ def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: Diagnosed
         return False
     if explain_collision_stand_in(model, tensor.link) == "unread" or has_loose_hull(model, tensor.link):
         return False  # the shape of the part is not known
+    drawn = measure_link_geometry(model, tensor.link)
+    if drawn is not None and judged.declared.mass < LIGHTEST * drawn.solid.volume:
+        return False  # nor its size: no material is so light
     return is_hull_enough(model, tensor.link, judged, far=far)
 
 
