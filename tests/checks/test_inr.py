@@ -430,7 +430,10 @@ def test_a_negative_moment_on_a_helper_link_is_a_warning(tmp_path: Path, mass: s
 # -- INR011 ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("mass", "light"), [("0.00099", True), ("0.001", False), ("1", False), ("1e5", False)])
+@pytest.mark.parametrize(
+    ("mass", "light"),
+    [("1e-6", False), ("2e-6", True), ("0.00099", True), ("0.001", False), ("1", False), ("1e5", False)],
+)
 def test_a_child_is_light_below_a_thousandth_and_the_root_may_be_bolted_down(
     tmp_path: Path, mass: str, light: bool
 ) -> None:
