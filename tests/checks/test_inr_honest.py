@@ -279,6 +279,23 @@ def test_a_drawing_that_no_material_is_light_enough_for_says_nothing(tmp_path: P
     assert bool(find(tmp_path, arm_on_base(format_inertial(numbers), visual(box("0.4 0.4 0.5"))), {"INR009"})) == found
 
 
+@pytest.mark.parametrize(
+    ("size", "severity"), [((0.22, 0.12, 0.034), Severity.INFO), ((0.23, 0.12, 0.034), Severity.WARNING)]
+)
+def test_the_box_around_the_main_shape_is_an_approximation(
+    tmp_path: Path, size: tuple[float, ...], severity: Severity
+) -> None:
+    """A tray with two frames below it, whose inertial is that of the box around the tray."""
+    tray = [((0.22, 0.12, 0.006), (0.0, 0.0, -0.014))]
+    tray += [((0.004, 0.12, 0.028), (sign * 0.108, 0.0, 0.003)) for sign in (-1, 1)]
+    write_stl(tmp_path / "tray.stl", tray)
+    numbers = DeclaredInertial(5.5, np.zeros(3), compute_solid_inertia(make_box_solid(size), 5.5))
+    frames = [visual(box("0.13 0.03 0.01"), xyz=f"0 {y} -0.035") for y in (0.033, 0.01)]
+    text = arm_on_base(format_inertial(numbers), visual(mesh("tray.stl")), *frames)
+    found = find(tmp_path, text, {"INR009"})
+    assert [(finding.message_id, finding.severity) for finding in found] == [("com_missing", severity)]
+
+
 def test_a_hull_says_nothing_about_the_com(tmp_path: Path) -> None:
     drawn = geometry(CASTING)
     assert drawn.hull is not None

@@ -26,6 +26,7 @@ from urdfcheck.model.inertials.diagnosis_words import (
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import (
     is_approximation,
+    is_box_of_one_shape,
     is_hull_enough,
     is_light,
     is_placeholder,
@@ -273,6 +274,7 @@ def _build_cause_finding(
         data["other_mass"] = f"{other_mass:.4g}"
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
     mild |= message != "exact" and link.name in list_bolted_links(model)
+    mild |= cause == "com_missing" and is_box_of_one_shape(model, link, judged.declared)
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),

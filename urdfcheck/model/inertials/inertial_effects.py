@@ -13,12 +13,14 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
     compute_solid_inertia,
     list_half_units,
+    make_box_solid,
 )
 from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
 from urdfcheck.model.rigid_bodies import compute_body_mass
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import (
     measure_link_geometry,
 )
@@ -39,6 +41,8 @@ APPROXIMATIONS = frozenset({"bounding_box", "convex_hull", "one_piece", "shell"}
 # A correction that changes the tensor by less than this part of it, and the COM by less than this part of the drawn part, or by
 # less than these metres, is worth an info: a motor or a cover changes as much.
 SLIGHT, SLIGHT_LENGTH = 0.05, 5e-3
+# A box is that of a tensor to within this share, and its centre the COM to within this share of its diagonal.
+_SAME_BOX = 0.02
 
 
 def measure_mismatch(diagnosis: Diagnosis, *, is_mended: bool) -> float:
@@ -128,6 +132,20 @@ def is_approximation(model: Model, link: Link, judged: DiagnosedInertial) -> boo
     uniform = np.linalg.eigvalsh(compute_solid_inertia(drawn.solid, judged.declared.mass))
     moments = np.linalg.eigvalsh(judged.declared.tensor)
     return bool((moments < NEAR * uniform).all() and (uniform < NEAR * moments).all())
+
+
+def is_box_of_one_shape(model: Model, link: Link, declared: DeclaredInertial) -> bool:
+    """Whether COM and tensor are those of the box around one of several shapes of a link: its author left out the others."""
+    for shape in link.visuals if len(link.visuals) > 1 else ():
+        box = compute_bounding_box(model, [(shape, np.eye(4))])
+        if box is None:
+            continue
+        edges = box[1] - box[0]
+        tensor = compute_solid_inertia(make_box_solid(edges), declared.mass)
+        is_centred = np.linalg.norm(box.mean(axis=0) - declared.com) <= _SAME_BOX * np.linalg.norm(edges)
+        if is_centred and np.linalg.norm(declared.inertia - tensor) <= _SAME_BOX * np.linalg.norm(tensor):
+            return True
+    return False
 
 
 def is_hull_enough(model: Model, link: Link, judged: DiagnosedInertial, *, far: float) -> bool:
