@@ -304,6 +304,16 @@ def test_the_box_around_the_main_shape_is_an_approximation(
     assert [(finding.message_id, finding.severity) for finding in found] == [("com_missing", severity)]
 
 
+@pytest.mark.parametrize(("mass", "found"), [(1e-9, False), (2e-3, True)])
+def test_the_mass_of_a_part_without_material_shows_no_unit_of_the_tensor(
+    tmp_path: Path, mass: float, found: bool
+) -> None:
+    """The tensor of a kilogram, as a CAD program writes it whose mass was left out."""
+    true = compute_solid_inertia(make_box_solid((0.2, 0.15, 0.1)), 1.0)
+    text = arm_on_base(format_inertial(DeclaredInertial(mass, np.zeros(3), true)), visual(box("0.2 0.15 0.1")))
+    assert bool(find(tmp_path, text, {"INR005", "INR009"})) == found
+
+
 def test_a_hull_says_nothing_about_the_com(tmp_path: Path) -> None:
     drawn = geometry(CASTING)
     assert drawn.hull is not None

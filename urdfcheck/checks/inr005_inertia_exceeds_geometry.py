@@ -26,12 +26,13 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     list_half_units,
 )
 from urdfcheck.facts.inertials.materials import DENSEST_PART
-from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_unknown_mass
+from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
+from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
 from urdfcheck.model.inertials.inertial_hull import EnclosedInertial, enclosed_inertials, has_negligible_moment
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, lacks_only_com
@@ -76,7 +77,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
             continue
-        if (excess < VAST and _is_stand_in(part)) or _has_unknown_mass(model, part, declared):
+        if (excess < VAST and _is_stand_in(part)) or has_unknown_mass(model, part.link, part.mass, declared.tensor):
             continue
         # The COM is then as likely to be wrong as the tensor.
         is_elsewhere = any(
@@ -104,12 +105,6 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
     if unit is not None and in_unit:
         yield _build_unit_finding(model, rule, unit, [*in_unit, *_list_others_in_unit(model, unit.name, in_unit)])
-
-
-def _has_unknown_mass(model: Model, part: EnclosedInertial, declared: DeclaredTensor) -> bool:
-    """Whether the mass of a link is a placeholder, which is the mistake (INR012, INR015), not the tensor."""
-    drawn = measure_link_geometry(model, part.link)
-    return drawn is not None and is_unknown_mass(part.mass, declared.tensor, drawn.solid)
 
 
 def _has_other_unit(model: Model, link: str, unit: str) -> bool:

@@ -25,6 +25,7 @@ from urdfcheck.model.inertials.diagnosis_words import (
 )
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import (
+    has_unknown_mass,
     is_approximation,
     is_box_of_one_shape,
     is_hull_enough,
@@ -107,6 +108,8 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
         if diagnosis.sound or not diagnosis.at_fault or not is_possible(judged) or name in grouped:
             continue
         if name in rotated or (judged.is_habit and not shows_habit_alone(model, tensor.link, diagnosis)):
+            continue
+        if has_unknown_mass(model, tensor.link, judged.declared.mass, judged.declared.tensor):
             continue
         # One unit that fits some links, where others fit none, is no cause: the COM is wrong in another way.
         is_refuted = disputed.get(diagnosis.cause or "") == "" or _is_unproven(model, tensor.link, judged)

@@ -16,7 +16,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     make_box_solid,
 )
 from urdfcheck.facts.inertials.materials import DENSEST
-from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
 from urdfcheck.model.rigid_bodies import compute_body_mass
@@ -26,6 +26,7 @@ from urdfcheck.model.shapes.visual_solid import (
 )
 
 if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Mat3
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
 
@@ -146,6 +147,12 @@ def is_box_of_one_shape(model: Model, link: Link, declared: DeclaredInertial) ->
         if is_centred and np.linalg.norm(declared.inertia - tensor) <= _SAME_BOX * np.linalg.norm(tensor):
             return True
     return False
+
+
+def has_unknown_mass(model: Model, link: Link, mass: float, tensor: Mat3) -> bool:
+    """Whether the mass (kg) of a link is a placeholder, which is the mistake (INR012, INR015), and not its ``tensor`` (3, 3)."""
+    drawn = measure_link_geometry(model, link)
+    return drawn is not None and is_unknown_mass(mass, tensor, drawn.solid)
 
 
 def is_hull_enough(model: Model, link: Link, judged: DiagnosedInertial, *, far: float) -> bool:
