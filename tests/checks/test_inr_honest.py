@@ -314,6 +314,15 @@ def test_the_mass_of_a_part_without_material_shows_no_unit_of_the_tensor(
     assert bool(find(tmp_path, text, {"INR005", "INR009"})) == found
 
 
+@pytest.mark.parametrize(("mass", "base", "found"), [(1e-3, 2, False), (1e-3, 0.2, True), (3e-3, 5, True)])
+def test_where_the_com_of_a_mark_is_makes_no_difference(tmp_path: Path, mass: float, base: float, found: bool) -> None:
+    size = (0.06, 0.04, 0.02)
+    numbers = DeclaredInertial(mass, np.zeros(3), compute_solid_inertia(make_box_solid(size), mass))
+    drawn = visual(box("0.06 0.04 0.02"), xyz="0.05 0 0")
+    text = arm_on_base(format_inertial(numbers), drawn, base=inertial(base, ixx=0.1, iyy=0.11, izz=0.12))
+    assert [one.message_id for one in find(tmp_path, text, {"INR009"})] == ["com_missing"] * found
+
+
 def test_a_hull_says_nothing_about_the_com(tmp_path: Path) -> None:
     drawn = geometry(CASTING)
     assert drawn.hull is not None

@@ -30,6 +30,7 @@ from urdfcheck.model.inertials.inertial_effects import (
     is_box_of_one_shape,
     is_hull_enough,
     is_light,
+    is_mark,
     is_placeholder,
     is_possible,
     is_rounded_uniform,
@@ -110,6 +111,8 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
         if name in rotated or (judged.is_habit and not shows_habit_alone(model, tensor.link, diagnosis)):
             continue
         if has_unknown_mass(model, tensor.link, judged.declared.mass, judged.declared.tensor):
+            continue
+        if diagnosis.cause == "com_missing" and is_mark(model, judged.declared.mass):
             continue
         # One unit that fits some links, where others fit none, is no cause: the COM is wrong in another way.
         is_refuted = disputed.get(diagnosis.cause or "") == "" or _is_unproven(model, tensor.link, judged)

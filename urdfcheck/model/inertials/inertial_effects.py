@@ -42,6 +42,8 @@ APPROXIMATIONS = frozenset({"bounding_box", "convex_hull", "one_piece", "shell"}
 # A correction that changes the tensor by less than this part of it, and the COM by less than this part of the drawn part, or by
 # less than these metres, is worth an info: a motor or a cover changes as much.
 SLIGHT, SLIGHT_LENGTH = 0.05, 5e-3
+# A link of a gram (kg) or less, that is less than this share of its robot.
+_MARK, _MARK_SHARE = 1e-3, 1e-3
 # A box is that of a tensor to within this share, and its centre the COM to within this share of its diagonal.
 _SAME_BOX = 0.02
 
@@ -171,6 +173,11 @@ def is_tiny(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
         return False
     uniform = compute_solid_inertia(drawn.solid, judged.declared.mass)
     return float(np.trace(uniform)) >= TINY * float(np.trace(judged.declared.tensor))
+
+
+def is_mark(model: Model, mass: float) -> bool:
+    """Whether a link of this ``mass`` (kg) is a mark on its robot: where its COM is makes no difference."""
+    return mass <= _MARK and mass < _MARK_SHARE * sum(declared.mass for declared in model.masses)
 
 
 def is_light(model: Model, link: Link) -> bool:
