@@ -10,13 +10,13 @@ import json
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
+from urdfcheck.facts.mesh.convex_hull import MeshHull, compute_convex_hull
 from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.mesh.topology import (
@@ -48,8 +48,6 @@ __all__ = [
     "Boundary",
     "MeshError",
     "MeshFacts",
-    "MeshHull",
-    "compute_convex_hull",
     "compute_mesh_solid",
     "measure_mesh",
     "restore_mesh_facts",
@@ -60,20 +58,10 @@ __all__ = [
 # a metre where transforms came between (a part of 0.1 m that was placed 1 m from the origin when single precision rounded
 # its corners: 1.2e-6), which is still far below any feature of a part.
 _NOISE = (1e-9, 6e-8, 1e-6, 5e-6)
+# Points processed at a time: what is computed of them stays in the processor's cache.
+_BLOCK = 4096
 # Single precision ends at 3.4028e38: programs that load meshes in it read anything beyond as infinite.
 _INFINITE = 3.4e38
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MeshHull:
-    """A convex hull; for a flat or straight mesh its bounding box, with the volume 0."""
-
-    vertices: Array
-    """(K, 3), the corners."""
-    faces: Indices
-    """(F, 3), triangles that face outwards."""
-    volume: float
-    area: float
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -239,11 +227,19 @@ class MeshFacts:
     def hull(self) -> MeshHull:
         def compute_hull() -> Mapping[str, NDArray[Any]]:
             hull = compute_convex_hull(self.vertices)
-            return {"vertices": hull.vertices, "faces": hull.faces, "sizes": np.array((hull.volume, hull.area))}
+            sizes = np.array((hull.volume, hull.area, hull.excess))
+            return {"vertices": hull.vertices, "faces": hull.faces, "sizes": sizes}
 
         part = self._get_part("hull", compute_hull)
-        volume, area = map(float, part["sizes"])
-        return MeshHull(vertices=part["vertices"], faces=part["faces"], volume=volume, area=area)
+        volume, area, excess = map(float, part["sizes"])
+        return MeshHull(part["vertices"], part["faces"], volume=volume, area=area, excess=excess)
+
+    def compute_reach(self, directions: Array) -> Array:
+        """Compute how far the mesh reaches (n,) from the origin in each direction (n, 3); exact, also where the hull is not."""
+        points = self.vertices if self.hull.excess else self.hull.vertices
+        blocks = (points[start : start + _BLOCK] for start in range(0, len(points), _BLOCK))
+        reach: Array = np.max([(block @ directions.T).max(axis=0) for block in blocks], axis=0)
+        return reach
 
     def _get_part(self, name: str, compute: Callable[[], Mapping[str, NDArray[Any]]]) -> Mapping[str, NDArray[Any]]:
         if name not in self.parts:
@@ -419,28 +415,6 @@ def _deduplicate_faces(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
         return surface, edges
     met = classify_edges(single.faces, len(single.vertices))
     return (single, met) if not edges.closed or len(met.open) else (surface, edges)
-
-
-def compute_convex_hull(points: Array) -> MeshHull:
-    """Compute the convex hull of ``points`` (n, 3)."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        hull = ConvexHull(points)
-    except (QhullError, ValueError):
-        corners = np.array(list(product(*zip(points.min(axis=0), points.max(axis=0), strict=True))))
-        quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-        faces = np.array([(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads])
-        area = float(compute_mesh_moments(corners, faces).area)
-        return MeshHull(vertices=corners, faces=faces, volume=0.0, area=area)
-    number = np.zeros(len(points), dtype=np.int64)
-    number[hull.vertices] = np.arange(len(hull.vertices))
-    faces = number[hull.simplices]
-    vertices: Array = points[hull.vertices]
-    a, b, c = (vertices[column] for column in faces.T)
-    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
-    faces[inward] = faces[inward][:, ::-1]
-    return MeshHull(vertices=vertices, faces=faces, volume=float(hull.volume), area=float(hull.area))
 
 
 def compute_mesh_solid(facts: MeshFacts, scale: Sequence[float], rotation: ArrayLike, translation: ArrayLike) -> Solid:
