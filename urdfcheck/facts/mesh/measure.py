@@ -205,23 +205,25 @@ class MeshFacts:
 
     @cached_property
     def _edges(self) -> Edges:
-        return classify_edges(self.faces, self.n_vertices)
+        return classify_edges(self._surface["faces"], self.n_vertices)
 
     @property
     def duplicate_faces(self) -> int:
         """Number of stored triangles with the corners of an earlier one, in either order."""
 
         def count_repeated() -> Mapping[str, NDArray[Any]]:
-            return {"count": find_repeated_faces(self.faces).sum()}
+            return {"count": find_repeated_faces(self._surface["faces"]).sum()}
 
         return self.dropped_duplicates + int(self._get_part("duplicates", count_repeated)["count"])
 
     @property
     def components(self) -> Indices:
         """Number of faces of each piece that is connected by vertices, largest first."""
-        return self._get_part("components", lambda: {"sizes": count_component_faces(self.faces, self.n_vertices)})[
-            "sizes"
-        ]
+
+        def count_faces() -> Mapping[str, NDArray[Any]]:
+            return {"sizes": count_component_faces(self._surface["faces"], self.n_vertices)}
+
+        return self._get_part("components", count_faces)["sizes"]
 
     @cached_property
     def hull(self) -> MeshHull:
@@ -300,8 +302,10 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
     narrow = vertices.astype(np.float32)
     parts["surface"] = {
         "vertices": _freeze_array(narrow if np.array_equal(narrow, vertices) else vertices),
-        "faces": _freeze_array(faces.astype(np.int32)),
+        "faces": _freeze_array(faces.astype(np.int32, copy=False)),
     }
+    if edges.distinct_faces:
+        parts["duplicates"] = {"count": np.array(0)}
     if raw.colors and raw.faces is not None:
         parts["colors"] = _collect_face_colors(raw, raw.faces, surface)
     fields: dict[str, Any] = {
@@ -337,7 +341,7 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
     frozen: dict[str, Any] = {k: _freeze_array(v) if isinstance(v, np.ndarray) else v for k, v in fields.items()}
     facts = MeshFacts(**frozen, parts=parts)
     # These are in memory already, and more precise than those in ``parts``.
-    facts.__dict__.update(vertices=_freeze_array(vertices), faces=_freeze_array(faces), _edges=edges)
+    facts.__dict__.update(vertices=_freeze_array(vertices), _edges=edges)
     return facts
 
 
@@ -359,11 +363,10 @@ def _collect_face_colors(raw: RawMesh, faces: Indices, surface: Surface) -> dict
 
 def _weld_finite_triangles(raw: RawMesh) -> tuple[Surface, int]:
     """Return the surface of the triangles with finite corners, equal corners merged, and how many corners are not finite."""
-    finite = np.abs(raw.vertices) < _INFINITE
-    if finite.all():
+    if raw.vertices.min() > -_INFINITE and raw.vertices.max() < _INFINITE:
         points, faces, non_finite = raw.vertices, raw.faces, 0
     else:
-        usable = finite.all(axis=1)
+        usable = (np.abs(raw.vertices) < _INFINITE).all(axis=1)
         non_finite = int((~usable).sum())
         corners = np.arange(len(raw.vertices)).reshape(-1, 3) if raw.faces is None else raw.faces
         points, faces = raw.vertices, corners[usable[corners].all(axis=1)]
