@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
+from urdfcheck.system.qhull import load_qhull
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -66,12 +67,11 @@ class _CentredPoints:
 
 def compute_convex_hull(points: Array) -> MeshHull:
     """Compute the convex hull of ``points`` (n, 3); of more than `MOST_EXACT`, within `MOST_EXCESS`."""
-    from scipy.spatial import ConvexHull, QhullError
-
+    qhull = load_qhull()
     try:
         bounded = _bound_hull(points) if len(points) > MOST_EXACT else None
-        hull = bounded or ConvexHull(points)
-    except (QhullError, ValueError):
+        hull = bounded or qhull.ConvexHull(points)
+    except (qhull.QhullError, ValueError):
         return _make_flat_hull(points)
     corners = hull.points
     number = np.zeros(len(corners), dtype=np.int64)
@@ -100,8 +100,7 @@ def _bound_hull(points: Array) -> ConvexHull | None:
     The first are the outermost in many directions. Of the points outside, the farthest from each face follow, as in quickhull
     (Barber, Dobkin and Huhdanpaa, *The quickhull algorithm for convex hulls*, 1996), until there are none.
     """
-    from scipy.spatial import ConvexHull
-
+    qhull = load_qhull()
     seen = _centre_points(points)
     if seen is None:
         return None
@@ -110,7 +109,7 @@ def _bound_hull(points: Array) -> ConvexHull | None:
     left = np.zeros(0, dtype=np.int64)
     for turn in range(_ROUNDS):
         chosen = np.unique(chosen)
-        hull = ConvexHull(points[chosen])
+        hull = qhull.ConvexHull(points[chosen])
         chosen = chosen[hull.vertices]
         slopes = _compute_slopes(hull.equations, seen)
         if slopes is None:
@@ -128,7 +127,7 @@ def _bound_hull(points: Array) -> ConvexHull | None:
         farthest, order = np.full(len(slopes), -1), np.argsort(gauge)
         farthest[face[order]] = left[order]  # the last to write, which is the farthest, stays
         chosen = np.concatenate((chosen, farthest[farthest >= 0]))
-    return ConvexHull(points[np.concatenate((chosen, left))])
+    return qhull.ConvexHull(points[np.concatenate((chosen, left))])
 
 
 def _centre_points(points: Array) -> _CentredPoints | None:
