@@ -104,8 +104,9 @@ def _bound_hull(points: Array) -> ConvexHull | None:
     seen = _centre_points(points)
     if seen is None:
         return None
-    longest = float(np.sqrt(np.square(seen.rays).sum(axis=0).max()))
-    chosen = np.concatenate((_select_outermost(seen.rays), points.argmin(axis=0), points.argmax(axis=0)))
+    longest = float(np.linalg.norm([np.abs(column).max() for column in seen.rays]))  # or somewhat more
+    extremes = [place for column in points.T for place in (column.argmin(), column.argmax())]
+    chosen = np.concatenate((_select_outermost(seen.rays), extremes))
     left = np.zeros(0, dtype=np.int64)
     for turn in range(_ROUNDS):
         chosen = np.unique(chosen)
