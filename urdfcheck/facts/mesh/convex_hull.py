@@ -35,8 +35,9 @@ MOST_EXCESS = 1e-3
 _CHOOSING, _BOUNDING = 32, 64
 # Rounds in which the farthest point outside of each face is added. A few are enough; what is left after these is added whole.
 _ROUNDS = 20
-# Items processed at a time: their temporaries stay in the processor's cache.
-_CHUNK, _MOST_PRODUCTS = 16384, 1 << 18
+# Items processed at a time: their temporaries stay in the processor's cache. More products at once are shared among threads by
+# OpenBLAS outside of workers, where these take longer to wait for each other than to multiply.
+_CHUNK, _MOST_PRODUCTS = 16384, 1 << 17
 
 
 @dataclass(frozen=True, slots=True, eq=False)
