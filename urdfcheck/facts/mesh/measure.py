@@ -227,6 +227,8 @@ class MeshFacts:
 
     @cached_property
     def hull(self) -> MeshHull:
+        """Exact for ordinary meshes: see `urdfcheck.facts.mesh.convex_hull.MOST_EXACT`."""
+
         def compute_hull() -> Mapping[str, NDArray[Any]]:
             hull = compute_convex_hull(self.vertices)
             sizes = np.array((hull.volume, hull.area, hull.excess))
