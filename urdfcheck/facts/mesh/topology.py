@@ -442,16 +442,21 @@ def label_bodies(faces: Indices, n_vertices: int) -> Indices:
     have corners in common, and are connected where two faces share an edge. Where a piece of these is open, the pieces are those
     of `label_components`."""
     keys, backward = _build_half_edges(faces)
-    edges, inverse = np.unique(keys, return_inverse=True)
-    owner, by_edge = np.tile(np.arange(len(faces)), 3), np.argsort(inverse, kind="stable")
-    counts = np.bincount(inverse, minlength=len(edges))
-    first = (np.cumsum(counts) - counts)[counts == 2]
-    pairs = np.stack((owner[by_edge[first]], owner[by_edge[first + 1]]), axis=1)
-    lowest, labels = np.unique(_find_lowest_connected(pairs, len(faces)), return_inverse=True)
+    edge = _find_first_equal_keys(keys, _spread_edges, n_vertices << 2)
+    of_two = np.take(np.bincount(edge), edge) == 2
+    second = np.flatnonzero(of_two & (edge != np.arange(len(edge))))
+    first = np.take(edge, second)
+    lowest = _find_lowest_connected(np.stack((first, second), axis=1) % len(faces), len(faces))
+    pieces, labels = np.unique(lowest, return_inverse=True)
     # Of each edge of a piece there are as many half edges in either direction.
-    sides, of_piece = np.unique(inverse * len(lowest) + labels[owner], return_inverse=True)
-    uneven = np.bincount(of_piece, weights=np.where(backward, -1.0, 1.0), minlength=len(sides))
-    return label_components(faces, n_vertices) if uneven.any() else labels.astype(np.int64)
+    others = np.flatnonzero(~of_two)
+    sides, of_piece = np.unique(
+        edge[others].astype(np.int64) * len(pieces) + labels[others % len(faces)], return_inverse=True
+    )
+    uneven = np.bincount(of_piece, weights=np.where(backward[others], -1.0, 1.0), minlength=len(sides))
+    if uneven.any() or (np.take(backward, first) == np.take(backward, second)).any():
+        return label_components(faces, n_vertices)
+    return labels.astype(np.int64)
 
 
 def find_boundaries(vertices: Array, open_edges: Indices) -> tuple[Boundary, ...]:
