@@ -19,6 +19,7 @@ from typing import Any
 import tomli
 
 from urdfcheck.core import Applicability, Confidence, Rule, RuleFamily, RuleOption, Severity, UrdfcheckError
+from urdfcheck.system.installation import find_pages_folder as find_pages_folder
 
 Check = Callable[..., Iterable[Any]]
 
@@ -50,12 +51,6 @@ _KEYS = {
 # What the report shows of a robot for a finding whose family and page ask for nothing else.
 _PLAIN = ("visual",)
 _TITLE = re.compile(r"# ([A-Z]{3}\d{3}) ([a-z0-9]+(?:-[a-z0-9]+)*)\n")
-
-
-def find_pages_folder() -> Path:
-    """Return the folder of the pages: in the installed package, or in the source tree beside it."""
-    installed = Path(__file__).parent / "_rules"
-    return installed if installed.is_dir() else Path(__file__).parent.parent / "rules"
 
 
 @cache

@@ -230,7 +230,7 @@ def build_access_request(options: argparse.Namespace, path: str, codes: frozense
 
 def _drop_unusable_cache(request: Request) -> Request:
     """Return the request without a cache that cannot be read, and say so."""
-    from urdfcheck.system.array_cache import explain_unusable_folder
+    from urdfcheck.system.cache_folder import explain_unusable_folder
 
     reason = None if request.cache is None else explain_unusable_folder(request.cache)
     if reason is None:

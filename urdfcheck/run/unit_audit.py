@@ -5,11 +5,12 @@ Only plain data leaves: findings, skips, the model's line in the report and, whe
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import cache, partial
@@ -39,6 +40,7 @@ from urdfcheck.run.comment_usage import assess_comments
 from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.replay.reports import keep_report
 from urdfcheck.run.report_sizes import limit_mechanism, limit_scene
 from urdfcheck.run.shown_paths import PathShortener
 from urdfcheck.run.source_texts import RULE as TEXTS_RULE
@@ -53,7 +55,10 @@ from urdfcheck.source.text.suppression_comments import find_ignore_comments
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 from urdfcheck.system.array_cache import ArrayCache
+from urdfcheck.system.environment import read_folders
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
+from urdfcheck.system.installation import list_own_files
+from urdfcheck.system.observations import Observations, observe
 
 if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest
@@ -76,7 +81,12 @@ def audit_unit(unit: Unit, settings: AuditSettings) -> UnitReport:
     start = time.perf_counter()
     audit = _UnitAudit(unit, settings)
     # Numbers that overflow are findings, not warnings of numpy.
-    with record_reads() as reads, overlay_files(settings.options.texts), np.errstate(all="ignore"):
+    with (
+        _observe(settings) as observations,
+        record_reads() as reads,
+        overlay_files(settings.options.texts),
+        np.errstate(all="ignore"),
+    ):
         try:
             if unit.kind == "package":
                 audit.audit_package()
@@ -88,7 +98,21 @@ def audit_unit(unit: Unit, settings: AuditSettings) -> UnitReport:
             audit.stop_audit("time")
         except MemoryError:
             audit.stop_audit("memory")
-    return replace(audit.build_report(time.perf_counter() - start), reads=reads)
+        report = replace(audit.build_report(time.perf_counter() - start), reads=reads)
+    if observations is None:
+        return report
+    keep_report(unit, settings, report, observations)
+    return replace(report, observations=observations)
+
+
+@contextlib.contextmanager
+def _observe(settings: AuditSettings) -> Iterator[Observations | None]:
+    """Observe what a report depends on that may be kept."""
+    if settings.cache is None or not settings.replay_key:
+        yield None
+        return
+    with observe(apart=(settings.cache, *list_own_files())) as observations:
+        yield observations
 
 
 class _UnitAudit:
@@ -134,11 +158,11 @@ class _UnitAudit:
     def list_machine_folders(self) -> set[str]:
         """Return the folders of the unit's files, as absolute and as real paths."""
         given = (*self.packages.by_name.values(), *self.packages.search_path, Path(self.unit.path).parent, Path())
-        variables = (os.environ.get(name, "").split(os.pathsep) for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"))
+        variables = map(read_folders, ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"))
         folders = {
             *(self.settings.reach or ()),
             *map(os.path.abspath, given),
-            *filter(None, itertools.chain(*variables)),
+            *itertools.chain(*variables),
         }
         return folders | set(map(os.path.realpath, folders))
 

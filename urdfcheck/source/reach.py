@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+from urdfcheck.system.environment import expand_home, read_variable
+
 # The folders that make up one robot without a package.xml or a repository around them (robot/urdf/robot.urdf, robot/meshes/).
 _PARTS = frozenset({
     *("assets", "config", "gazebo", "launch", "materials", "media", "mesh", "meshes", "mjcf", "mujoco", "robots", "ros2_control"),
@@ -111,8 +113,8 @@ def is_shared_by_all(folder: Path, shared: frozenset[str] | None = None) -> bool
 def list_shared_folders() -> frozenset[str]:
     """Return the user's home and the folders for temporary files, as real paths."""
     # Not tempfile.gettempdir(), which tries to write: a worker may not.
-    named = filter(None, map(os.environ.get, ("TMPDIR", "TEMP", "TMP")))
-    return _resolve_all((os.path.expanduser("~"), *_TEMPORARY, *named))
+    named = filter(None, map(read_variable, ("TMPDIR", "TEMP", "TMP")))
+    return _resolve_all((expand_home("~"), *_TEMPORARY, *named))
 
 
 @lru_cache(maxsize=8)  # a check asks about the folders above each file

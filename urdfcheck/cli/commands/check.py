@@ -25,6 +25,7 @@ from urdfcheck.cli.terminal import (
     say,
     silence_stdout,
 )
+from urdfcheck.cli.unchanged_runs import UnchangedRuns, observe_run
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output import DRAWING_FORMATS, FORMATS
 from urdfcheck.run.preload import start_warm_worker
@@ -124,28 +125,40 @@ def main(words: Sequence[str]) -> int:
     ensure_paths(options)
     _validate_options(options)
     given = read_given_file(options)
-    warm_worker = start_warm_worker()
     reports = ReportPlan.from_options(options)
+    # Before anything is loaded that an audit needs.
+    unchanged = UnchangedRuns.for_options(options, has_texts=bool(given), needs_scene=reports.needs_scene)
+    if unchanged is not None and (known := unchanged.recall()) is not None:
+        return _report(known[0], options, reports=reports, default_fail_on=known[1])
+    warm_worker = start_warm_worker()
 
     from urdfcheck.run.pipeline import Execution
     from urdfcheck.system import libraries
 
-    request, settings = build_request(options, scene=reports.needs_scene)
-    request = replace(request, options=replace(request.options, texts=given))
+    def ask() -> tuple[Request, Config]:
+        request, settings = build_request(options, scene=reports.needs_scene)
+        return replace(request, options=replace(request.options, texts=given)), settings
+
     libraries.prefer_own_folders()
-    if options.watch:
-        return _watch(options, reports, asked=(request, settings), warm_worker=warm_worker)
     execution = Execution(warm_worker=warm_worker, on_idle=reports.import_formats, on_progress=make_progress_printer())
-    if not (options.fix or options.diff):
+    if not (options.fix or options.diff or options.watch):
         from urdfcheck.api import run_and_ask
 
-        return _report(run_and_ask(request, execution), options, reports=reports, settings=settings)
+        with observe_run(unchanged) as observations:
+            request, settings = ask()
+            outcome = run_and_ask(request, execution)
+        if unchanged is not None and request.cache is not None:
+            unchanged.keep(outcome, settings.fail_on, observations)
+        return _report(outcome, options, reports=reports, default_fail_on=settings.fail_on)
+    request, settings = ask()
+    if options.watch:
+        return _watch(options, reports, asked=(request, settings), warm_worker=warm_worker)
     fixes = _compute_fixes(request, execution, include_unsafe=options.unsafe_fixes, are_only_shown=options.diff)
     if options.diff:
         fail_on = options.fail_on or settings.fail_on
         return _print_diff(fixes, fail_on=fail_on, allow_empty=options.allow_empty)
     _write_fixes(fixes)
-    return _report(fixes.outcome, options, reports=reports, settings=settings)
+    return _report(fixes.outcome, options, reports=reports, default_fail_on=settings.fail_on)
 
 
 def _validate_options(options: argparse.Namespace) -> None:
@@ -220,12 +233,12 @@ class ReportPlan:
             importlib.import_module(f"urdfcheck.output.{name}")
 
 
-def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, settings: Config) -> int:
-    """Print the outcome, write all reports, and return the exit code.
+def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, default_fail_on: str) -> int:
+    """Print the outcome, write all reports, and return the exit code. ``default_fail_on``: what the configuration says.
 
     :raises UrdfcheckError: when reports cannot be written; the others are still written.
     """
-    fail_on = options.fail_on or settings.fail_on
+    fail_on = options.fail_on or default_fail_on
     try:
         if options.statistics:
             print_statistics(outcome, options.color)
@@ -269,7 +282,7 @@ def _watch(
     return watch(
         asked,
         lambda: build_request(options, scene=reports.needs_scene),
-        lambda outcome, settings: _report(outcome, options, reports=reports, settings=settings),
+        lambda outcome, settings: _report(outcome, options, reports=reports, default_fail_on=settings.fail_on),
         written=[file for _, file in reports.files],
         warm_worker=warm_worker,
         on_idle=reports.import_formats,
