@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.system import observations
-from urdfcheck.system.environment import expand_home, read_variable
 from urdfcheck.system.files import read_regular, read_start
-from urdfcheck.system.observations import Observations, Recheck, add_observations, compute_sha256, observe
+from urdfcheck.system.observations import Observations, Recheck, observe
+from urdfcheck.system.questions import add_observations, compute_sha256, expand_home, read_variable
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="nothing is kept where Python asks in other ways")
 

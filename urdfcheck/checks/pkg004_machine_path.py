@@ -14,7 +14,7 @@ from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.resources import ResourceUse, find_machine_path, format_path_from_model, list_resource_uses
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
-from urdfcheck.system.observations import note_content
+from urdfcheck.system.questions import note_content
 
 
 @dataclass(slots=True, eq=False)

@@ -44,11 +44,11 @@ from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import FileReach
 from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.array_cache import ArrayCache
-from urdfcheck.system.environment import read_folders, read_variable
 from urdfcheck.system.files import overlay_files
 from urdfcheck.system.installation import list_own_files
-from urdfcheck.system.observations import Observations, add_observations, observe
+from urdfcheck.system.observations import Observations, observe
 from urdfcheck.system.process_pool import Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
+from urdfcheck.system.questions import add_observations, read_folders, read_variable
 
 # The search for all models may take so many times longer than the check of one, and at least so many seconds: a model takes
 # about a millisecond.

@@ -21,7 +21,7 @@ from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS
-from urdfcheck.source.reach import find_project_folder
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.git import list_ignored
 
 # Limit on the file names that are compared with the patterns of includes: beyond it a file counts as not included, and is

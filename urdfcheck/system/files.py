@@ -14,9 +14,14 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO
 
-from urdfcheck.system.observations import compute_sha256, is_observing, note_content
+from urdfcheck.system.questions import compute_sha256, is_observing, note_content
+
+# Type checkers take it for typing's, whose import takes a fifth of the time of --help.
+TYPE_CHECKING = False
+
+if TYPE_CHECKING:
+    from typing import BinaryIO
 
 # The largest of 366 XML files of published robots has 211 kB.
 MAX_TEXT = 64 * 1024**2

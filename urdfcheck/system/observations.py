@@ -18,11 +18,12 @@ import stat
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from urdfcheck.system.questions import compute_sha256, observed
 
 if TYPE_CHECKING:
     from typing_extensions import Self  # of typing since Python 3.11
@@ -39,7 +40,6 @@ _KERNEL = ("/proc/", "/sys/", "/dev/")
 # Of the mode of a file, what tells a caller more than its content: its type, and for a folder who may write there.
 _TYPE = 0o170000
 _TABLES_OF_VERSIONS = 3
-_observed: ContextVar[Observations | None] = ContextVar("observed", default=None)
 
 
 @dataclass(slots=True)
@@ -96,6 +96,24 @@ class Observations:
             self.is_complete = False
         table[question] = (stamp if stamp == other_stamp else None), digest or other_digest
 
+    def add_content(self, path: str | Path, status: os.stat_result | None, digest: str) -> None:
+        """Add what `note_content` notes."""
+        if status is None:
+            self.is_complete = False
+            return
+        name = _complete(path)
+        if name.startswith(_KERNEL):
+            self.is_complete = False
+        self.add_version(self.contents, name, (_make_settled_stamp(status), digest))
+
+    def add_ignored(self, root: str, answer: Iterable[str]) -> None:
+        """Add what `note_ignored` notes."""
+        self.ignored[_complete(root)] = _digest_names(answer)
+
+    def add_variable(self, name: str) -> None:
+        """Add a variable with its value."""
+        self.variables[name] = _digest_variable(name)
+
     def list_tables(self) -> tuple[dict[str, Any], ...]:
         """Return all tables, always in the same order: first those of versions."""
         return (
@@ -104,54 +122,7 @@ class Observations:
         )
 
 
-# -- notes -----------------------------------------------------------------------------------------------------------
-
-
-def note_content(path: str | Path, status: os.stat_result | None, digest: str = "") -> None:
-    """Note that the outcome depends on the content of a file; ``digest``: the SHA-256 of all of it, if that is known.
-
-    ``status``: None where another content took its place.
-    """
-    observed = _observed.get()
-    if observed is None:
-        return
-    if status is None:
-        observed.is_complete = False
-        return
-    name = _complete(path)
-    if name.startswith(_KERNEL):
-        observed.is_complete = False
-    observed.add_version(observed.contents, name, (_make_settled_stamp(status), digest))
-
-
-def note_variable(name: str) -> None:
-    """Note that the outcome depends on a variable of the environment."""
-    observed = _observed.get()
-    if observed is not None:
-        observed.variables[name] = _digest_variable(name)
-
-
-def note_ignored(root: str, answer: Iterable[str]) -> None:
-    """Note what git ignores in a folder: see `urdfcheck.system.git.list_ignored`."""
-    observed = _observed.get()
-    if observed is not None:
-        observed.ignored[_complete(root)] = _digest_names(answer)
-
-
-def is_observing() -> bool:
-    """Whether observations are being made."""
-    return _observed.get() is not None
-
-
-def add_observations(other: Observations | None) -> None:
-    """Add what a part of the work depends on that was done elsewhere; None: that is not known."""
-    observed = _observed.get()
-    if observed is None:
-        return
-    if other is None:
-        observed.is_complete = False
-    else:
-        observed.merge(other)
+# -- answers ---------------------------------------------------------------------------------------------------------
 
 
 def _complete(path: str | Path) -> str:
@@ -173,13 +144,6 @@ def _make_settled_stamp(status: os.stat_result) -> FileStamp | None:
 def _classify(status: os.stat_result) -> int:
     writable = stat.S_IWOTH if stat.S_ISDIR(status.st_mode) else 0
     return status.st_mode & (_TYPE | writable)
-
-
-def compute_sha256(data: bytes) -> str:
-    """Return a digest in hex."""
-    import hashlib  # loads OpenSSL: a start that reads nothing does not pay for it
-
-    return hashlib.sha256(data).hexdigest()
 
 
 def _digest_names(names: Iterable[str]) -> str:
@@ -208,7 +172,7 @@ def observe(apart: Iterable[str | Path] = ()) -> Iterator[Observations]:
     """Record what is asked inside the context, by this thread. ``apart``: urdfcheck's own folders, such as the cache."""
     own = (f"{form(folder)}{os.sep}" for folder in apart for form in (os.path.abspath, os.path.realpath))
     observations = Observations(apart=(*own, *_KERNEL))
-    token = _observed.set(observations)
+    token = observed.set(observations)
     places = () if os.stat is _observing_stat else _list_places()
     if places:
         _system.update({name: getattr(os, name) for name in _system if hasattr(os, name)}, open=builtins.open)
@@ -221,9 +185,16 @@ def observe(apart: Iterable[str | Path] = ()) -> Iterator[Observations]:
     finally:
         for place, name, function in before:
             setattr(place, name, function)
-        _observed.reset(token)
+        observed.reset(token)
         for table in observations.list_tables():
             table.pop(_PROBE, None)
+
+
+def _get_current() -> Observations | None:
+    """Return the observations that are being made."""
+    current = observed.get()
+    assert current is None or isinstance(current, Observations)
+    return current
 
 
 # A file that nobody has.
@@ -233,19 +204,19 @@ _PROBE = f"{os.sep}.urdfcheck-probe"
 @cache
 def _can_observe() -> bool:
     """Whether the questions of Python's own modules are seen, which another version may ask in another way, as on Windows."""
-    observed, probe = _observed.get(), Path(_PROBE)
-    assert observed is not None
+    seen, probe = _get_current(), Path(_PROBE)
+    assert seen is not None
     asked: tuple[tuple[Callable[[], object], dict[str, Any]], ...] = (
-        (probe.exists, observed.kinds),
-        (probe.is_file, observed.kinds),
-        (probe.is_dir, observed.kinds),
-        (probe.is_symlink, observed.links),
-        (probe.resolve, observed.links),
-        (lambda: os.path.exists(probe), observed.kinds),
-        (lambda: os.path.isdir(probe), observed.kinds),
-        (lambda: os.path.isfile(probe), observed.kinds),
-        (lambda: os.path.lexists(probe), observed.links),
-        (lambda: os.path.islink(probe), observed.links),
+        (probe.exists, seen.kinds),
+        (probe.is_file, seen.kinds),
+        (probe.is_dir, seen.kinds),
+        (probe.is_symlink, seen.links),
+        (probe.resolve, seen.links),
+        (lambda: os.path.exists(probe), seen.kinds),
+        (lambda: os.path.isdir(probe), seen.kinds),
+        (lambda: os.path.isfile(probe), seen.kinds),
+        (lambda: os.path.lexists(probe), seen.links),
+        (lambda: os.path.islink(probe), seen.links),
     )
     for ask, table in asked:
         table.pop(_PROBE, None)
@@ -285,17 +256,17 @@ def _name_path(path: Any) -> str | None:
 
 def _ask_kind(table: str, function: Callable[..., os.stat_result], path: Any, options: Mapping[str, Any]) -> Any:
     """Call a function of the system, and note the type of what is there, or the error."""
-    observed = _observed.get()
-    name = None if observed is None or options.get("dir_fd") is not None else _name_path(path)
-    if observed is None or name is None:
+    seen = _get_current()
+    name = None if seen is None or options.get("dir_fd") is not None else _name_path(path)
+    if seen is None or name is None:
         return function(path, **options)
-    answers: dict[str, int] = getattr(observed, table)
+    answers: dict[str, int] = getattr(seen, table)
     try:
         status = function(path, **options)
     except OSError as error:
-        observed.add_answer(answers, name, -(error.errno or 1))
+        seen.add_answer(answers, name, -(error.errno or 1))
         raise
-    observed.add_answer(answers, name, _classify(status))
+    seen.add_answer(answers, name, _classify(status))
     return status
 
 
@@ -311,41 +282,41 @@ def _observing_lstat(path: Any, **options: Any) -> os.stat_result:
 
 
 def _observing_readlink(path: Any, **options: Any) -> Any:
-    observed = _observed.get()
-    name = None if observed is None or options else _name_path(path)
-    if observed is None or name is None:
+    seen = _get_current()
+    name = None if seen is None or options else _name_path(path)
+    if seen is None or name is None:
         return _system["readlink"](path, **options)
     try:
         target = _system["readlink"](path)
     except OSError as error:
-        observed.add_answer(observed.targets, name, -(error.errno or 1))
+        seen.add_answer(seen.targets, name, -(error.errno or 1))
         raise
-    observed.add_answer(observed.targets, name, os.fsdecode(target))
+    seen.add_answer(seen.targets, name, os.fsdecode(target))
     return target
 
 
 def _observing_access(path: Any, mode: int, **options: Any) -> bool:
     may = bool(_system["access"](path, mode, **options))
-    observed = _observed.get()
-    name = None if observed is None else _name_path(path)
-    if observed is not None and name is not None:
-        observed.add_answer(observed.rights, f"{name} {mode}", may)
+    seen = _get_current()
+    name = None if seen is None else _name_path(path)
+    if seen is not None and name is not None:
+        seen.add_answer(seen.rights, f"{name} {mode}", may)
     return may
 
 
 def _observing_listdir(path: Any = None) -> Any:
     path = os.curdir if path is None else path
-    observed = _observed.get()
-    name = None if observed is None else _name_path(path)
-    if observed is None or name is None:
+    seen = _get_current()
+    name = None if seen is None else _name_path(path)
+    if seen is None or name is None:
         return _system["listdir"](path)
     stamp = _stamp_folder(name)
     try:
         names = _system["listdir"](path)
     except OSError:
-        _note_unlisted(observed, observed.names, name, stamp)
+        _note_unlisted(seen, seen.names, name, stamp)
         raise
-    observed.add_version(observed.names, name, (stamp, _digest_names(map(os.fsdecode, names))))
+    seen.add_version(seen.names, name, (stamp, _digest_names(map(os.fsdecode, names))))
     return names
 
 
@@ -354,9 +325,9 @@ class _ObservedFolder:
 
     def __init__(self, path: Any = None) -> None:
         path = os.curdir if path is None else path
-        observed = _observed.get()
-        name = None if observed is None else _name_path(path)
-        if observed is None or name is None:
+        seen = _get_current()
+        name = None if seen is None else _name_path(path)
+        if seen is None or name is None:
             with _system["scandir"](path) as found:
                 self._entries = iter(list(found))
             return
@@ -365,9 +336,9 @@ class _ObservedFolder:
             with _system["scandir"](path) as found:
                 entries = list(found)
         except OSError:
-            _note_unlisted(observed, observed.entries, name, stamp)
+            _note_unlisted(seen, seen.entries, name, stamp)
             raise
-        observed.add_version(observed.entries, name, (stamp, _digest_names(map(_describe_entry, entries))))
+        seen.add_version(seen.entries, name, (stamp, _digest_names(map(_describe_entry, entries))))
         for entry in entries:
             if entry.is_symlink():  # the entry itself asks what the link leads to without these functions
                 _probe(entry.path)
@@ -405,26 +376,26 @@ def _stamp_folder(name: str) -> FileStamp | None:
         return None
 
 
-def _note_unlisted(observed: Observations, table: dict[str, Version], name: str, stamp: FileStamp | None) -> None:
+def _note_unlisted(seen: Observations, table: dict[str, Version], name: str, stamp: FileStamp | None) -> None:
     """Note that a folder could not be listed: most often because it does not exist."""
     _probe(name)
     if _read_kind(_system["stat"], name) > 0:
-        observed.add_version(table, name, (stamp, ""))
+        seen.add_version(table, name, (stamp, ""))
 
 
 def _observing_open(file: Any, mode: str = "r", *words: Any, **options: Any) -> Any:
     """Open a file with Python's own function; what is read through `urdfcheck.system.files` has its digest too."""
-    observed = _observed.get()
-    name = None if observed is None else _name_path(file)
-    if observed is None or name is None or set(mode) & set("wax+"):
+    seen = _get_current()
+    name = None if seen is None else _name_path(file)
+    if seen is None or name is None or set(mode) & set("wax+"):
         return _system["open"](file, mode, *words, **options)
     try:
         opened = _system["open"](file, mode, *words, **options)
     except OSError as error:
-        observed.add_answer(observed.kinds, name, -(error.errno or 1))
+        seen.add_answer(seen.kinds, name, -(error.errno or 1))
         raise
     if not name.startswith(_KERNEL):
-        note_content(name, os.fstat(opened.fileno()))
+        seen.add_content(name, os.fstat(opened.fileno()), "")
     return opened
 
 

@@ -16,8 +16,9 @@ from typing import Any
 
 from urdfcheck.system.cache_folder import write_atomically
 from urdfcheck.system.installation import compute_installation_stamp
-from urdfcheck.system.observations import Observations, Recheck, compute_sha256
+from urdfcheck.system.observations import Observations, Recheck
 from urdfcheck.system.plain_pickle import load_plain
+from urdfcheck.system.questions import compute_sha256
 
 # Bytes of a result as it is in memory; larger ones are not kept.
 LARGEST = 256 * 1024**2
@@ -93,7 +94,7 @@ def _get_path(folder: Path, key: str) -> Path:
 
 
 def _list_ignored(root: str) -> Iterable[str]:
-    from urdfcheck.source.reach import find_project_folder
+    from urdfcheck.source.project_folders import find_project_folder
     from urdfcheck.system.git import list_ignored  # a single file needs no git
 
     return list_ignored(root, outside=str(find_project_folder(Path(root))))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from urdfcheck.core import Rule, Run
 from urdfcheck.run.replay.entries import Replays, keep_result, make_key
-from urdfcheck.source.reach import list_shared_folders
+from urdfcheck.source.project_folders import list_shared_folders
 from urdfcheck.system.observations import Observations
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.run.replay.entries import Replays, keep_result, make_key
-from urdfcheck.source.reach import list_shared_folders
+from urdfcheck.source.project_folders import list_shared_folders
 from urdfcheck.system.observations import Observations
 
 # Rules about audits that did not come to their end: the next may.

@@ -19,11 +19,12 @@ from urdfcheck.source.package.package_folders import (
     read_manifest_name,
     walk_packages,
 )
-from urdfcheck.source.reach import FileReach, is_below, is_shared_by_all, list_shared_folders, resolve_real_path
+from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
+from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
-from urdfcheck.system.environment import expand_home, read_variable
 from urdfcheck.system.files import note_lookup, read_regular
+from urdfcheck.system.questions import expand_home, read_variable
 
 # How many levels above a model its workspace is searched.
 LEVELS_UP = 6
