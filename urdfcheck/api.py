@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from urdfcheck.core import Run, UrdfcheckError
-from urdfcheck.core.model_diff import Diff
 from urdfcheck.policy.consumers import ASKED_ENGINES
 from urdfcheck.run.jobs import SAMPLES, Request
 from urdfcheck.run.pipeline import Execution, run_audit
@@ -21,6 +20,8 @@ from urdfcheck.system.process_pool import WORKER_VARIABLES
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack  # of typing since Python 3.11
+
+    from urdfcheck.core.model_diff import Diff
 
 Words = str | Iterable[str]
 Paths = AnyPath | Iterable[AnyPath]

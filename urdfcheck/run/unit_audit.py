@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import operator
 import os
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,9 +27,7 @@ from urdfcheck.core import (
     Span,
 )
 from urdfcheck.core.errors import ModelTimeout
-from urdfcheck.export.link_pairs import LinkPairs, compute_link_pairs
 from urdfcheck.export.outline import ModelOutline, build_outline
-from urdfcheck.export.seam_builder import list_launch_seams, list_model_seams, list_package_seams
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.policy.fix_safety import withdraw_shared_edits
@@ -65,6 +63,7 @@ if TYPE_CHECKING:
     from urdfcheck.core.mechanism import RobotMechanism
     from urdfcheck.core.scene import Scene
     from urdfcheck.core.seams import SeamFact
+    from urdfcheck.export.link_pairs import LinkPairs
     from urdfcheck.source.launch.launch_file import Launch
 
 _TIER_OF_NEED = {
@@ -76,6 +75,7 @@ _TIER_OF_NEED = {
 
 def audit_unit(unit: Unit, settings: AuditSettings) -> UnitReport:
     """Audit one unit. A check that crashes is reported as a failure and as finding URC900; the others still run."""
+
     import numpy as np
 
     start = time.perf_counter()
@@ -293,12 +293,14 @@ class _UnitAudit:
                 "scene", lambda: build_scene(model, self.unit.id, launches=self.loaded_launches, findings=self.findings)
             )
         if self.options.pairs:
+            from urdfcheck.export.link_pairs import compute_link_pairs  # only an SRDF is made of them
+
             self.pairs = self.run_guarded("srdf", lambda: compute_link_pairs(model))
         if self.options.mechanism:
             from urdfcheck.export.mechanism_builder import build_mechanism  # only a comparison pays for it
 
             self.mechanism = self.run_guarded("diff", lambda: build_mechanism(model, self.unit.id))
-            self.collect_seams(lambda: list_model_seams(model))
+            self.collect_seams(operator.methodcaller("list_model_seams", model))
         if self.options.drop:
             self.drop = self.run_guarded("drop", lambda: self.run_drop_test(model))
 
@@ -311,10 +313,12 @@ class _UnitAudit:
         except FactUnavailableError:  # DYN005 reports why
             return None
 
-    def collect_seams(self, list_seams: Callable[[], Iterable[SeamFact]]) -> None:
+    def collect_seams(self, list_seams: Callable[[Any], Iterable[SeamFact]]) -> None:
         """Keep what files around the models say, where versions are compared."""
         if self.options.mechanism:
-            self.seams += self.run_guarded("diff", list_seams) or ()
+            from urdfcheck.export import seam_builder
+
+            self.seams += self.run_guarded("diff", lambda: list_seams(seam_builder)) or ()
 
     def audit_launches(self, model: Model | None) -> None:
         """Check the launch files of the unit with the model that they lead to."""
@@ -328,7 +332,7 @@ class _UnitAudit:
             self.loaded_launches.append(launch)
             self.texts.update({name: file.text for name, file in launch.files.items()})
             self.run_checks("launch", LaunchContext(launch, model, is_explicit=self.unit.is_explicit))
-            self.collect_seams(partial(list_launch_seams, launch))
+            self.collect_seams(operator.methodcaller("list_launch_seams", launch))
 
     def audit_package(self) -> None:
         """Check a package."""
@@ -338,7 +342,7 @@ class _UnitAudit:
             return
         if package.file is not None:
             self.texts[package.file.name] = package.file.text
-        self.collect_seams(partial(list_package_seams, package))
+        self.collect_seams(operator.methodcaller("list_package_seams", package))
         self.run_checks(
             "package", replace(package, finder=self.make_finder(folder), is_fully_checked=self.unit.is_explicit)
         )
@@ -514,6 +518,8 @@ def _find_undeclared_arguments(source: Source) -> dict[str, str] | None:
         return None
     elements = iter_elements_by_tag(source.trees, "xacro:arg") if source.is_xacro else ()
     declared = {name for element in elements if (name := element.get("name")) is not None}
+    from difflib import get_close_matches
+
     similar = {name: get_close_matches(name, declared, n=1) for name in source.arguments if name not in declared}
     return {
         name: found[0] if found else ""
