@@ -337,11 +337,11 @@ class Editor:
 
     def change_number(self) -> str:
         path = self.choose_text()
-        text = path.read_text(encoding="utf-8") if path.is_file() else ""
+        text = path.read_text(encoding="latin-1") if path.is_file() else ""  # it may lead to a mesh
         places = [place for place, letter in enumerate(text) if letter.isdigit()]
         if places:
             place = self.random.choice(places)
-            write(path, text[:place] + self.random.choice("0123456789") + text[place + 1 :])
+            write(path, (text[:place] + self.random.choice("0123456789") + text[place + 1 :]).encode("latin-1"))
         return str(path)
 
     def change_word(self) -> str:
@@ -356,7 +356,7 @@ class Editor:
             ]
         )
         if path.is_file():
-            write(path, path.read_text(encoding="utf-8").replace(before, after, 1))
+            write(path, path.read_bytes().replace(before.encode(), after.encode(), 1))
         return f"{path} {before} {after}"
 
     def change_in_secret(self) -> str:
