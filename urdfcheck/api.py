@@ -289,7 +289,7 @@ def _run(options: RunOptions, *, scene: bool) -> Run:
         raise UrdfcheckError(f"samples {options.samples}: at least 1")
     request, _ = make_request(options, scene=scene)
     with _worker_surroundings():
-        warm_worker = start_warm_worker()
+        warm_worker = start_warm_worker(options.tier)
         try:
             outcome = run_and_ask(request, Execution(warm_worker=warm_worker))
         finally:

@@ -112,7 +112,8 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
         return sizes.limit_report(texts.share(replace(report, observations=None), unit.id), unit.id)
 
     reports = {index: bound(report, units[index]) for index, report in reports.items()}
-    with audit_session(request, units, plan, in_process=execution.audit is not None) as settings:
+    with audit_session(request, units, plan, in_process=execution.audit is not None) as session:
+        settings = session if request.cache is None else enable_replay(session)
         known = KnownReports(settings)
         while missing := list_next_units(units, reports):
             recalled = {index: report for index in missing if (report := known.recall(units[index])) is not None}
@@ -255,7 +256,7 @@ def audit_session(
     """
     reach = plan.reach or request.reach
     with _open_cache_folder(request, units) as folder:
-        settings = AuditSettings(
+        yield AuditSettings(
             policy=request.policy,
             options=request.options,
             packages=request.packages,
@@ -264,7 +265,6 @@ def audit_session(
             known_packages=plan.known_packages,
             visible_folders=() if in_process else _list_visible_folders(reach, units),
         )
-        yield settings if request.cache is None else enable_replay(settings)
 
 
 def _list_visible_folders(reach: FileReach, units: Sequence[Unit]) -> tuple[str, ...]:

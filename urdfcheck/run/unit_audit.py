@@ -354,7 +354,7 @@ class _UnitAudit:
         for rule in self.rules.values():
             if scope not in rule.scopes:
                 continue
-            missing = _find_missing_tier(rule.needs, self.policy.tier)
+            missing = find_missing_tier(rule.needs, self.policy.tier)
             if missing:
                 self.add_skip(rule.code, f"{SkippedCheck.TIER_REASON}{missing}")
                 continue
@@ -404,7 +404,7 @@ class _UnitAudit:
             number = "a mesh" if len(files) == 1 else f"{len(files)} meshes"
             reason = f"nothing is known of {number} in package {package}, which is not installed here"
             for rule in self.rules.values():
-                if "mesh" in rule.needs and not _find_missing_tier(rule.needs, self.policy.tier):
+                if "mesh" in rule.needs and not find_missing_tier(rule.needs, self.policy.tier):
                     self.add_skip(rule.code, reason, is_partial=True)
 
     def skip_scope(self, scope: str, reason: str) -> None:
@@ -529,7 +529,7 @@ def _find_undeclared_arguments(source: Source) -> dict[str, str] | None:
 
 
 @cache  # each unit asks about each rule
-def _find_missing_tier(needs: tuple[str, ...], tier: str) -> str | None:
+def find_missing_tier(needs: tuple[str, ...], tier: str) -> str | None:
     """Return the tier that the ``needs`` of a rule ask for, if more than ``tier``."""
     wanted = max((TIERS.index(_TIER_OF_NEED[need]) for need in needs), default=0)
     return TIERS[wanted] if wanted > TIERS.index(tier) else None

@@ -7,12 +7,12 @@ import io
 import os
 import pickle
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from urdfcheck.system.cache_folder import write_atomically
 from urdfcheck.system.installation import compute_installation_stamp
@@ -20,17 +20,31 @@ from urdfcheck.system.observations import Observations, Recheck
 from urdfcheck.system.plain_pickle import load_plain
 from urdfcheck.system.questions import compute_sha256
 
+if TYPE_CHECKING:
+    from urdfcheck.core import Finding
+
 # Bytes of a result as it is in memory; larger ones are not kept.
 LARGEST = 256 * 1024**2
 _FOLDER = "replays"
+# Rules about audits that did not come to their end: the next may.
+_UNFINISHED = frozenset({"URC900", "URC906"})
+
+
+def is_repeatable(findings: Iterable[Finding], failures: Sequence[str]) -> bool:
+    """Whether the same work would have the same outcome: nothing failed, crashed or was stopped."""
+    return not failures and not any(finding.code in _UNFINISHED for finding in findings)
 
 
 def make_key(*parts: object) -> str:
     """Return the key of a result that only these values, this installation and its observations decide.
 
-    Values: dataclasses, mappings, sequences, sets, paths, texts, numbers and enumerations.
+    Values: dataclasses, mappings, sequences, sets, paths, texts, numbers and enumerations. Empty where there is another one,
+    and in a working folder that was deleted: then nothing is kept.
     """
-    described = (compute_installation_stamp(), os.getcwd(), *map(_describe, parts))
+    try:
+        described = (compute_installation_stamp(), os.getcwd(), *map(_describe, parts))
+    except (OSError, TypeError):
+        return ""
     return compute_sha256("\0".join(described).encode("utf-8", "surrogatepass"))
 
 
@@ -52,7 +66,7 @@ def _describe(value: object) -> str:
 
 def keep_result(folder: Path, key: str, result: object, observations: Observations) -> None:
     """Keep a result, unless something that it depends on is not known. ``folder``: that of the cache."""
-    if observations.is_complete:
+    if key and observations.is_complete:
         data = pickle.dumps((observations, result), pickle.HIGHEST_PROTOCOL)
         if len(data) <= LARGEST:
             write_atomically(_get_path(folder, key), key.encode() + zlib.compress(data, 1))
@@ -68,6 +82,8 @@ class Replays:
 
     def recall(self, key: str) -> tuple[Any, Observations] | None:
         """Return the result of a key, and what it depends on; None where there is none that still holds."""
+        if not key:
+            return None
         path = _get_path(self._folder, key)
         try:
             data = path.read_bytes()

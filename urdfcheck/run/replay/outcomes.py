@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.core import Rule, Run
-from urdfcheck.run.replay.entries import Replays, keep_result, make_key
+from urdfcheck.run.replay.entries import Replays, is_repeatable, keep_result, make_key
 from urdfcheck.source.project_folders import list_shared_folders
 from urdfcheck.system.observations import Observations
 
@@ -21,12 +21,7 @@ def make_outcome_key(options: Mapping[str, object]) -> str:
 def keep_outcome(folder: Path, key: str, outcome: Run, fail_on: str, observations: Observations) -> None:
     """Keep the outcome of a run, if the same run would give it again. ``fail_on``: what the configuration says."""
     is_more = outcome.scenes or outcome.drops or outcome.answers
-    if (
-        outcome.failures
-        or outcome.partial
-        or is_more
-        or any(finding.is_about_urdfcheck for finding in outcome.findings)
-    ):
+    if outcome.partial or is_more or not is_repeatable(outcome.findings, outcome.failures):
         return
     # Of the other rules no report says more than their number, or it reads their pages.
     named = {*(finding.code for finding in outcome.findings), *(skip.code for skip in outcome.skipped)}

@@ -6,12 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
-from urdfcheck.run.replay.entries import Replays, keep_result, make_key
+from urdfcheck.run.replay.entries import Replays, is_repeatable, keep_result, make_key
 from urdfcheck.source.project_folders import list_shared_folders
 from urdfcheck.system.observations import Observations
-
-# Rules about audits that did not come to their end: the next may.
-_UNFINISHED = frozenset({"URC900", "URC906"})
 
 
 def enable_replay(settings: AuditSettings) -> AuditSettings:
@@ -24,14 +21,9 @@ def enable_replay(settings: AuditSettings) -> AuditSettings:
 
 def keep_report(unit: Unit, settings: AuditSettings, report: UnitReport, observations: Observations) -> None:
     """Keep the report on a unit, if the same audit would give it again."""
-    if settings.cache is None or not settings.replay_key or not is_repeatable(report):
+    if settings.cache is None or not settings.replay_key or not is_repeatable(report.findings, report.failures):
         return
     keep_result(Path(settings.cache), _make_unit_key(unit, settings), report, observations)
-
-
-def is_repeatable(report: UnitReport) -> bool:
-    """Whether an audit came to its end."""
-    return not report.failures and not any(finding.code in _UNFINISHED for finding in report.findings)
 
 
 class KnownReports:
