@@ -20,6 +20,7 @@ from pathlib import Path
 import pytest
 import trimesh
 from conftest import FIXTURES, command
+from conftest import check as check_here
 
 from urdfcheck.run import pipeline
 from urdfcheck.run.replay import entries, outcomes
@@ -517,6 +518,28 @@ def test_random_edits_are_noticed(workspace: Path, counted: Counted, monkeypatch
             told[kind] += 1
         assert kept == check(*words, "--no-cache"), (seed, words, said[-12:])
     assert EDITS < 20 or (told["UnitReport"] > 1 and told["tuple"] > 1), told
+
+
+def test_every_file_that_is_opened_is_noted(tmp_path: Path) -> None:
+    """What Python itself says of each file that it opens and each folder that it lists, is among the observations."""
+    folder = tmp_path / "car-3"
+    shutil.copytree(FIXTURES / "car-3", folder)
+    asked: dict[str, set[str]] = {"open": set(), "os.listdir": set(), "os.scandir": set()}
+    is_listening = True
+
+    def listen(event: str, arguments: tuple[object, ...]) -> None:
+        if is_listening and event in asked and isinstance(arguments[0], (str, Path)):
+            asked[event].add(os.path.abspath(arguments[0]))
+
+    sys.addaudithook(listen)  # it cannot be removed
+    with observations.observe() as seen:
+        assert check_here(folder).findings
+    is_listening = False
+    inside = {event: {path for path in paths if Path(path).is_relative_to(folder)} for event, paths in asked.items()}
+    assert len(inside["open"]) > 10
+    assert inside["open"] <= {os.path.normpath(path) for path in seen.contents}
+    assert inside["os.listdir"] <= {os.path.normpath(path) for path in (*seen.names, *seen.kinds)}
+    assert inside["os.scandir"] <= {os.path.normpath(path) for path in (*seen.entries, *seen.kinds)}
 
 
 def test_a_key_holds_all_that_is_asked() -> None:

@@ -153,6 +153,14 @@ def test_work_done_elsewhere_counts_and_folders_of_our_own_do_not(folder: Path) 
     assert not unknown.is_complete
 
 
+def test_variables_are_read_where_they_are_noted() -> None:
+    package = Path(observations.__file__).parent.parent
+    rooms = ("source", "model", "policy", "checks", "export", "run")
+    texts = {path: path.read_text(encoding="utf-8") for room in rooms for path in (package / room).rglob("*.py")}
+    own = ("os.environ", "getenv", "expanduser", "Path.home")
+    assert [str(path) for path, text in texts.items() if any(word in text for word in own)] == []
+
+
 def test_the_system_is_asked_directly_again_afterwards() -> None:
     before = os.stat, os.lstat, os.listdir, os.scandir, open
     with observe():
