@@ -48,6 +48,9 @@ settings.load_profile("urdfcheck")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
+# The processes of the tests share the cores as those of the command do: threads of BLAS would only compete.
+process_pool.limit_threads()
+
 # Thousands of tests are made and none is thrown away: looking for garbage among them takes a fifth of the collection.
 gc.disable()
 
@@ -319,6 +322,24 @@ def browser(launch: Callable[..., Any]) -> Iterator[Any]:
     browser = launch("--enable-unsafe-swiftshader")
     yield browser
     browser.close()
+
+
+@contextlib.contextmanager
+def open_watched(browser: Any, report: Path) -> Iterator[Any]:
+    """Open a report with a robot in 3D; ``page.wrong`` collects errors of its scripts and requests for anything outside of it."""
+    page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce", color_scheme="light")
+    page.wrong = []
+    page.on("pageerror", lambda error: page.wrong.append(str(error)))
+    page.on("request", lambda request: None if is_inside(request.url) else page.wrong.append(request.url[:80]))
+    page.goto(report.as_uri())
+    page.wait_for_selector("body[data-ready='1']")
+    yield page
+    page.close()
+
+
+def is_inside(address: str) -> bool:
+    """Whether an address is of the page itself, and not of another server."""
+    return address.startswith(("file:", "blob:", "data:"))
 
 
 CORPORA = [Path(folder) for folder in os.environ.get("URDFCHECK_CORPUS", "").split(os.pathsep) if folder]

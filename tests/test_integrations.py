@@ -28,6 +28,9 @@ ACTION = REPOSITORY / "action.yml"
 GITLAB = INTEGRATIONS / "gitlab/urdfcheck.gitlab-ci.yml"
 JENKINS = INTEGRATIONS / "jenkins/Jenkinsfile"
 WORKFLOWS = sorted((INTEGRATIONS / "github").glob("*.yml"))
+# What tests and releases urdfcheck itself.
+OWN_WORKFLOWS = sorted((REPOSITORY / ".github/workflows").glob("*.yml"))
+PINNED = re.compile(r"uses: [\w./-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+$", re.MULTILINE)
 
 SOUND = '<robot name="sound"><link name="base"/></robot>'
 # An inertia that no body has.
@@ -42,7 +45,7 @@ BROKEN = """<robot name="broken"><link name="base"><inertial><mass value="1"/>
     ("service", "path", "part", "broken"),
     [
         ("github-actions", ACTION, "using: composite", "using: compost"),
-        *(("github-workflows", path, "runs-on:", "run-on:") for path in WORKFLOWS),
+        *(("github-workflows", path, "runs-on:", "run-on:") for path in (*WORKFLOWS, *OWN_WORKFLOWS)),
         ("gitlab-ci", GITLAB, "when: always", "when: sometimes"),
     ],
     ids=str,
@@ -70,7 +73,36 @@ def test_no_text_of_a_workflow_becomes_a_part_of_a_script() -> None:
             assert step["shell"] == "bash"
             assert "${{" not in step["run"]
         else:
-            assert re.search(r"@(v\d+|REVISION)$", step["uses"]), step["uses"]
+            assert re.search(r"@(v\d+|[0-9a-f]{40}|REVISION)$", step["uses"]), step["uses"]
+
+
+@pytest.mark.parametrize("path", [ACTION, *OWN_WORKFLOWS], ids=lambda path: path.name)
+def test_every_action_is_pinned_by_its_digest_and_its_version_is_named(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert len(PINNED.findall(text)) == len(re.findall(r"\buses:", text)) > 0
+
+
+def test_zizmor_finds_nothing_in_workflows_and_action() -> None:
+    zizmor = Path(sys.executable).with_name("zizmor")
+    done = subprocess.run(
+        [zizmor, "--offline", "--persona", "pedantic", ".github", "action.yml"],
+        cwd=REPOSITORY,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout
+
+
+def test_workflows_call_what_there_is() -> None:
+    targets = set(re.findall(r"^([a-z-]+):", (REPOSITORY / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    jobs = [job for path in OWN_WORKFLOWS for job in yaml.safe_load(path.read_text(encoding="utf-8"))["jobs"].values()]
+    commands = [step["run"] for job in jobs for step in job["steps"] if "run" in step]
+    called = {words[1] for words in map(str.split, commands) if words[0] == "make"}
+    assert called
+    assert called <= targets
+    named = [word for command in commands for word in command.split() if re.fullmatch(r"[\w./-]+\.py|\.ci/run", word)]
+    assert named
+    assert [name for name in named if not (REPOSITORY / name).is_file()] == []
 
 
 def test_every_input_is_used_and_every_one_that_is_used_is_declared() -> None:

@@ -202,6 +202,7 @@ def ensure_asked(engine: str) -> None:
         pytest.skip(f"{engine} is asked where URDFCHECK_ENGINES or URDFCHECK_CORPUS is set")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("engine", ENGINES)
 def test_what_pages_say_of_an_engine_is_what_it_does(
     engine: str, examples: list[Example], tmp_path_factory: pytest.TempPathFactory
@@ -306,6 +307,7 @@ def write_robot_of_every_number() -> str:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("engine", QUICK if not ALL else ENGINES)
 def test_what_engines_do_with_an_empty_number(engine: str, tmp_path_factory: pytest.TempPathFactory) -> None:
     ensure_asked(engine)

@@ -205,7 +205,8 @@ def select_rules(names: Iterable[str]) -> set[str]:
         codes = {
             code
             for code, rule in load_rules().items()
-            if upper == "ALL" or code.startswith(upper) or rule.name == word.lower() or word.lower() in rule.tags
+            # Each code begins with an empty word, and `ignore = [""]` would leave nothing.
+            if upper == "ALL" or (upper and code.startswith(upper)) or word.lower() in {rule.name, *rule.tags}
         }
         if not codes:
             import difflib

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import open_watched
 from versions import ARM, compare
 
 from urdfcheck.output.changes import html
@@ -41,18 +42,8 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def page(browser: Any, report: Path) -> Iterator[Any]:
     """One page for all tests; what goes wrong on it is checked by the last."""
-    page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce", color_scheme="light")
-    page.wrong = []
-    page.on("pageerror", lambda error: page.wrong.append(str(error)))
-    page.on("request", lambda request: page.wrong.append(request.url[:80]) if is_elsewhere(request.url) else None)
-    page.goto(report.as_uri())
-    page.wait_for_selector("body[data-ready='1']")
-    yield page
-    page.close()
-
-
-def is_elsewhere(address: str) -> bool:
-    return not address.startswith(("file:", "blob:", "data:"))
+    with open_watched(browser, report) as page:
+        yield page
 
 
 def place(page: Any, name: str, version: str = "frame") -> list[float]:

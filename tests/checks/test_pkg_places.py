@@ -302,3 +302,24 @@ def test_a_folder_that_nothing_marks_may_be_of_the_robot(tmp_path: Path, mark: s
     finding = find(tmp_path / "robot/model/r.urdf", "../../cad/a.stl", code="PKG012")
     assert finding.fix is not None
     assert finding.fix.title.startswith(begin)
+
+
+@pytest.mark.parametrize(
+    ("path", "repair"),
+    [
+        ("/home/ann/ws/src/car/urdf/wheel.xacro", "write `$(find car)/urdf/wheel.xacro`: the package has the file"),
+        ("/home/ann/ws/src/car/urdf/axle.xacro", "move what the robot needs into its package"),
+        ("/home/ann/ws/src/cart/urdf/wheel.xacro", "move what the robot needs into its package"),
+    ],
+)
+def test_an_include_by_a_path_of_another_machine_is_looked_for_in_the_package(
+    tmp_path: Path, path: str, repair: str
+) -> None:
+    root = tmp_path / "car"
+    xmlns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    write(root, "package.xml", text='<package format="2"><name>car</name></package>')
+    write(root, "urdf/wheel.xacro", text=f'<robot {xmlns}><link name="wheel"/></robot>')
+    write(root, "urdf/car.xacro", text=f'<robot name="car" {xmlns}>\n<xacro:include filename="{path}"/>\n</robot>')
+    (finding,) = check(root / "urdf/car.xacro", codes={"PKG012"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)

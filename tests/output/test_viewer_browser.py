@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import open_watched
 from numpy.typing import NDArray
 from output.runs import IDENTITY, a_run, finding, info, make_inertia, make_joint, make_link, rule, scene, span_of
 
@@ -129,18 +130,8 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def page(browser: Any, report: Path) -> Iterator[Any]:
     """One page for all tests; what goes wrong on it is checked by the last."""
-    page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce", color_scheme="light")
-    page.wrong = []
-    page.on("pageerror", lambda error: page.wrong.append(str(error)))
-    page.on("request", lambda request: page.wrong.append(request.url[:80]) if elsewhere(request.url) else None)
-    page.goto(report.as_uri())
-    page.wait_for_selector("body[data-ready='1']")
-    yield page
-    page.close()
-
-
-def elsewhere(url: str) -> bool:
-    return not url.startswith(("file:", "data:"))
+    with open_watched(browser, report) as page:
+        yield page
 
 
 @pytest.fixture(autouse=True)

@@ -394,6 +394,7 @@ def test_a_file_that_includes_others_endlessly_is_looked_through_once(workspace:
     assert time.monotonic() - began < 10
 
 
+@pytest.mark.long
 def test_folders_may_be_as_deep_as_paths_go(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(workspace, {"a.urdf": URDF})
     for _ in range(1_200):
@@ -670,6 +671,7 @@ def count_calls(*paths: str) -> int:
     return calls
 
 
+@pytest.mark.long
 def test_files_that_include_each_other_are_looked_at_in_linear_time(workspace: Path) -> None:
     calls = []
     for count in (20, 80):  # each file includes ten others, and all files belong to one circle
@@ -680,6 +682,7 @@ def test_files_that_include_each_other_are_looked_at_in_linear_time(workspace: P
     assert calls[1] < 1.3 * 4 * calls[0]
 
 
+@pytest.mark.long
 def test_a_chain_of_includes_is_looked_at_in_linear_time(workspace: Path) -> None:
     calls = []
     for count in (20, 80):
@@ -689,6 +692,7 @@ def test_a_chain_of_includes_is_looked_at_in_linear_time(workspace: Path) -> Non
     assert calls[1] < 1.3 * 4 * calls[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["urdf", "meshes", "config", "launch"])
 def test_paths_are_looked_at_in_linear_time(workspace: Path, kind: str) -> None:
     calls = []

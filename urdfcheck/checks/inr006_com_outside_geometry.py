@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
+from urdfcheck.model.inertials.shared_mistakes import measure_turn_of_tensor
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
@@ -71,7 +72,10 @@ def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | Non
         near = float(np.linalg.norm(com - drawn.solid.com)) <= _NEAR * measure_extent(drawn.points)
         if near and measure_hull_distance(drawn.points, com) == 0.0:
             wanted = DeclaredInertial(mass=part.mass, com=com, tensor=part.inertial.tensor, rotation=pose[:3, :3])
-            repairs.append(_SignRepair(axis, build_inertial_repair(part.inertial, wanted)))
+            repair = build_inertial_repair(part.inertial, wanted)
+            # A tensor about other axes would still be one: the sign of the COM alone makes no sound part.
+            is_enough = not measure_turn_of_tensor(wanted, drawn.solid)
+            repairs.append(_SignRepair(axis, repair if is_enough else replace(repair, edits=())))
     return repairs[0] if len(repairs) == 1 else None
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -36,7 +36,7 @@ def check(
         yield rule.finding(
             "dense",
             at=model.name_location,
-            cause="grams",
+            cause=_name_unit(masses, "grams"),
             severity=Severity.ERROR,
             robot=model.name,
             total=total,
@@ -47,9 +47,9 @@ def check(
     elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
         yield _build_placeholder_finding(model, rule, masses[0])
     elif total > most or (total < least and _has_most_masses(model)):
-        # In tonnes too, a robot weighs a gram or more, and a CAD program writes no round numbers.
-        light = "tonnes" if _TONNE * total >= least and not all(map(is_round, masses)) else None
-        message, cause = ("light", light) if total < least else ("heavy", "grams")
+        # In tonnes too, a robot weighs a gram or more.
+        light = _name_unit(masses, "tonnes") if _TONNE * total >= least else None
+        message, cause = ("light", light) if total < least else ("heavy", _name_unit(masses, "grams"))
         yield rule.finding(
             message,
             at=model.name_location,
@@ -58,6 +58,11 @@ def check(
             total=total,
             links=len(masses),
         )
+
+
+def _name_unit(masses: Sequence[float], unit: str) -> str | None:
+    """Return the unit as the cause, or None where all masses are round: a CAD program writes no such numbers."""
+    return None if all(map(is_round, masses)) else unit
 
 
 def _has_most_masses(model: Model) -> bool:

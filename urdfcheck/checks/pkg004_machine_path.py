@@ -11,7 +11,13 @@ from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.similar_files import index_files
-from urdfcheck.source.resources import ResourceUse, find_machine_path, format_path_from_model, list_resource_uses
+from urdfcheck.source.resources import (
+    ResourceUse,
+    find_in_package,
+    find_machine_path,
+    format_path_from_model,
+    list_resource_uses,
+)
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.system.questions import note_content
@@ -96,13 +102,8 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
             return f"package://{package.name}/{path.resolve().relative_to(package.path.resolve()).as_posix()}"
         except ValueError:
             return None
-    parts = path.as_posix().replace("\\", "/").split("/")
-    for index, part in enumerate(parts[:-1]):
-        inside = "/".join(parts[index + 1 :])
-        place = package.path / inside
-        if part in {package.name, package.path.name} and source.finder.can_open(place) and os.path.isfile(place):
-            return f"package://{package.name}/{inside}"
-    return None
+    inside = find_in_package(path, source)
+    return None if inside is None else f"package://{package.name}/{inside}"
 
 
 def _find_by_ending(use: ResourceUse, path: Path, source: Source) -> Path | None:

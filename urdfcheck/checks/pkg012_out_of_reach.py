@@ -13,7 +13,13 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
-from urdfcheck.source.resources import ResourceUse, find_machine_path, is_misspelt, list_resource_uses
+from urdfcheck.source.resources import (
+    ResourceUse,
+    find_in_package,
+    find_machine_path,
+    is_misspelt,
+    list_resource_uses,
+)
 from urdfcheck.source.text.problems import Problem
 
 if TYPE_CHECKING:
@@ -21,6 +27,7 @@ if TYPE_CHECKING:
 
 # How far above the working directory a folder is proposed.
 MOST_LEVELS_UP = 3
+_MOVE = "move what the robot needs into its package; if you trust the place, allow its folder: --allow-read {folder}"
 
 
 def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
@@ -53,7 +60,7 @@ def _describe_repair(uses: Sequence[ResourceUse], source: Source, folder: str) -
     """Say to allow the folder first where nothing shows which folder the robot's is: the files may well be its own."""
     is_marked = source.package is not None or source.finder.find_repository() is not None
     if is_marked or any(use.resource.kind != "relative" for use in uses):
-        return f"move what the robot needs into its package; if you trust the place, allow its folder: --allow-read {folder}"
+        return _MOVE.format(folder=folder)
     reason = "without .git or package.xml only the model's folder is read"
     return f"if the folder is the robot's own, allow it: --allow-read {folder}; {reason}"
 
@@ -67,7 +74,12 @@ def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule
     others = [] if at is problem.location else [problem.location]
     related = [*others, *(r for r in problem.related if r.span != at.span)]
     remedy = f"--allow-read {shlex.quote(folder)}"
-    return rule.finding("read", at=at, related=related, path=path, folder=folder, remedy=remedy)
+    inside = find_in_package(Path(path), subject)
+    if subject.package is None or inside is None:
+        repair = _MOVE.format(folder=folder)
+    else:
+        repair = f"write `$(find {subject.package.name})/{inside}`: the package has the file"
+    return rule.finding("read", at=at, related=related, path=path, repair=repair, remedy=remedy)
 
 
 def _name_folder(path: Path | None) -> str:

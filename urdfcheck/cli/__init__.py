@@ -25,6 +25,7 @@ COMMANDS = (
     "repair",
     "config",
     "init",
+    "demo",
     "completion",
 )
 # What other programs call a command.

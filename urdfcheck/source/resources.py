@@ -91,6 +91,23 @@ def find_machine_path(use: ResourceUse, source: Source) -> Attribute | Definitio
     return use.attribute
 
 
+def find_in_package(path: Path, source: Source) -> str | None:
+    """Return the file of the model's package that a path of another machine means, relative to the package, if any.
+
+    What follows the name of the package in the path must be a file of the package here.
+    """
+    package = source.package
+    if package is None:
+        return None
+    parts = path.as_posix().replace("\\", "/").split("/")
+    for index, part in enumerate(parts[:-1]):
+        inside = "/".join(parts[index + 1 :])
+        place = package.path / inside
+        if part in {package.name, package.path.name} and source.finder.can_open(place) and os.path.isfile(place):
+            return inside
+    return None
+
+
 def find_missing_path(use: ResourceUse, source: Source) -> Path | None:
     """Return the path of a file that does not exist, or None if it exists or another rule reports why it is not found.
 

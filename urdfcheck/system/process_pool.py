@@ -218,10 +218,17 @@ def _end_with_parent(parent: int) -> None:
         os._exit(0)
 
 
-def _make_context() -> Any:
-    # The processes share the cores, so BLAS threads in each would only compete; and a process with threads must not be forked.
+def limit_threads() -> None:
+    """One thread of BLAS for each process, unless the environment says otherwise. Before NumPy is loaded.
+
+    The processes share the cores, so that more threads would only compete; and a process with threads must not be forked.
+    """
     for variable in _THREAD_VARIABLES:
         os.environ.setdefault(variable, "1")
+
+
+def _make_context() -> Any:
+    limit_threads()
     if FORKS:
         return multiprocessing.get_context("fork")
     os.environ["PYTHONSAFEPATH"] = "1"

@@ -8,9 +8,7 @@ import numpy as np
 
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import FAR
-from urdfcheck.facts.inertials.inertia_tensor import (
-    compute_solid_inertia,
-)
+from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_solid_inertia
 from urdfcheck.model import Link, Model
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.diagnosis_words import NOTABLE
@@ -126,13 +124,21 @@ def find_rotated_tensors(model: Model) -> dict[str, float]:
             or is_light(model, link)
         ):
             continue
-        uniform = compute_solid_inertia(drawn.solid, declared.mass)
-        moments, expected = np.linalg.eigvalsh(declared.inertia), np.linalg.eigvalsh(uniform)
-        if np.abs(moments / expected - 1.0).max() < _SAME_MOMENTS and np.ptp(expected) > _DISTINCT * expected[-1]:
-            off = float(np.linalg.norm(declared.inertia - uniform) / np.linalg.norm(uniform))
-            if off > _OTHER_AXES:
-                rotated[name] = off
+        off = measure_turn_of_tensor(declared, drawn.solid)
+        if off:
+            rotated[name] = off
     return rotated
+
+
+def measure_turn_of_tensor(declared: DeclaredInertial, solid: Solid) -> float:
+    """Return the share of a uniform solid's tensor by which the declared one differs, if its principal moments are those of the
+    solid about other axes; 0 otherwise."""
+    uniform = compute_solid_inertia(solid, declared.mass)
+    moments, expected = np.linalg.eigvalsh(declared.inertia), np.linalg.eigvalsh(uniform)
+    if np.abs(moments / expected - 1.0).max() >= _SAME_MOMENTS or np.ptp(expected) <= _DISTINCT * expected[-1]:
+        return 0.0
+    off = float(np.linalg.norm(declared.inertia - uniform) / np.linalg.norm(uniform))
+    return off if off > _OTHER_AXES else 0.0
 
 
 def is_proven(model: Model, link: Link) -> bool:

@@ -1,0 +1,84 @@
+"""What is released: the wheel has what it needs and runs without the checkout; the changelog has notes for a tag."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from conftest import REPOSITORY
+
+from urdfcheck.version import __version__
+
+sys.path.insert(0, str(REPOSITORY / "tools"))
+try:
+    import check_distribution
+    import print_release_notes
+finally:
+    sys.path.pop(0)
+
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+
+CHANGELOG = """# Changelog
+
+## 0.3.0 - not released yet
+
+Later.
+
+## 0.2.0 - 2027-01-31
+
+### Added
+
+- A rule.
+
+## 0.1.0 - 2026-12-01
+"""
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("dist")
+    command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(folder)]
+    subprocess.run(command, cwd=REPOSITORY, check=True, capture_output=True)
+    (path,) = folder.glob("*.whl")
+    return path
+
+
+def test_the_wheel_has_what_it_needs_and_nothing_else(wheel: Path, tmp_path: Path) -> None:
+    assert check_distribution.list_faults_of_wheel(wheel) == []
+    poor = tmp_path / "poor.whl"
+    with zipfile.ZipFile(wheel) as archive, zipfile.ZipFile(poor, "w") as copy:
+        for name in archive.namelist():
+            if not name.endswith("/py.typed"):
+                copy.writestr(name, archive.read(name))
+        copy.writestr("tests/secret.urdf", "<robot/>")
+    assert check_distribution.list_faults_of_wheel(poor) == [
+        "poor.whl lacks urdfcheck/py.typed",
+        "poor.whl holds tests/secret.urdf",
+    ]
+
+
+def test_the_wheel_audits_car_3_without_the_checkout(wheel: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path / "installed")
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "installed"), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    where = "import urdfcheck; print(urdfcheck.__file__)"
+    found = subprocess.run([sys.executable, "-c", where], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert Path(found.stdout.strip()).is_relative_to(tmp_path / "installed")
+    command = [sys.executable, "-m", "urdfcheck"]
+    assert check_distribution.list_faults_of_command(command, __version__, tmp_path, environment) == []
+
+
+@pytest.mark.smoke
+def test_the_notes_of_a_release_are_its_section_of_the_changelog() -> None:
+    assert print_release_notes.find_notes(CHANGELOG, "0.2.0") == "### Added\n\n- A rule.\n"
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize(("version", "why"), [("0.3.0", "no date"), ("0.4.0", "no section"), ("0.2", "no section")])
+def test_a_version_without_dated_notes_is_no_release(version: str, why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        print_release_notes.find_notes(CHANGELOG, version)
