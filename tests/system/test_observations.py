@@ -6,6 +6,7 @@ import contextlib
 import os
 import shutil
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -151,6 +152,26 @@ def test_work_done_elsewhere_counts_and_folders_of_our_own_do_not(folder: Path) 
     with observe() as unknown:
         add_observations(None)
     assert not unknown.is_complete
+
+
+def test_two_threads_observe_apart_and_both_to_the_end(folder: Path) -> None:
+    first_ended, seen = threading.Event(), []
+
+    def observe_longer() -> None:
+        with observe() as longer:
+            assert first_ended.wait(10)
+            (folder / "none").exists()
+        seen.append(longer)
+
+    thread = threading.Thread(target=observe_longer)
+    with observe() as shorter:
+        thread.start()
+        (folder / "file").exists()
+    first_ended.set()
+    thread.join()
+    assert [str(folder / "file")] == [path for path in shorter.kinds if path.startswith(str(folder))]
+    assert [str(folder / "none")] == [path for path in seen[0].kinds if path.startswith(str(folder))]
+    assert os.stat.__module__ != observations.__name__
 
 
 def test_variables_are_read_where_they_are_noted() -> None:

@@ -16,6 +16,7 @@ import os
 import pathlib
 import stat
 import time
+from _thread import allocate_lock
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -167,27 +168,47 @@ _system: dict[str, Any] = {name: getattr(os, name, None) for name in ("stat", "l
 _system |= {"readlink": getattr(os, "readlink", None), "open": builtins.open}
 
 
+# Whoever observes while another thread does takes part in the same replacement of the functions.
+_lock = allocate_lock()
+_replaced: list[tuple[Any, str, Any]] = []
+_observers = [0]
+
+
 @contextmanager
 def observe(apart: Iterable[str | Path] = ()) -> Iterator[Observations]:
     """Record what is asked inside the context, by this thread. ``apart``: urdfcheck's own folders, such as the cache."""
     own = (f"{form(folder)}{os.sep}" for folder in apart for form in (os.path.abspath, os.path.realpath))
     observations = Observations(apart=(*own, *_KERNEL))
     token = observed.set(observations)
-    places = () if os.stat is _observing_stat else _list_places()
-    if places:
-        _system.update({name: getattr(os, name) for name in _system if hasattr(os, name)}, open=builtins.open)
-    before = [(place, name, place.__dict__[name]) for place, name, _ in places]
+    _replace_functions()
     try:
-        for place, name, function in places:
-            setattr(place, name, function)
         observations.is_complete = _can_observe()
         yield observations
     finally:
-        for place, name, function in before:
-            setattr(place, name, function)
+        _restore_functions()
         observed.reset(token)
         for table in observations.list_tables():
             table.pop(_PROBE, None)
+
+
+def _replace_functions() -> None:
+    with _lock:
+        _observers[0] += 1
+        if _observers[0] > 1:
+            return
+        _system.update({name: getattr(os, name) for name in _system if hasattr(os, name)}, open=builtins.open)
+        for place, name, function in _list_places():
+            _replaced.append((place, name, place.__dict__[name]))
+            setattr(place, name, function)
+
+
+def _restore_functions() -> None:
+    with _lock:
+        _observers[0] -= 1
+        if not _observers[0]:
+            while _replaced:
+                place, name, function = _replaced.pop()
+                setattr(place, name, function)
 
 
 def _get_current() -> Observations | None:
