@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 import tomli
@@ -14,6 +15,7 @@ TITLE = re.compile(r"# ([A-Z]{3}\d{3}) ([a-z0-9]+(?:-[a-z0-9]+)*)\n")
 _CODE = re.compile(r"[A-Z]{3}\d{3}")
 
 
+@cache
 def find_page(code: str) -> Path | None:
     """Return the page of a rule; None for what is not a code of one."""
     if not _CODE.fullmatch(code.upper()):

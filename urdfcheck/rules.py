@@ -20,6 +20,7 @@ import tomli
 from urdfcheck import rule_pages
 from urdfcheck.core import Applicability, Confidence, Rule, RuleFamily, RuleOption, Severity, UrdfcheckError
 from urdfcheck.rule_pages import TITLE, list_pages, split_page
+from urdfcheck.rule_pages import find_page as find_page
 from urdfcheck.rule_pages import find_pages_folder as find_pages_folder
 
 Check = Callable[..., Iterable[Any]]

@@ -52,6 +52,7 @@ NAVIGATION = (
                     Page("guides/install.md", "docs/install.md"),
                     Page("guides/reports.md", "docs/reports.md", "Read the report"),
                     Page("guides/inertia.md", "docs/guides/inertia.md"),
+                    Page("guides/editors.md", "docs/editors.md"),
                     Page("guides/variants.md", "docs/variants.md"),
                 ),
             ),
@@ -111,6 +112,10 @@ NAVIGATION = (
                     Page("guides/demo-mobile-manipulator.md", "fixtures/demos/mobile_manipulator.md"),
                     Page("guides/demo-quadruped.md", "fixtures/demos/quadruped.md"),
                 ),
+            ),
+            Section(
+                "Use it with other programs",
+                (Page("guides/agents.md", "docs/agents.md"),),
             ),
         ),
     ),

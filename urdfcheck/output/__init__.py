@@ -10,7 +10,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from urdfcheck.core import Run
 
-FORMATS = ("text", "concise", "json", "html", "sarif", "github", "gitlab", "junit", "rdjson", "markdown")
+FORMATS = ("text", "concise", "agent", "json", "html", "sarif", "github", "gitlab", "junit", "rdjson", "markdown")
 # A picture can only be written to a file.
 PICTURE_FORMAT = "png"
 # Formats that draw something: they need the scenes of a run.

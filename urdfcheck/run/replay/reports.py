@@ -14,7 +14,8 @@ from urdfcheck.system.observations import Observations
 def enable_replay(settings: AuditSettings) -> AuditSettings:
     """Return settings with which reports are kept and recalled; the same ones where a report holds more than findings."""
     options = settings.options
-    if settings.cache is None or options.texts or options.scene or options.pairs or options.drop or options.mechanism:
+    has_more = options.scene or options.pairs or options.drop or options.mechanism or options.index
+    if settings.cache is None or options.texts or has_more:
         return settings
     return replace(settings, replay_key=make_key(settings, list_shared_folders()))
 
