@@ -24,7 +24,7 @@ from conftest import check as check_here
 
 from urdfcheck.run import pipeline
 from urdfcheck.run.replay import entries, outcomes
-from urdfcheck.system import observations
+from urdfcheck.system.observing import observations
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="nothing is kept where Python asks in other ways")
 

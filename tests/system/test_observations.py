@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.system import observations
 from urdfcheck.system.files import read_regular, read_start
-from urdfcheck.system.observations import Observations, Recheck, observe
-from urdfcheck.system.questions import add_observations, compute_sha256, expand_home, read_variable
+from urdfcheck.system.observing import observations
+from urdfcheck.system.observing.observations import Observations, Recheck, observe
+from urdfcheck.system.observing.questions import add_observations, compute_sha256, expand_home, read_variable
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="nothing is kept where Python asks in other ways")
 
@@ -175,7 +175,7 @@ def test_two_threads_observe_apart_and_both_to_the_end(folder: Path) -> None:
 
 
 def test_variables_are_read_where_they_are_noted() -> None:
-    package = Path(observations.__file__).parent.parent
+    package = Path(observations.__file__).parent.parent.parent
     rooms = ("source", "model", "policy", "checks", "export", "run")
     texts = {path: path.read_text(encoding="utf-8") for room in rooms for path in (package / room).rglob("*.py")}
     own = ("os.environ", "getenv", "expanduser", "Path.home")

@@ -13,15 +13,16 @@ from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
-from urdfcheck.facts.inertials.materials import DENSEST
+from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
+from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
 from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
+from urdfcheck.model.simulation_use import is_made_for_display
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -96,7 +97,7 @@ def _count_masses(suspects: Iterable[_PlaceholderInertial]) -> int:
 
 
 def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderInertial]:
-    for body in list_whole_bodies(model):
+    for body in [] if is_made_for_display(model) else list_whole_bodies(model):
         descriptions = {
             name: what
             for name in body.links
@@ -106,8 +107,10 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
             continue
         shares = compute_body_shares(model, body.links) if descriptions else {}
         for name, description in descriptions.items():
-            if name in shares and shares[name][1] >= NEGLIGIBLE_SHARE:
-                declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
+            if name not in shares:
+                continue
+            declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
+            if not has_negligible_moment(mass, shares[name][1]):
                 yield _PlaceholderInertial(
                     declared, mass, description, shares[name][1], misfit=_measure_misfit(model, declared, mass, factor)
                 )
@@ -145,6 +148,8 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed
             if is_unknown_mass(mass, declared.tensor, drawn.solid):
                 return None
             solid = compute_solid_inertia(drawn.solid, mass)
+            if mass < LIGHTEST * drawn.solid.volume and np.trace(declared.tensor) < np.trace(solid):
+                return None  # no material is so light: the drawing is too large, rather than the tensor too small
             misfit = _compare_moments(declared.tensor, solid, allowed)
             if misfit is not None and misfit.is_axial:
                 misfit = misfit._replace(is_felt=_turns_about_length(model, declared.link, solid))

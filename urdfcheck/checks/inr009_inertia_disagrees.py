@@ -9,7 +9,9 @@ import numpy as np
 from urdfcheck.core import Confidence, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.materials import DENSEST
+from urdfcheck.facts.inertials.certainty import EXACT
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
@@ -23,9 +25,12 @@ from urdfcheck.model.inertials.diagnosis_words import (
 )
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import (
+    has_unknown_mass,
     is_approximation,
+    is_box_of_one_shape,
     is_hull_enough,
     is_light,
+    is_mark,
     is_placeholder,
     is_possible,
     is_rounded_uniform,
@@ -55,6 +60,7 @@ from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.shapes.visual_solid import (
     explain_collision_stand_in,
     has_loose_hull,
+    measure_link_geometry,
 )
 from urdfcheck.source.text.xml import Attribute
 
@@ -68,6 +74,12 @@ PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out"
 _ASSUMED, _FACETS = 1000.0, 0.01
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.
 MIRROR_CAUSES = frozenset({"unmirrored"})
+# A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
+_FAR_SMALLER = 0.2
+_POSSIBLE_TERM = (
+    ". It may be the sum of the tensors of several bodies without the parallel-axis term: the COM is right, and the mesh has"
+    " several bodies"
+)
 
 
 def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
@@ -97,6 +109,10 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
         if diagnosis.sound or not diagnosis.at_fault or not is_possible(judged) or name in grouped:
             continue
         if name in rotated or (judged.is_habit and not shows_habit_alone(model, tensor.link, diagnosis)):
+            continue
+        if has_unknown_mass(model, tensor.link, judged.declared.mass, judged.declared.tensor):
+            continue
+        if diagnosis.cause == "com_missing" and is_mark(model, judged.declared.mass):
             continue
         # One unit that fits some links, where others fit none, is no cause: the COM is wrong in another way.
         is_refuted = disputed.get(diagnosis.cause or "") == "" or _is_unproven(model, tensor.link, judged)
@@ -144,6 +160,9 @@ def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: Diagnosed
         return False
     if explain_collision_stand_in(model, tensor.link) == "unread" or has_loose_hull(model, tensor.link):
         return False  # the shape of the part is not known
+    drawn = measure_link_geometry(model, tensor.link)
+    if drawn is not None and judged.declared.mass < LIGHTEST * drawn.solid.volume:
+        return False  # nor its size: no material is so light
     return is_hull_enough(model, tensor.link, judged, far=far)
 
 
@@ -261,6 +280,7 @@ def _build_cause_finding(
         data["other_mass"] = f"{other_mass:.4g}"
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
     mild |= message != "exact" and link.name in list_bolted_links(model)
+    mild |= cause == "com_missing" and is_box_of_one_shape(model, link, judged.declared)
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
@@ -296,8 +316,22 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
         confidence=rank[1],
         edit=f", or write {drawn}" if drawn else "",
         unlike=describe_other_shape(model, tensor.link, judged),
+        hint=_POSSIBLE_TERM if _may_lack_term(model, tensor.link, judged) else "",
         **collect_message_data(model, tensor.link, judged),
     )
+
+
+def _may_lack_term(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the COM is that of a part of several bodies, and the tensor far smaller than the part's: bodies whose meshes are
+    open do not show what the parallel-axis theorem would add."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None or not drawn.closed or not judged.diagnosis.com_mismatch < EXACT:
+        return False
+    uniform = compute_solid_inertia(drawn.solid, judged.declared.mass)
+    if not np.trace(judged.declared.inertia) < _FAR_SMALLER * np.trace(uniform):
+        return False
+    meshes = [facts for shape in link.visuals if (facts := model.meshes.get_facts(shape)) is not None]
+    return sum(len(facts.components) for facts in meshes) > 1
 
 
 def _list_twins(model: Model, judged: DiagnosedInertial) -> list[Link]:

@@ -20,7 +20,7 @@ from urdfcheck.source.resources import (
 )
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
-from urdfcheck.system.questions import note_content
+from urdfcheck.system.observing.questions import note_content
 
 
 @dataclass(slots=True, eq=False)

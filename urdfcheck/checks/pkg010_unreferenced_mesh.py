@@ -17,7 +17,7 @@ from urdfcheck.source.package.references import (
     list_other_folders,
     read_package_contents,
 )
-from urdfcheck.system.questions import note_content
+from urdfcheck.system.observing.questions import note_content
 
 _SUFFIX = re.compile(rf"(?:{'|'.join(map(re.escape, MESH_SUFFIXES))})\b", re.IGNORECASE)
 # A path ends at one of these, not at a blank, and has at most so many characters.

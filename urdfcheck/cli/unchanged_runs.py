@@ -13,7 +13,7 @@ from urdfcheck.system.cache_folder import find_default_folder
 
 if TYPE_CHECKING:
     from urdfcheck.core import Run
-    from urdfcheck.system.observations import Observations
+    from urdfcheck.system.observing.observations import Observations
 
 # Options that decide what is done with an outcome, and on how many cores it is found.
 _OF_REPORTS = frozenset({"format", "output", "color", "quiet", "statistics", "allow_empty", "jobs", "no_cache"})
@@ -63,7 +63,7 @@ def observe_run(unchanged: UnchangedRuns | None) -> Iterator[Observations | None
         yield None
         return
     from urdfcheck.system.installation import list_own_files
-    from urdfcheck.system.observations import observe
+    from urdfcheck.system.observing.observations import observe
 
     with observe(apart=(unchanged.folder, *list_own_files())) as observations:
         yield observations

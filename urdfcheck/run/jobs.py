@@ -16,7 +16,7 @@ from urdfcheck.source.model_role import MODEL, ModelRole
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import FileReach
 from urdfcheck.system.files import Stamp
-from urdfcheck.system.observations import Observations
+from urdfcheck.system.observing.observations import Observations
 
 if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest

@@ -46,9 +46,9 @@ from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_stamp
 from urdfcheck.system.installation import list_own_files
-from urdfcheck.system.observations import Observations, observe
+from urdfcheck.system.observing.observations import Observations, observe
+from urdfcheck.system.observing.questions import add_observations, read_folders, read_variable
 from urdfcheck.system.process_pool import SpareWorkers, Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
-from urdfcheck.system.questions import add_observations, read_folders, read_variable
 
 # The search for all models may take so many times longer than the check of one, and at least so many seconds: a model takes
 # about a millisecond.

@@ -55,8 +55,8 @@ from urdfcheck.source.xacro.usage import iter_elements_by_tag
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
 from urdfcheck.system.installation import list_own_files
-from urdfcheck.system.observations import Observations, observe
-from urdfcheck.system.questions import read_folders
+from urdfcheck.system.observing.observations import Observations, observe
+from urdfcheck.system.observing.questions import read_folders
 
 if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest

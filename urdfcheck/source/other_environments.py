@@ -14,7 +14,7 @@ from urdfcheck.source.xacro.expand import expand_xacro
 from urdfcheck.source.xacro.expressions.varying_values import SET_ORDERS
 from urdfcheck.source.xacro.outside_access import HASH_SEED
 from urdfcheck.source.xacro.ros_variables import FIRST_GENERATION, KNOWN_VARIABLES, VARIABLE
-from urdfcheck.system.questions import read_variable
+from urdfcheck.system.observing.questions import read_variable
 
 
 def find_other_environments(source: Source) -> list[dict[str, str]]:

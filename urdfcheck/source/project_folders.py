@@ -7,7 +7,7 @@ import stat
 from functools import lru_cache
 from pathlib import Path
 
-from urdfcheck.system.questions import expand_home, read_variable
+from urdfcheck.system.observing.questions import expand_home, read_variable
 
 # The folders that make up one robot without a package.xml or a repository around them (robot/urdf/robot.urdf, robot/meshes/).
 _PARTS = frozenset({

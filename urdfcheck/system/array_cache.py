@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 
 from urdfcheck.system.cache_folder import write_atomically
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_regular
-from urdfcheck.system.observations import SETTLED_NS
-from urdfcheck.system.questions import compute_sha256, note_content
+from urdfcheck.system.observing.observations import SETTLED_NS
+from urdfcheck.system.observing.questions import compute_sha256, note_content
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

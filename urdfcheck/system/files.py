@@ -15,7 +15,7 @@ from contextvars import ContextVar
 from io import BytesIO
 from pathlib import Path
 
-from urdfcheck.system.questions import compute_sha256, is_observing, note_content
+from urdfcheck.system.observing.questions import compute_sha256, is_observing, note_content
 
 # Type checkers take it for typing's, whose import takes a fifth of the time of --help.
 TYPE_CHECKING = False
@@ -70,7 +70,7 @@ def overlay_files(texts: Mapping[str, bytes]) -> Iterator[None]:
 def note_lookup(path: Path, status: os.stat_result | None = None) -> None:
     """Record that the outcome depends on the file at a path; ``status`` saves a system call where it is known.
 
-    A watch and a journal use it. All that an outcome depends on is in `urdfcheck.system.observations`.
+    A watch and a journal use it. All that an outcome depends on is in `urdfcheck.system.observing.observations`.
     """
     record = _record.get()
     if record is not None:

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
+from urdfcheck.system.observing.questions import note_ignored, read_variable
 from urdfcheck.system.programs import find_program, make_program_environment
-from urdfcheck.system.questions import note_ignored, read_variable
 
 # Settings and variables for every command on a repository that may be a stranger's: nothing is started, and in a clone that
 # lacks an object git does not fetch it.

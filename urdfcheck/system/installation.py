@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from urdfcheck.system.questions import compute_sha256
+from urdfcheck.system.observing.questions import compute_sha256
 
 _PACKAGE = Path(__file__).parent.parent
 # Libraries that compute what is found. What else is installed or removed changes the folder that it is in.

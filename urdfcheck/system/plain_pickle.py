@@ -97,7 +97,7 @@ class PlainUnpickler(pickle.Unpickler):
             "source.plan",
             "source.reach",
             "source.text.suppression_comments",
-            "system.observations",
+            "system.observing.observations",
         )
     )
 

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 from urdfcheck.system.cache_folder import write_atomically
 from urdfcheck.system.installation import compute_installation_stamp
-from urdfcheck.system.observations import Observations, Recheck
+from urdfcheck.system.observing.observations import Observations, Recheck
+from urdfcheck.system.observing.questions import compute_sha256
 from urdfcheck.system.plain_pickle import load_plain
-from urdfcheck.system.questions import compute_sha256
 
 if TYPE_CHECKING:
     from urdfcheck.core import Finding

@@ -10,7 +10,7 @@ from pathlib import Path
 from urdfcheck.core import Rule, Run
 from urdfcheck.run.replay.entries import Replays, is_repeatable, keep_result, make_key
 from urdfcheck.source.project_folders import list_shared_folders
-from urdfcheck.system.observations import Observations
+from urdfcheck.system.observing.observations import Observations
 
 
 def make_outcome_key(options: Mapping[str, object]) -> str:

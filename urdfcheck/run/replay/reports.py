@@ -8,7 +8,7 @@ from pathlib import Path
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.run.replay.entries import Replays, is_repeatable, keep_result, make_key
 from urdfcheck.source.project_folders import list_shared_folders
-from urdfcheck.system.observations import Observations
+from urdfcheck.system.observing.observations import Observations
 
 
 def enable_replay(settings: AuditSettings) -> AuditSettings:

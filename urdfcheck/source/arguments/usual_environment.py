@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.text.problems import IN_EXPRESSION, Problem
 from urdfcheck.source.xacro.ros_variables import FIRST_GENERATION, KNOWN_VARIABLES, VARIABLE
-from urdfcheck.system.questions import read_variable
+from urdfcheck.system.observing.questions import read_variable
 
 _UNSET = re.compile(r"environment variable '([^']*)' is not set")
 # The distribution of each version of ROS that is used most; of the first, the last one.

@@ -24,7 +24,7 @@ from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import note_lookup, read_regular
-from urdfcheck.system.questions import expand_home, read_variable
+from urdfcheck.system.observing.questions import expand_home, read_variable
 
 # How many levels above a model its workspace is searched.
 LEVELS_UP = 6

@@ -19,7 +19,7 @@ from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
 from urdfcheck.source.xacro.ros_variables import KNOWN_VARIABLES, VARIABLE
-from urdfcheck.system.questions import read_variable
+from urdfcheck.system.observing.questions import read_variable
 
 # Up to this number, every combination is a variant; beyond it, each value alone, and each pair of values in some variant.
 MOST_COMBINATIONS = 32

@@ -24,7 +24,7 @@ from urdfcheck.source.xacro.expansion_state import (
 )
 from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError
 from urdfcheck.source.xacro.origins import OutputDefect, attach_origins
-from urdfcheck.system.questions import read_variable
+from urdfcheck.system.observing.questions import read_variable
 
 # Stands for the order in which sets are gone through, which is random unless this variable is set.
 HASH_SEED = "PYTHONHASHSEED"

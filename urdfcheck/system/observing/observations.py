@@ -24,7 +24,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.system.questions import compute_sha256, observed
+from urdfcheck.system.observing.questions import compute_sha256, observed
 
 if TYPE_CHECKING:
     from typing_extensions import Self  # of typing since Python 3.11

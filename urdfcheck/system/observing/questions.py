@@ -1,7 +1,7 @@
 """Questions on whose answers the outcome of a check may depend: the code that asks them says so here.
 
-What is noted, and how all other questions about files are seen, is in :mod:`urdfcheck.system.observations`. Every start loads
-this module, and few observe.
+What is noted, and how all other questions about files are seen, is in :mod:`urdfcheck.system.observing.observations`. Every
+start loads this module, and few observe.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from typing import Any, Protocol
 
     class Observer(Protocol):
-        """What `urdfcheck.system.observations.Observations` does for this module."""
+        """What `urdfcheck.system.observing.observations.Observations` does for this module."""
 
         is_complete: bool
 
