@@ -67,7 +67,7 @@ def test_a_moving_link_needs_none_when_what_is_fixed_to_it_has_one(tmp_path: Pat
 
 
 def test_what_hangs_behind_a_link_without_inertial_is_counted(tmp_path: Path) -> None:
-    (finding,) = find(tmp_path, make_arm(BOX, more=fixed("tool", "") + fixed("tip", "", parent="tool")), "INR001")
+    (finding,) = find(tmp_path, make_arm(SOLID, more=fixed("tool", "") + fixed("tip", "", parent="tool")), "INR001")
     assert finding.message_id == "missing"
     assert finding.consequences["gazebo"].startswith("drops the link and the 2 links behind it")
 
@@ -94,6 +94,30 @@ def test_a_description_without_any_inertial_is_one_info(tmp_path: Path) -> None:
     assert (finding.message_id, finding.severity) == ("display", Severity.INFO)
     (simulated,) = check_text(tmp_path / "b", make_arm(BOX, base=BOX), codes={"INR001"}, targets=("gazebo",)).findings
     assert (simulated.message_id, simulated.severity) == ("kinematic", Severity.ERROR)
+
+
+@pytest.mark.parametrize(
+    ("arm", "more", "targets", "message"),
+    [
+        (BOX, "", (), "drawing"),
+        (BOX, "", ("rviz",), "drawing"),
+        (BOX, "", ("gazebo",), "missing"),
+        (BOX, "<gazebo/>", (), "missing"),
+        (SOLID, "", (), "missing"),
+        ("", "", (), "drawing"),
+    ],
+)
+def test_the_inertial_of_a_root_is_a_dummy_where_nothing_that_moves_has_one_or_collides(
+    tmp_path: Path, arm: str, more: str, targets: tuple[str, ...], message: str
+) -> None:
+    (finding,) = find(tmp_path, make_arm(arm, more=more), "INR001", targets=targets)
+    assert (finding.message_id, finding.severity == Severity.INFO) == (message, message == "drawing")
+
+
+@pytest.mark.parametrize(("more", "found"), [("", False), ("<gazebo/>", True)])
+def test_the_placeholder_of_a_drawn_root_is_nobodys(tmp_path: Path, more: str, found: bool) -> None:
+    base = inertial(0.1, 0.01) + BOX.replace("1 1 1", "0.1 0.1 0.1")
+    assert bool(find(tmp_path, make_arm(BOX, base=base, more=more), "INR007")) == found
 
 
 def test_a_description_that_cannot_move_needs_no_inertial(tmp_path: Path) -> None:

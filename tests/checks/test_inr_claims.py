@@ -17,6 +17,7 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 PLATE = (0.4, 0.2, 0.1)
+PLATE_BLOCKS = [(PLATE, (0.0, 0.0, 0.0))]
 
 
 def make_plate(rpy: tuple[float, float, float], factor: float = 1.0) -> str:
@@ -210,6 +211,44 @@ def test_a_unit_of_one_link_is_edited_only_where_it_is_exact(tmp_path: Path, fac
     assert finding.cause.id == "inertia_unit"
     assert finding.fix is not None
     assert bool(finding.fix.edits) == edited
+
+
+def make_edited_masses(numbers: DeclaredInertial, times: tuple[float, ...]) -> str:
+    """Return a plate with these ``numbers``, and parts whose tensors are those of so many times their masses."""
+    bodies = [(numbers, PLATE_BLOCKS)]
+    for count, factor in enumerate(times):
+        part = [((0.3 + 0.1 * count, 0.12, 0.05), (0.0, 0.0, 0.0))]
+        true = uniform(geometry(part).solid)
+        bodies.append((replace(true, tensor=factor * true.tensor), part))
+    return make_chain(*bodies)
+
+
+@pytest.mark.parametrize(
+    ("times", "off", "cause"),
+    [
+        ((), (0.97, 1.04, 1.04), "inertia_unit"),
+        ((2.7,), (0.97, 1.04, 1.04), "inertia_unit"),
+        ((2.7, 5.9), (0.97, 1.04, 1.04), "other_mass"),
+        ((2.7, 5.9), (1.0, 1.0, 1.0), "inertia_unit"),
+    ],
+)
+def test_a_unit_that_nearly_fits_one_link_is_no_cause_where_the_masses_of_others_were_edited(
+    tmp_path: Path, times: tuple[float, ...], off: tuple[float, ...], cause: str
+) -> None:
+    true = uniform(geometry(PLATE_BLOCKS).solid)
+    text = make_edited_masses(replace(true, tensor=1000.0 * true.tensor * off), times)
+    found = {finding.subjects[0]: finding.cause and finding.cause.id for finding in find(tmp_path, text, {"INR009"})}
+    assert found["link[l0]/inertial/inertia"] == cause
+
+
+@pytest.mark.parametrize(("times", "is_named"), [((), True), ((2.7, 5.9), False)])
+def test_nor_does_a_tensor_that_fits_the_part_roughly_have_it(
+    tmp_path: Path, times: tuple[float, ...], is_named: bool
+) -> None:
+    true = uniform(geometry(PLATE_BLOCKS).solid)
+    text = make_edited_masses(replace(true, tensor=1e4 * true.tensor * (1.9, 0.7, 0.8)), times)
+    (finding,) = (one for one in find(tmp_path, text, {"INR005"}) if "l0" in one.message)
+    assert ("kg·cm²" in finding.message) == is_named
 
 
 def test_a_headline_of_several_links_keeps_the_cause_and_drops_a_number() -> None:

@@ -150,6 +150,43 @@ def test_what_only_slides_on_a_fixed_base_needs_no_inertia(tmp_path: Path, kind:
     assert finding.message_id == message
 
 
+@pytest.mark.parametrize(("root", "message"), [("world", "bolted"), ("flange", "placeholder")])
+def test_the_palm_of_a_gripper_needs_no_inertia_only_where_the_file_fixes_it_to_the_world(
+    tmp_path: Path, root: str, message: str
+) -> None:
+    finger = inertial(0.5, ixx=1e-4, iyy=1.1e-4, izz=2e-5), visual(box("0.01 0.01 0.05"))
+    text = robot(
+        link(root),
+        link("palm", inertial(1.5, 0.1), visual(box("0.1 0.1 0.1"))),
+        link("left_finger", *finger),
+        link("right_finger", *finger),
+        joint("weld", root, "palm"),
+        joint("left", "palm", "left_finger", kind="prismatic", xyz="0 0.02 0.07", axis="0 1 0"),
+        joint("right", "palm", "right_finger", kind="prismatic", xyz="0 -0.02 0.07", axis="0 -1 0"),
+    )
+    (finding,) = find(tmp_path, text, {"INR007"})
+    assert finding.message_id == message
+
+
+@pytest.mark.parametrize(("mass", "tensor", "found"), [(1e-4, 2e-5, False), (1e-4, 1e-4, True), (1e-3, 2e-5, True)])
+def test_a_mark_of_less_than_a_gram_needs_no_inertia_of_its_own(
+    tmp_path: Path, mass: float, tensor: float, found: bool
+) -> None:
+    leg = link("leg", inertial(0.05, ixx=1.8e-4, iyy=1.8e-4, izz=2e-5), visual(box("0.02 0.02 0.2")))
+    toe = link("toe", inertial(mass, tensor), visual(box("0.01 0.01 0.01")))
+    joints = joint("hip", "base", "leg", kind="continuous"), joint("glue", "leg", "toe", xyz="0 0 -0.1")
+    text = robot(link("base", inertial(1, 1)), leg, toe, *joints)
+    assert ["toe" in f.message for f in find(tmp_path, text, {"INR007"})] == [True] * found
+
+
+@pytest.mark.parametrize(("size", "found"), [("0.1 0.1 0.1", True), ("0.4 0.4 0.4", False)])
+def test_a_tensor_is_not_too_small_for_a_drawing_that_no_material_is_light_enough_for(
+    tmp_path: Path, size: str, found: bool
+) -> None:
+    text = arm_on_base(inertial(0.1, 1e-6), visual(box(size)))
+    assert bool(find(tmp_path, text, {"INR007"})) == found
+
+
 # -- INR008 -----------------------------------------------------------------------------------------------------------
 
 

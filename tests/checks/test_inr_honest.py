@@ -256,6 +256,20 @@ def test_moments_a_hundred_times_too_small_are_a_warning(tmp_path: Path, factor:
     assert (severity == Severity.WARNING) == found[0].headline.endswith("× too small")
 
 
+@pytest.mark.parametrize(("off", "hint"), [(0.0, True), (0.02, False)])
+def test_what_is_far_too_small_about_the_right_com_may_lack_the_term_of_several_bodies(
+    tmp_path: Path, off: float, hint: bool
+) -> None:
+    cubes = [((0.04, 0.05, 0.06), (0.0, 0.0, sign * 0.2)) for sign in (-1, 1)]
+    write_stl(tmp_path / "part.stl", cubes)
+    own = uniform(geometry(cubes).solid)
+    alone = compute_solid_inertia(make_box_solid((0.04, 0.05, 0.06)), own.mass) * np.diag((1.6, 1.1, 1.3))
+    numbers = replace(own, com=own.com + np.array((off, 0.0, 0.0)), tensor=alone)
+    (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers), visual(mesh("part.stl"))), {"INR009"})
+    assert finding.message_id == "disagrees"
+    assert ("parallel-axis" in finding.message) == hint
+
+
 def test_a_hull_says_nothing_about_the_com(tmp_path: Path) -> None:
     drawn = geometry(CASTING)
     assert drawn.hull is not None

@@ -176,6 +176,23 @@ def test_a_base_that_is_bolted_down_is_an_info(tmp_path: Path) -> None:
     assert one(tmp_path, arm("world"), "INR009").severity == Severity.INFO
 
 
+@pytest.mark.parametrize(
+    ("root", "kind", "severity"),
+    [("world", "fixed", Severity.INFO), ("mount", "floating", Severity.WARNING)],
+)
+def test_the_com_of_a_stand_that_is_not_drawn_moves_nothing(
+    tmp_path: Path, root: str, kind: str, severity: Severity
+) -> None:
+    text = robot(
+        link(root),
+        link("foot", inertial(1, 0.05, com="0 0 -0.4"), visual(box("0.2 0.2 0.02"))),
+        link("arm", inertial(1, 0.01), visual(box("0.2 0.2 0.2"))),
+        joint("j0", root, "foot", kind=kind),
+        joint("j1", "foot", "arm", kind="continuous"),
+    )
+    assert one(tmp_path, text, "INR006").severity == severity
+
+
 # -- moments of zero, placeholders --------------------------------------------------------------------------------------
 
 
@@ -203,7 +220,7 @@ def test_all_links_with_a_placeholder_count_and_one_that_moves_is_the_example(tm
     part, drawn = inertial(1, 0.001), visual(cylinder(0.1, 1))
     text = robot(
         link("world"),
-        link("foot", part, visual(cylinder(0.5, 1))),
+        link("foot", part, visual(cylinder(0.14, 1))),
         link("lower", part, drawn),
         link("upper", part, drawn),
         joint("j0", "world", "foot"),

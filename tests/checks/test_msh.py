@@ -694,6 +694,18 @@ def test_how_many_triangles_may_collide(tmp_path: Path, limit: int, reported: bo
     assert [f.headline for f in findings] == (["l0: collision mesh has 4 triangles (limit 3)"] if reported else [])
 
 
+@pytest.mark.parametrize(("step", "advice"), [(0, "export one part per link: 3 links"), (1, "use a copy decimated")])
+def test_a_mesh_of_the_whole_robot_in_each_link_is_not_to_be_decimated(tmp_path: Path, step: int, advice: str) -> None:
+    parts = [link("base")]
+    for number in range(3):
+        name = f"l{number}"
+        (tmp_path / f"{name}.obj").write_text(CLOSED)
+        both = shape("collision", f"{name}.obj") + shape("visual", "l0.obj")
+        parts += [link(name, both), joint(f"j{number}", "base", name, kind="continuous", xyz=f"{step * number} 0 0")]
+    found = find(tmp_path, robot(*parts), "MSH009", options={"MSH009": {"triangles": 3}})
+    assert {finding.fix.title.startswith(advice) for finding in found if finding.fix is not None} == {True}
+
+
 @pytest.mark.parametrize(
     ("scale", "mirrors"), [("1 -1 1", True), ("-1 -1 1", False), ("-1 -1 -1", True), ("0 -1 1", False)]
 )

@@ -37,7 +37,7 @@ from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, lacks_only_com
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
-from urdfcheck.model.inertials.shared_mistakes import list_habitual_links
+from urdfcheck.model.inertials.shared_mistakes import has_edited_masses, list_habitual_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.bounds import has_drawn_shape
@@ -251,10 +251,10 @@ def _describe_missing_com(model: Model, link: Link) -> str:
 
 def _guess_unit(model: Model, part: EnclosedInertial, ratio: float) -> tuple[str, float] | None:
     """Return the one unit in which the author's own tensor is possible inside the geometry, with moments like those of a uniform
-    part; None where none is, or several are, or another link of the file does not have it, for a placeholder, and for a unit that
-    no program writes."""
+    part; None where none is, or several are, or another link of the file does not have it, for a placeholder, for the tensor of
+    another mass, and for a unit that no program writes."""
     declared = model.tensor_by_name[part.link.name]
-    if describe_placeholder(part.mass, declared.components) is not None:
+    if describe_placeholder(part.mass, declared.components) is not None or has_edited_masses(model):
         return None
     fitting = [(name, factor) for name, factor in TENSOR_UNITS.items() if _fits_unit(model, part, factor, ratio)]
     is_one = len(fitting) == 1 and fitting[0][0] != "g·m²" and is_unit_possible(model, fitting[0][1])

@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.core.text import format_length
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.inertials.shared_mistakes import measure_turn_of_tensor
+from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
@@ -42,9 +43,11 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             continue
         sign = _find_sign_repair(model, part)
         missing = sign is None and not any(part.inertial.origin.xyz or ())
+        is_bolted = sign is None and part.link.name in list_bolted_links(model)
         yield rule.finding(
-            "outside" if sign is None else "sign",
+            "sign" if sign is not None else "bolted" if is_bolted else "outside",
             at=_locate(part),
+            severity=Severity.INFO if is_bolted else None,
             cause="sign" if sign is not None else "missing" if missing else None,
             edits=() if sign is None else sign.repair.edits,
             link=part.link.name,

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Rule, Severity, Span
+from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
-from urdfcheck.facts.inertials.materials import DENSEST
+from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
@@ -22,6 +22,7 @@ from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
+from urdfcheck.model.simulation_use import is_made_for_display
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -32,6 +33,8 @@ _FEWEST = 4
 _FEWEST_MASSES = 3
 # Cosine: a joint's axis is along a rod where the angle between the two is below 25°.
 _ALONG = 0.9
+# A link of less than a gram (kg) is a mark on the body that it is fixed to. Its tensor counts from this share of the body's.
+_SPECK, _SPECK_SHARE = 1e-3, 0.15
 # The diagonal in m above which a model without moving joints is no object that a robot handles.
 _SCENERY = 10.0
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
@@ -96,7 +99,7 @@ def _count_masses(suspects: Iterable[_PlaceholderInertial]) -> int:
 
 
 def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderInertial]:
-    for body in list_whole_bodies(model):
+    for body in [] if _is_display_model(model) else list_whole_bodies(model):
         descriptions = {
             name: what
             for name in body.links
@@ -106,11 +109,21 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
             continue
         shares = compute_body_shares(model, body.links) if descriptions else {}
         for name, description in descriptions.items():
-            if name in shares and shares[name][1] >= NEGLIGIBLE_SHARE:
-                declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
+            if name not in shares:
+                continue
+            declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
+            if shares[name][1] >= (_SPECK_SHARE if mass < _SPECK else NEGLIGIBLE_SHARE):
                 yield _PlaceholderInertial(
                     declared, mass, description, shares[name][1], misfit=_measure_misfit(model, declared, mass, factor)
                 )
+
+
+def _is_display_model(model: Model) -> bool:
+    """Whether a robot is only drawn: then the inertial of its root is a dummy (INR001)."""
+    try:
+        return is_made_for_display(model)
+    except FactUnavailableError:  # the tree is broken
+        return False
 
 
 def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:
@@ -145,6 +158,8 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed
             if is_unknown_mass(mass, declared.tensor, drawn.solid):
                 return None
             solid = compute_solid_inertia(drawn.solid, mass)
+            if mass < LIGHTEST * drawn.solid.volume and np.trace(declared.tensor) < np.trace(solid):
+                return None  # no material is so light: the drawing is too large, rather than the tensor too small
             misfit = _compare_moments(declared.tensor, solid, allowed)
             if misfit is not None and misfit.is_axial:
                 misfit = misfit._replace(is_felt=_turns_about_length(model, declared.link, solid))

@@ -9,6 +9,8 @@ import numpy as np
 from urdfcheck.core import Confidence, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import join_names
+from urdfcheck.facts.inertials.certainty import EXACT
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis_words import (
@@ -55,6 +57,7 @@ from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.shapes.visual_solid import (
     explain_collision_stand_in,
     has_loose_hull,
+    measure_link_geometry,
 )
 from urdfcheck.source.text.xml import Attribute
 
@@ -68,6 +71,12 @@ PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out"
 _ASSUMED, _FACETS = 1000.0, 0.01
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.
 MIRROR_CAUSES = frozenset({"unmirrored"})
+# A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
+_FAR_SMALLER = 0.2
+_POSSIBLE_TERM = (
+    ". It may be the sum of the tensors of several bodies without the parallel-axis term: the COM is right, and the mesh has"
+    " several bodies"
+)
 
 
 def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
@@ -296,8 +305,22 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
         confidence=rank[1],
         edit=f", or write {drawn}" if drawn else "",
         unlike=describe_other_shape(model, tensor.link, judged),
+        hint=_POSSIBLE_TERM if _may_lack_term(model, tensor.link, judged) else "",
         **collect_message_data(model, tensor.link, judged),
     )
+
+
+def _may_lack_term(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the COM is that of a part of several bodies, and the tensor far smaller than the part's: bodies whose meshes are
+    open do not show what the parallel-axis theorem would add."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None or not drawn.closed or not judged.diagnosis.com_mismatch < EXACT:
+        return False
+    uniform = compute_solid_inertia(drawn.solid, judged.declared.mass)
+    if not np.trace(judged.declared.inertia) < _FAR_SMALLER * np.trace(uniform):
+        return False
+    meshes = [facts for shape in link.visuals if (facts := model.meshes.get_facts(shape)) is not None]
+    return sum(len(facts.components) for facts in meshes) > 1
 
 
 def _list_twins(model: Model, judged: DiagnosedInertial) -> list[Link]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -13,7 +13,7 @@ from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
-# So many rounded joints skew axes that should be parallel (see the page); one or two are within the tolerance of a good arm.
+# So many rounded joints skew axes that planners take as parallel; one or two are within the tolerance of a good arm.
 SKEWED_JOINTS = 3
 
 
@@ -106,7 +106,9 @@ def _build_finding(
         at=words[0],
         related=[*words[1:], *spellings.exact[:1]],
         edits=[angle.word.build_edit(angle.format_correction(in_xacro=in_xacro)) for angle in angles],
-        severity=Severity.WARNING if sum(a.error > harmful and a.skews for a in angles) >= SKEWED_JOINTS else None,
+        severity=Severity.WARNING
+        if "moveit" in model.targets and _count_skewed(angles, harmful) >= SKEWED_JOINTS
+        else None,
         spelled=_strip_sign(coarsest[0].word),
         times=_format_times(len(coarsest)),
         count=len(words),
@@ -121,6 +123,10 @@ def _build_finding(
         correct=angles[0].format_correction(in_xacro=in_xacro),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(word.location.subject for word in words)))
+
+
+def _count_skewed(angles: Sequence[_RoundedAngle], harmful: float) -> int:
+    return sum(angle.skews and angle.error > harmful for angle in angles)
 
 
 def _collect_angles(model: Model) -> list[tuple[Token, float, bool]]:

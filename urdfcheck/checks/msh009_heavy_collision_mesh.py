@@ -6,11 +6,16 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
+from urdfcheck.model.shapes.repeated_drawings import find_repeated_drawings
+
+_FINE = "use a copy decimated to a few hundred triangles (Blender: Decimate), primitives or a convex hull for collision"
+_WHOLE = "export one part per link: {count} links draw one and the same body in one place"
 
 
 def check(model: Model, rule: Rule, *, triangles: int, slight: float) -> Iterator[Finding]:
     for uses, facts in model.meshes.list_measured():
         if uses[0].shape.role == "collision" and facts.n_triangles > triangles:
+            whole = find_repeated_drawings(model)
             yield rule.finding(
                 "heavy",
                 at=uses[0].filename,
@@ -20,4 +25,5 @@ def check(model: Model, rule: Rule, *, triangles: int, slight: float) -> Iterato
                 mesh=uses[0].filename.value,
                 triangles=facts.n_triangles,
                 limit=triangles,
+                advice=_WHOLE.format(count=len(whole)) if uses[0].link.name in whole else _FINE,
             )

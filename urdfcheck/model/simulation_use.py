@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.model.fact import fact
+from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.ros.srdf import has_dependency
@@ -41,6 +42,22 @@ def is_simulated(model: Model) -> bool:
     if any(map(is_simulated_hardware, model.robot.find_children("ros2_control"))):
         return True
     return any(_SIMULATOR.search(_drop_comments(text)) for text in _read_project_texts(model))
+
+
+@fact
+def is_made_for_display(model: Model) -> bool:
+    """Whether a robot with joints is only drawn and planned with: no body that moves has an ``<inertial>`` or a ``<collision>``,
+    and nothing simulates it.
+
+    :raises FactUnavailableError: when the tree is broken.
+    """
+    moving = [body for body in list_rigid_bodies(model) if body.is_movable]
+    links = [model.link_by_name[name] for body in moving for name in body.links]
+    return (
+        bool(links)
+        and not any(link.inertial is not None or link.collisions for link in links)
+        and not is_simulated(model)
+    )
 
 
 def starts_classic(model: Model) -> bool:

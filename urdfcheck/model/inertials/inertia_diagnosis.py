@@ -13,6 +13,7 @@ from urdfcheck.facts.inertials.diagnosis import Diagnosis
 from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.diagnosis.computed_tensors import name_computed_mass
+from urdfcheck.model.inertials.diagnosis.edited_masses import name_edited_masses
 from urdfcheck.model.inertials.diagnosis.inertial_references import collect_references
 from urdfcheck.model.inertials.diagnosis.kept_verdicts import (
     KeptVerdicts,
@@ -84,7 +85,8 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     habit = None if known.habit is None else (known.habit["id"], known.habit["detail"])
     decoded = {name: decode_diagnosis(known.verdicts[verdict]) for name, (verdict, _) in known.links.items()}
     diagnosed = {}
-    for name, diagnosis in join_unmoved_pieces(model, numbers, decoded).items():
+    joined = join_unmoved_pieces(model, numbers, decoded)
+    for name, diagnosis in name_edited_masses(model, numbers, joined).items():
         is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
         named = diagnosis if is_habit else name_computed_mass(model, model.link_by_name[name], numbers[name], diagnosis)
         diagnosed[name] = DiagnosedInertial(numbers[name], named, tuple(known.links[name][1]), is_habit)

@@ -11,6 +11,7 @@ from urdfcheck.facts.inertials.certainty import FAR
 from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_solid_inertia
 from urdfcheck.model import Link, Model
 from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.diagnosis.edited_masses import shows_edited_masses
 from urdfcheck.model.inertials.diagnosis_words import NOTABLE
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import is_light, is_possible, measure_difference, measure_mismatch
@@ -149,6 +150,16 @@ def is_proven(model: Model, link: Link) -> bool:
     if diagnosis.mended is None or drawn is None:
         return False
     return measure_difference(diagnosis.mended, drawn) <= _PROVEN
+
+
+def has_edited_masses(model: Model) -> bool:
+    """Whether the masses of a file were edited and not its tensors, which then fit no unit but by chance."""
+    judged = inertial_diagnoses(model)
+    return shows_edited_masses(
+        model,
+        {name: one.declared for name, one in judged.items()},
+        {name: one.diagnosis for name, one in judged.items()},
+    )
 
 
 def find_disputed_units(model: Model) -> dict[str, str]:

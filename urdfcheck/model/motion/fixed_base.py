@@ -78,9 +78,14 @@ def is_bolted_arm(model: Model) -> bool:
 
 
 def list_bolted_links(model: Model) -> Sequence[str]:
-    """List the links of a base that cannot move: nothing depends on their inertia. Empty where it can, or that is not known."""
+    """List the links of a base that cannot move: nothing depends on their inertia. Empty where it can, or that is not known.
+
+    A hand is fixed to an arm, unless its file says that it is fixed to the world.
+    """
     try:
-        return model.tree.list_body_links(model.tree.root) if is_bolted_arm(model) else ()
+        root = model.tree.root
+        is_held = is_bolted(model) if root in GROUND_NAMES else is_bolted_arm(model)
+        return model.tree.list_body_links(root) if is_held else ()
     except FactUnavailableError:  # the mass of the base is not known
         return ()
 
