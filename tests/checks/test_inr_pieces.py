@@ -39,11 +39,11 @@ def write_elbow() -> str:
     return "\n".join(("solid elbow", *lines, "endsolid elbow"))
 
 
-def make_robot(arm: DeclaredInertial, elbow: DeclaredInertial) -> dict[str, str]:
+def make_robot(arm: DeclaredInertial, elbow: DeclaredInertial, place: str = "") -> dict[str, str]:
     text = robot(
         link("arm", format_inertial(arm, 8), drawn_boxes(CASTING)),
         joint("j", "arm", "elbow", kind="continuous", xyz="0.3 0 0"),
-        link("elbow", format_inertial(elbow, 8), visual(mesh("elbow.stl"))),
+        link("elbow", format_inertial(elbow, 8), visual(mesh("elbow.stl"), xyz=place)),
     )
     return {"robot.urdf": text, "elbow.stl": write_elbow()}
 
@@ -64,6 +64,19 @@ def test_a_mesh_of_one_piece_has_the_mistake_of_its_file(tmp_path: Path) -> None
 
 def test_the_missing_term_of_one_mesh_proves_nothing_by_itself(tmp_path: Path) -> None:
     assert not find(tmp_path, make_robot(uniform(DRAWN.solid), add_without_term()), "INR009")
+
+
+def test_the_mistake_of_the_file_goes_before_another_that_fits_half(tmp_path: Path) -> None:
+    numbers, (first, second) = add_without_term(), (np.array(centre) for _, centre in ELBOW)
+    whole = uniform(geometry(ELBOW).solid)
+    missing = float(np.trace(whole.tensor - numbers.tensor)) / 2.0 / numbers.mass
+    line = (second - first) / float(np.linalg.norm(second - first))
+    place = 0.9 * missing**0.5 * line - whole.com  # as if the parallel-axis term had been subtracted once more
+    files = make_robot(
+        ADDED(uniform(DRAWN.solid), DRAWN), replace(numbers, com=whole.com + place), " ".join(map(repr, place.tolist()))
+    )
+    (finding,) = find(tmp_path, files, "INR009")
+    assert finding.headline == "2 of 2 links: wrong inertia (no parallel-axis term)"
 
 
 @pytest.mark.parametrize(

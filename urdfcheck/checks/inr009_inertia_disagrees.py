@@ -10,6 +10,7 @@ from urdfcheck.core import Confidence, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import EXACT
+from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.model import DeclaredTensor, Link, Model
@@ -256,6 +257,8 @@ def _build_cause_finding(
         message = "twin"
     elif cause == "shell" and has_com_of_shell(model, link):
         message = "hollow"
+    elif cause == "com_missing" and _is_drawn_elsewhere(model, link):
+        message = "elsewhere"
     elif cause in {"com_missing", "mesh_scale"}:
         message = cause
     elif others:
@@ -273,13 +276,19 @@ def _build_cause_finding(
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
-        cause=cause,
+        cause=None if message == "elsewhere" else cause,
         edits=() if mended is None or message == "size" else mended.edits,  # the mass is as likely to be wrong
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit=fallback if mended is None else mended.words,
         **data,
     )
+
+
+def _is_drawn_elsewhere(model: Model, link: Link) -> bool:
+    """Whether the origin of a link is farther from what it draws than that is long: the drawing may be in the wrong place."""
+    drawn = measure_link_geometry(model, link)
+    return drawn is not None and measure_hull_distance(drawn.points, np.zeros(3)) > measure_extent(drawn.points)
 
 
 def _find_other_mass(judged: DiagnosedInertial) -> float | None:

@@ -200,6 +200,7 @@ def collect_message_data(
         "fault_short": doubted,  # the cause says more than how far off the numbers are
         "source": source,
         "off": f", {apart} from {'the drawn part' if source == 'the drawn part' else 'the shape'}'s" if apart else "",
+        "apart": apart,
         "twins": join_names(judged.twins),
         "mass": f"{declared.mass:g}",
         "moments": join_numbers(moments, digits=3),
