@@ -10,6 +10,7 @@ import pytest
 from builders import find, joint, link, mesh, robot, visual
 from castings import CASTING, MISTAKES, Block, drawn_boxes, edited, format_inertial, geometry, uniform
 
+from urdfcheck.core import Finding
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 
 # The arms of an L of 30 mm width and 50 mm depth (m), as two blocks that touch.
@@ -89,3 +90,22 @@ def test_another_difference_is_no_missing_term(tmp_path: Path, stretch: tuple[fl
     scaled = replace(other, tensor=np.diag(stretch) @ other.tensor @ np.diag(stretch))
     (finding,) = find(tmp_path, make_robot(ADDED(uniform(DRAWN.solid), DRAWN), scaled), "INR009")
     assert [subject.partition("/")[0] for subject in finding.subjects] == ["link[arm]"]
+
+
+def test_an_inertial_in_the_frame_of_the_mesh_is_named_and_brought_to_the_link(tmp_path: Path) -> None:
+    numbers = format_inertial(uniform(geometry(ELBOW).solid))
+
+    def find_elbow(place: str) -> list[Finding]:
+        text = robot(
+            link("base"),
+            joint("j", "base", "elbow", kind="continuous"),
+            link("elbow", numbers, visual(mesh("elbow.stl"), xyz=place, rpy="0 0 1.5707963267948966")),
+        )
+        return find(tmp_path, {"robot.urdf": text, "elbow.stl": write_elbow()}, {"INR006", "INR009"})
+
+    (finding,) = find_elbow("0 0 -0.18")
+    assert finding.cause is not None
+    assert (finding.code, finding.cause.id) == ("INR009", "mesh_frame")
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert "-0.18" in finding.fix.title

@@ -75,6 +75,7 @@ FAULTY_NUMBERS = {
     "com_unit": "COM",
     "units": "units",
     "decimal_point": "number",
+    "mesh_frame": "COM",
     "quarter_turn": "COM and inertia",
     "unmirrored": "COM and inertia",
 }
@@ -90,6 +91,7 @@ SHORT_CAUSES = {
     "steiner_twice": "parallel-axis term twice",
     "steiner_missing": "no parallel-axis term",
     "own_missing": "own tensors of the pieces left out",
+    "mesh_frame": "the mesh's own, without its <origin>",
     "one_piece": "one piece only",
     "products_sign": "products have flipped signs",
     "axes_permuted": "its x y z are {detail}",

@@ -25,6 +25,7 @@ from urdfcheck.model.inertials.diagnosis.kept_verdicts import (
     write_verdicts,
 )
 from urdfcheck.model.inertials.diagnosis.link_diagnosis import diagnose_link, measure_link_evidence
+from urdfcheck.model.inertials.diagnosis.mesh_frames import name_mesh_frames
 from urdfcheck.model.inertials.diagnosis.verdict_keys import compute_model_key, compute_verdict_key
 from urdfcheck.model.inertials.diagnosis.weak_causes import drop_weak_causes
 from urdfcheck.model.inertials.unmoved_pieces import join_unmoved_pieces
@@ -86,12 +87,13 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     habit = None if known.habit is None else (known.habit["id"], known.habit["detail"])
     decoded = {name: decode_diagnosis(known.verdicts[verdict]) for name, (verdict, _) in known.links.items()}
     diagnosed = {}
-    own = drop_weak_causes(model, numbers, {n: one for n, one in decoded.items() if (one.cause, one.detail) != habit})
-    joined = join_unmoved_pieces(model, numbers, {name: own.get(name, one) for name, one in decoded.items()})
-    for name, diagnosis in name_edited_masses(model, numbers, joined).items():
+    others = {name: one for name, one in decoded.items() if (one.cause, one.detail) != habit}
+    joined = join_unmoved_pieces(model, numbers, decoded | drop_weak_causes(model, numbers, others))
+    named = name_mesh_frames(model, numbers, name_edited_masses(model, numbers, joined))
+    for name, diagnosis in named.items():
         is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
-        named = diagnosis if is_habit else name_computed_mass(model, model.link_by_name[name], numbers[name], diagnosis)
-        diagnosed[name] = DiagnosedInertial(numbers[name], named, tuple(known.links[name][1]), is_habit)
+        own = diagnosis if is_habit else name_computed_mass(model, model.link_by_name[name], numbers[name], diagnosis)
+        diagnosed[name] = DiagnosedInertial(numbers[name], own, tuple(known.links[name][1]), is_habit)
     return diagnosed
 
 
