@@ -28,8 +28,8 @@ _OF_COM = frozenset({None, "com_unit", "decimal_point"})
 def name_mesh_frames(
     model: Model, numbers: Mapping[str, DeclaredInertial], found: Mapping[str, Diagnosis]
 ) -> dict[str, Diagnosis]:
-    """Return the verdicts with the cause ``mesh_frame`` where the origin of what a link draws, applied to its inertial, brings the
-    COM to that of the drawn part."""
+    """Return the verdicts with the cause ``mesh_frame`` where the origin of what a link draws brings the COM of its inertial to
+    that of the drawn part."""
     return {
         name: _find_in_mesh_frame(model, model.link_by_name[name], numbers[name], one) for name, one in found.items()
     }
