@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from builders import box, find, joint, limit, link, robot, visual
+from builders import box, cylinder, find, inertial, joint, limit, link, robot, visual
 
 from urdfcheck.core import Finding
 
@@ -132,3 +132,24 @@ def test_a_finger_that_mirrors_none_is_reported(tmp_path: Path) -> None:
         if f.message_id in {"slip", "origin"}
     ]
     assert slips
+
+
+def make_wheels(left: str, right: str) -> list[str]:
+    parts = [link("base", visual(box("0.3 0.3 0.05"), xyz="0 0 0.1"))]
+    disk = visual(cylinder(0.075, 0.04), rpy="1.5707963 0 0")
+    for side, y, numbers in (("left", 0.2, left), ("right", -0.2, right)):
+        parts.append(link(f"{side}_wheel", numbers, disk))
+        parts.append(
+            joint(f"{side}_joint", "base", f"{side}_wheel", kind="continuous", xyz=f"0 {y} 0.075", axis="0 1 0")
+        )
+    return parts
+
+
+def test_of_two_impossible_inertials_neither_repairs_the_other(tmp_path: Path) -> None:
+    left, right = inertial(1, ixx=0.25, iyy=0.45, izz=0.55), inertial(1, ixx=0.008, iyy=0.016, izz=0.008)
+    (finding,) = find_places(tmp_path, *make_wheels(left, right))
+    assert finding.message_id == "both"
+    assert finding.fix is not None
+    assert finding.fix.title == "export both again: neither inertial is that of the part that it draws"
+    (finding,) = find_places(tmp_path, *make_wheels(inertial(1, ixx=0.0014, iyy=0.0028, izz=0.0016), right))
+    assert finding.message_id != "both"
