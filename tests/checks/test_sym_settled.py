@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from builders import box, cylinder, find, inertial, joint, limit, link, robot, visual
 
 from urdfcheck.core import Finding
@@ -153,3 +154,26 @@ def test_of_two_impossible_inertials_neither_repairs_the_other(tmp_path: Path) -
     assert finding.fix.title == "export both again: neither inertial is that of the part that it draws"
     (finding,) = find_places(tmp_path, *make_wheels(inertial(1, ixx=0.0014, iyy=0.0028, izz=0.0016), right))
     assert finding.message_id != "both"
+
+
+@pytest.mark.parametrize(("size", "found"), [(1.0, True), (8.0, False)])
+def test_a_few_millimetres_of_a_robot_of_many_metres_are_no_displacement(
+    tmp_path: Path, size: float, found: bool
+) -> None:
+    parts = [link("base")]
+    for i, name in enumerate(("hip", "arm", "ear")):
+        for side, y in (("left", 0.5 * size), ("right", -0.5 * size)):
+            x = (i - 1) * size + (0.004 if (side, name) == ("right", "ear") else 0.0)
+            parts.append(link(f"{side}_{name}"))
+            parts.append(
+                joint(
+                    f"{side}_{name}_joint",
+                    "base",
+                    f"{side}_{name}",
+                    LIMIT,
+                    kind="revolute",
+                    xyz=f"{x} {y} 0",
+                    axis="0 0 1",
+                )
+            )
+    assert [f.message_id for f in find_places(tmp_path, *parts)] == ["origin"] * found
