@@ -7,11 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, joint, link, mesh, robot, visual
+from builders import box, find, joint, link, mesh, robot, visual
 from castings import CASTING, MISTAKES, Block, drawn_boxes, edited, format_inertial, geometry, uniform
 
 from urdfcheck.core import Finding
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.inertia_tensor import (
+    combine_solids,
+    compute_solid_inertia,
+    make_box_solid,
+    transform_solid,
+)
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 # The arms of an L of 30 mm width and 50 mm depth (m), as two blocks that touch.
 LONG, HIGH, WIDE, DEEP = 0.2, 0.15, 0.03, 0.05
@@ -109,3 +116,35 @@ def test_an_inertial_in_the_frame_of_the_mesh_is_named_and_brought_to_the_link(t
     assert finding.fix is not None
     assert not finding.fix.edits
     assert "-0.18" in finding.fix.title
+
+
+def make_tilted_link(name: str, scale: float) -> str:
+    """Return a link of two boxes in no one's axes, whose tensors were added about their own COMs, with CAD's signs."""
+    rpy = (0.03, 0.05, 0.05)
+    solids = [
+        transform_solid(make_box_solid(tuple(scale * e for e in size)), rpy_to_matrix(rpy), scale * np.array(place))
+        for size, place in CASTING
+    ]
+    whole = combine_solids(solids)
+    added = sum(compute_solid_inertia(solid, 2700 * solid.volume) for solid in solids)
+    tensor = 2.0 * np.diag(np.diag(added)) - added
+    numbers = DeclaredInertial(2700 * whole.volume, whole.com, tensor)
+    drawn = [
+        visual(
+            box(" ".join(str(scale * e) for e in size)),
+            xyz=" ".join(str(scale * e) for e in place),
+            rpy=" ".join(map(str, rpy)),
+        )
+        for size, place in CASTING
+    ]
+    return link(name, format_inertial(numbers, 8), *drawn)
+
+
+def test_the_signs_of_the_products_are_mended_before_the_term_is_added(tmp_path: Path) -> None:
+    upper, lower = make_tilted_link("upper", 1.0), make_tilted_link("lower", 1.3)
+    text = robot(upper, joint("j", "upper", "lower", kind="continuous", xyz="0.3 0 0"), lower)
+    (finding,) = find(tmp_path, text, "INR009")
+    assert "the other signs" in finding.message
+    assert finding.fix is not None
+    repaired = edited(text, finding.fix.edits)
+    assert not find(tmp_path / "repaired", repaired, {"INR003", "INR005", "INR009"})

@@ -249,7 +249,8 @@ def _build_cause_finding(
     """Report an inertial with a cause. ``others``: the units that links of the model fit where these differ."""
     diagnosis, link = judged.diagnosis, tensor.link
     cause = diagnosis.cause or ""
-    mended = propose_undo(model, link) if not others else None
+    # The mass of one piece is not that of the part either, so that no number of the part is known.
+    mended = propose_undo(model, link) if not others and cause != "one_piece" else None
     exact = diagnosis.unique and mended is not None and cause not in AMBIGUOUS_CAUSES
     message = "cause" if mended is None else "exact" if exact else "named"
     other_mass = _find_other_mass(judged) if mended is not None else None

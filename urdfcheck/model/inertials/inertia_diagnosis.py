@@ -12,6 +12,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import Diagnosis
 from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
 from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.diagnosis.added_pieces import join_added_pieces
 from urdfcheck.model.inertials.diagnosis.computed_tensors import name_computed_mass
 from urdfcheck.model.inertials.diagnosis.edited_masses import name_edited_masses
 from urdfcheck.model.inertials.diagnosis.inertial_references import collect_references
@@ -89,7 +90,8 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     diagnosed = {}
     others = {name: one for name, one in decoded.items() if (one.cause, one.detail) != habit}
     joined = join_unmoved_pieces(model, numbers, decoded | drop_weak_causes(model, numbers, others))
-    named = name_mesh_frames(model, numbers, name_edited_masses(model, numbers, joined))
+    added = join_added_pieces(model, numbers, joined)
+    named = name_mesh_frames(model, numbers, name_edited_masses(model, numbers, added))
     for name, diagnosis in named.items():
         is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
         own = diagnosis if is_habit else name_computed_mass(model, model.link_by_name[name], numbers[name], diagnosis)
