@@ -26,7 +26,7 @@ import pytest
 import yaml
 from conftest import REPOSITORY, make_once
 
-from urdfcheck.cli.commands import init
+from urdfcheck.cli.commands.setup import init
 
 pytestmark = [
     pytest.mark.slow,

@@ -43,6 +43,7 @@ def test_changelog_begins_with_this_version() -> None:
         ("make_rules_index", "render_index", "rules/README.md"),
         ("make_model_page", "render_page", "docs/what-a-check-can-ask.md"),
         ("make_command_page", "render_page", "docs/command-line.md"),
+        ("make_configuration_page", "render_page", "docs/configuration-keys.md"),
     ],
 )
 def test_generated_pages_are_current(generator: str, render: str, page: str) -> None:
@@ -76,7 +77,8 @@ def test_the_documentation_names_every_option_and_exit_code() -> None:
 
 def test_the_index_of_the_documentation_lists_every_page() -> None:
     index = (REPOSITORY / "docs" / "README.md").read_text(encoding="utf-8")
-    pages = {path.name for path in (REPOSITORY / "docs").glob("*.md")} - {"README.md"}
+    docs = REPOSITORY / "docs"
+    pages = {path.relative_to(docs).as_posix() for path in docs.rglob("*.md")} - {"README.md"}
     assert {page for page in pages if f"]({page})" not in index} == set()
 
 
@@ -91,7 +93,7 @@ def test_the_readme_shows_an_example_of_every_family_of_rules() -> None:
 def test_documents_name_only_rules_that_exist() -> None:
     known = {path.name[:6] for path in (REPOSITORY / "rules").glob("[A-Z]*-*.md")}
     code = re.compile(rf"\b(?:{'|'.join(sorted({c[:3] for c in known}))})\d{{3}}\b")
-    pages = (REPOSITORY / "docs").glob("*.md")
+    pages = (REPOSITORY / "docs").rglob("*.md")
     for path in [*(REPOSITORY / f"{name}.md" for name in ("README", "CHANGELOG", "SECURITY")), *pages]:
         named = set(code.findall(path.read_text(encoding="utf-8")))
         assert named <= known, f"{path.name} names {sorted(named - known)}"
@@ -112,7 +114,8 @@ def test_no_family_of_rules_is_overlooked_in_the_documents(family: str, monkeypa
 
 
 def test_links_between_documents_lead_somewhere() -> None:
-    for path in [*REPOSITORY.glob("*.md"), *(REPOSITORY / "docs").glob("*.md"), *(REPOSITORY / "rules").glob("*.md")]:
+    folders = ("", "docs", "docs/guides", "rules", "fixtures/demos")
+    for path in [path for folder in folders for path in (REPOSITORY / folder).glob("*.md")]:
         for target in re.findall(r"\]\((?!https?:|#|mailto:)([^)#\s]+)", path.read_text(encoding="utf-8")):
             assert (path.parent / target).exists(), f"{path.name}: {target}"
 

@@ -37,7 +37,7 @@ def test_what_users_read_is_plain_english() -> None:
         "README.md",
         "SECURITY.md",
         "CHANGELOG.md",
-        "docs/fix.md",
+        "docs/guides/fix.md",
         "action.yml",
         "urdfcheck/cli/options.py",
     } <= names

@@ -123,7 +123,7 @@ def test_a_process_that_dies_fails_the_tests_that_wait_for_it(
     folder: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     program = (
-        "import os; from urdfcheck.run import pipeline; from urdfcheck.cli.commands.serve import serve\n"
+        "import os; from urdfcheck.run import pipeline; from urdfcheck.plugins.pytest_service import serve\n"
         "pipeline.stream_reports = lambda *_, **__: os._exit(7)\nserve()"
     )
     monkeypatch.setattr(pytest_plugin, "_PROGRAM", [sys.executable, "-c", program])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from xml.etree import ElementTree
 
 import pytest
 from conftest import REPOSITORY
@@ -11,10 +12,12 @@ from website.markdown import convert_markdown
 from website.navigation import iter_pages
 from website.reference_pages import render_exit_codes, render_python_api, render_schemas
 from website.source_tree import list_addresses
+from website.terminal_recording import DARK, LIGHT, Recorded, render_recording
 
 import urdfcheck
 from urdfcheck.rules import load_rules
 
+SVG = "{http://www.w3.org/2000/svg}"
 ADDRESSES = {"docs/fix.md": "guides/fix.md", "rules/README.md": "rules/index.md", "LICENSE": "files/LICENSE.txt"}
 
 
@@ -40,6 +43,7 @@ def convert(text: str, source: str = "docs/install.md", address: str = "guides/i
         ("## INR003\n", "## INR003\n"),
         ("```\nINR003 [fix](fix.md)\n```", "```\nINR003 [fix](fix.md)\n```"),
         ("````md\n```urdf file=a.urdf\n```\n````", "````md\n```urdf file=a.urdf\n```\n````"),
+        ("```console exit=1\n$ false\n```", "```console\n$ false\n```"),
         ("```urdf file=p/a.urdf\n<robot/>\n```", '```xml title="p/a.urdf"\n<robot/>\n```'),
         (
             '```urdf\n<robot>\n  <link/> <!-- expect: INR003 "link" -->\n</robot>\n```',
@@ -51,12 +55,37 @@ def test_markdown_of_the_repository_becomes_markdown_of_the_site(written: str, m
     assert convert(written) == made
 
 
+def test_a_recording_shows_what_was_printed_in_its_colours_and_loads_nothing() -> None:
+    printed = "\x1b[1;31m✖ a <b> & c\x1b[0m  plain\n\n  \x1b[2mquiet\x1b[0m\n"
+    light, dark = (
+        render_recording([Recorded("urdfcheck -q", printed), Recorded("ls", "")], palette, 40, 'two "commands"')
+        for palette in (LIGHT, DARK)
+    )
+    for svg, palette in ((light, LIGHT), (dark, DARK)):
+        root = ElementTree.fromstring(svg)
+        texts = [element for element in root.iter(f"{SVG}text") if element.text != "$"]
+        shown = "".join(str(element.text) for element in texts)
+        assert shown == "urdfcheck-q✖ a <b> & cplainquietls"
+        error, plain, quiet = texts[-5:-2]
+        assert (error.get("class"), error.get("style")) == ("b", f"fill:{palette.colors[1]}")
+        assert float(plain.get("x", "")) - float(error.get("x", "")) == 13 * 8
+        assert quiet.get("style") == f"fill:{palette.dim}"
+        assert float(quiet.get("y", "")) - float(error.get("y", "")) == 2 * 18
+        delays = [float(group.get("style", "").partition(":")[2].rstrip("s")) for group in root.iter(f"{SVG}g")]
+        assert delays == sorted(delays)
+        assert "prefers-reduced-motion: reduce) { g { animation: none; } }" in svg
+        assert not re.search(r"url\(|href|@import|<script", svg)
+    assert light != dark
+    still = render_recording([Recorded("ls", "")], LIGHT, 40, "one", is_still=True)
+    assert "animation:" not in still
+
+
 def test_a_rule_is_no_link_on_its_own_page() -> None:
     assert convert("INR003", "rules/INR003-triangle-inequality.md", "rules/INR003.md") == "INR003"
 
 
 def test_the_navigation_holds_every_document_once() -> None:
-    documents = [f"docs/{path.name}" for path in (REPOSITORY / "docs").glob("*.md")]
+    documents = [path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "docs").rglob("*.md")]
     documents += [path.name for path in REPOSITORY.glob("*.md") if path.name != "README.md"]
     sources = [page.source for page in iter_pages() if page.source]
     assert {*documents} <= {*sources}

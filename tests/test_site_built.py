@@ -150,6 +150,11 @@ def test_a_reader_searches_and_filters(address: str, browser: Any) -> None:
     assert page.locator(".rule-table:visible").count() == 1
 
     page.goto(f"{address}/")
+    recording = page.locator(".recording img:visible")
+    recording.scroll_into_view_if_needed()
+    assert recording.get_attribute("src") == "assets/recording-light.svg"
+    recording.evaluate("image => image.decode()")
+    assert recording.evaluate("image => image.naturalWidth") > 900
     page.locator(".md-search__input").press_sequentially("machine path")
     page.locator(".md-search-result__item a[href*='rules/PKG004/']").first.wait_for()
     page.locator("iframe.report").scroll_into_view_if_needed()
@@ -171,7 +176,14 @@ def test_every_text_can_be_read(address: str, browser: Any, scheme: str) -> None
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     page = browser.new_page(color_scheme=scheme)
     page.route("**/sample/*", lambda route: route.abort())  # the report has tests of its own
-    for place in ("/", "/rules/?words=wheel", "/rules/INR003/"):
+    for place in (
+        "/",
+        "/rules/?words=wheel",
+        "/rules/INR003/",
+        "/guides/demos/",
+        "/guides/fix/",
+        "/reference/configuration/",
+    ):
         page.goto(f"{address}{place}")
         asked = {"runOnly": ["color-contrast", "link-in-text-block", "empty-table-header"], "iframes": False}
         found = axe.Axe().run(page, options=asked).response["violations"]

@@ -29,7 +29,9 @@ def list_faults_of_wheel(wheel: Path) -> list[str]:
     with zipfile.ZipFile(wheel) as archive:
         names = set(archive.namelist())
     pages = {f"urdfcheck/_rules/{page.name}" for page in (REPOSITORY / "rules").glob("*.md")}
-    needed = {"urdfcheck/py.typed", "urdfcheck/output/report.schema.json", *pages}
+    demos = REPOSITORY / "fixtures" / "demos"
+    robots = {f"urdfcheck/_demos/{file.relative_to(demos).as_posix()}" for file in demos.rglob("*") if file.is_file()}
+    needed = {"urdfcheck/py.typed", "urdfcheck/output/report.schema.json", *pages, *robots}
     missing = [f"{wheel.name} lacks {name}" for name in sorted(needed - names)]
     return missing + [f"{wheel.name} holds {name}" for name in sorted(names) if name.startswith(FOREIGN)]
 
@@ -51,6 +53,9 @@ def list_faults_of_command(
     page = ask("rule", WHEEL_PITCH)
     if page.returncode or WHEEL_PITCH not in page.stdout:
         faults.append(f"rule {WHEEL_PITCH} does not show its page: {page.stderr}")
+    demo = ask("demo", "quadruped", "-o", "demo")
+    if demo.returncode or not (folder / "demo" / "report.html").is_file():
+        faults.append(f"demo ended with {demo.returncode} and without its report: {demo.stderr}")
     html = folder / "report.html"
     done = ask("car-3", "--fail-on", "never", "-o", f"json={report}", "-o", f"html={html}")
     if done.returncode or not html.is_file():

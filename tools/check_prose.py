@@ -31,7 +31,7 @@ HOLE = "□"
 # Tables of a rule page whose strings are sentences, and keys that are sentences in any table.
 SENTENCES = ("headlines", "messages", "fixes", "causes", "consumers")
 # Made from sources that are read themselves.
-GENERATED = ("rules/README.md", "docs/command-line.md", "docs/what-a-check-can-ask.md")
+GENERATED = ("rules/README.md", "docs/command-line.md", "docs/configuration-keys.md", "docs/what-a-check-can-ask.md")
 # Words in a sentence of a page, and in a message as its rule page has it.
 LONGEST_SENTENCE = 40
 LONGEST_MESSAGE = 40
@@ -166,7 +166,15 @@ def read_passages(path: Path) -> Iterator[Passage]:
 
 def list_files() -> list[Path]:
     """Return the files of the project that hold words for users."""
-    pages = ["*.md", "docs/*.md", "rules/*.md", "integrations/**/*.md", "benchmarks/**/*.md", "tools/website/**/*.md"]
+    pages = [
+        "*.md",
+        "docs/**/*.md",
+        "rules/*.md",
+        "integrations/**/*.md",
+        "benchmarks/**/*.md",
+        "tools/website/**/*.md",
+    ]
+    pages.append("fixtures/demos/*.md")
     code = [
         "urdfcheck/**/*.py",
         "report-ui/src/*.ts",

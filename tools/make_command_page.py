@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 from pathlib import Path
 
-from urdfcheck.cli import COMMANDS
+from urdfcheck.cli import COMMANDS, load_command
 
 PAGE = Path(__file__).parent.parent / "docs" / "command-line.md"
 
@@ -44,7 +43,7 @@ def render_page() -> str:
 
 
 def _build_parser(command: str) -> argparse.ArgumentParser:
-    parser: argparse.ArgumentParser = importlib.import_module(f"urdfcheck.cli.commands.{command}").build_parser()
+    parser: argparse.ArgumentParser = load_command(command).build_parser()
     return parser
 
 

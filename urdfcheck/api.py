@@ -186,7 +186,7 @@ def diff(
     if any(not os.fspath(path) for path in (before, after)):
         raise UrdfcheckError("a path is empty ('.' is the working directory)")
     requests = [make_request(options)[0] for options in sides]
-    with _worker_surroundings():
+    with prepare_worker_surroundings():
         warm_worker = start_warm_worker()
         try:
             return compare_versions(requests[0], requests[1], Execution(warm_worker=warm_worker))
@@ -252,7 +252,7 @@ def diff_commits(
         return make_request(_make_options((folder,), **moved))[0]
 
     allowed = _list_paths(settings.get("allow_read", ()))
-    with _worker_surroundings():
+    with prepare_worker_surroundings():
         return compare_states(
             revisions,
             [os.fspath(path) for path in _list_paths(paths)],
@@ -287,7 +287,7 @@ def _run(options: RunOptions, *, scene: bool) -> Run:
     if options.samples < 1:
         raise UrdfcheckError(f"samples {options.samples}: at least 1")
     request, _ = make_request(options, scene=scene)
-    with _worker_surroundings():
+    with prepare_worker_surroundings():
         warm_worker = start_warm_worker()
         try:
             outcome = run_and_ask(request, Execution(warm_worker=warm_worker))
@@ -336,7 +336,7 @@ def _list_paths(paths: Paths) -> tuple[AnyPath, ...]:
 
 
 @contextlib.contextmanager
-def _worker_surroundings() -> Iterator[None]:
+def prepare_worker_surroundings() -> Iterator[None]:
     """Give worker processes the import path and the variables that they need, and the caller its own back."""
     path = [*sys.path]
     unset = [name for name in WORKER_VARIABLES if name not in os.environ]

@@ -82,6 +82,12 @@ def load_rules() -> Mapping[str, Rule]:
     return MappingProxyType({rule.code: rule for rule in loaded})
 
 
+@cache
+def find_page(code: str) -> Path | None:
+    """Return the file of a rule's page."""
+    return next(find_pages_folder().glob(f"{code}-*.md"), None)
+
+
 def load_page(path: Path) -> Rule:
     """Read one page.
 
@@ -255,7 +261,8 @@ def select_rules(names: Iterable[str]) -> set[str]:
         codes = {
             code
             for code, rule in load_rules().items()
-            if upper == "ALL" or code.startswith(upper) or rule.name == word.lower() or word.lower() in rule.tags
+            # Each code begins with an empty word, and `ignore = [""]` would leave nothing.
+            if upper == "ALL" or (upper and code.startswith(upper)) or word.lower() in {rule.name, *rule.tags}
         }
         if not codes:
             import difflib

@@ -654,6 +654,14 @@ def test_two_different_disks_without_a_material(tmp_path: Path, density: float, 
     assert bool(find(tmp_path, text, "INR016")) == default
 
 
+def test_the_mass_that_is_a_placeholder_is_that_of_the_parts_without_a_material(tmp_path: Path) -> None:
+    light = disk(0.03, 0.01, 1000), disk(0.02, 0.01, 1000), disk(0.04, 0.01, 1000)
+    more = "".join(fixed(f"p{i}", part) for i, part in enumerate((*light[1:], disk(0.1, 0.05, 7850))))
+    (finding,) = find(tmp_path, make_arm(light[0], base=disk(0.05, 0.01, 1000), more=more), "INR016")
+    assert finding.data["count"] == 4
+    assert finding.data["mass"] == pytest.approx(0.054 * 3.14159265, rel=1e-6)
+
+
 def test_two_equal_disks_are_one_piece_of_evidence(tmp_path: Path) -> None:
     assert not find(tmp_path, make_arm(disk(0.03, 0.01, 1000), base=disk(0.03, 0.01, 1000)), "INR016")
 

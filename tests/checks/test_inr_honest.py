@@ -157,6 +157,14 @@ def test_an_impossible_tensor_of_another_size_is_not_made_possible(tmp_path: Pat
     assert "(the drawn part at this mass and uniform density)" in finding.fix.title
 
 
+def test_the_moment_of_a_thin_rod_about_its_axis_is_small_and_not_zero(tmp_path: Path) -> None:
+    text = arm_on_base(inertial(100, ixx="1e3", iyy="1e5", izz="1.03e5"), visual(box("0.03 0.03 1.5")))
+    (finding,) = find(tmp_path, text, {"INR003"})
+    assert finding.fix is not None
+    assert 'iyy="18.76"' in finding.fix.title
+    assert 'izz="0.015"' in finding.fix.title
+
+
 def test_an_impossible_tensor_beyond_the_drawn_size_gets_no_nearest_one(tmp_path: Path) -> None:
     """A scanner of 0.2 kg whose moments are those of something ten times as wide; the body that it is fixed to hides that."""
     scanner = inertial(0.2, ixx="0.0528", iyy="0.0202", izz="0.0235")

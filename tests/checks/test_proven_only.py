@@ -175,6 +175,22 @@ def test_a_drive_plugin_may_turn_the_drums_of_a_mechanism(tmp_path: Path, drives
     assert [f.message_id for f in find(tmp_path, text, "CTL007")] == ([] if drives else ["sideways"])
 
 
+def test_a_wheel_is_as_large_as_it_collides_and_as_far_as_its_middle(tmp_path: Path) -> None:
+    """A dot that hides the wheel is no wheel, and a joint at its inner face is not its middle."""
+    rolling = collision('<cylinder radius="0.025" length="0.03"/>', xyz="0 0 {0}", rpy="1.5708 0 0") + visual(
+        '<cylinder radius="0.001" length="0.001"/>', xyz="0 0 {0}", rpy="1.5708 0 0"
+    )
+    parts = [
+        link(f"{name}_wheel", rolling.replace("0 0 {0}", f"0 {out} 0"))
+        + joint(name, "base", f"{name}_wheel", kind="continuous", xyz=place, axis="0 1 0")
+        for name, place, out in (("l", "0 0.1 0", "0.02"), ("r", "0 -0.1 0", "-0.02"))
+    ]
+    numbers = "<wheel_diameter>0.025</wheel_diameter><wheel_separation>0.3</wheel_separation>"
+    block = DRIVE.format("libgazebo_ros_diff_drive.so", "d", name_sides("l", "r", numbers))
+    found = {f.message_id: f.data["real"] for f in find(tmp_path, robot(link("base"), *parts, block), "CTL007")}
+    assert found == pytest.approx({"radius": 0.05, "separation": 0.24}, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("filename", "more", "odometry"),
     [

@@ -73,6 +73,13 @@ def test_each_name_is_looked_up(tmp_path: Path, line: str, subject: str) -> None
         assert finding.fix.edits
 
 
+def test_a_name_that_the_group_has_already_is_not_meant(tmp_path: Path) -> None:
+    (finding,) = find_with_srdf(tmp_path, GROUP + '<group name="g"><joint name="elbow"/><joint name="elbw"/></group>')
+    assert "elbow" not in finding.message
+    assert finding.fix is not None
+    assert finding.fix.edits == ()
+
+
 def test_virtual_joints_are_joints(tmp_path: Path) -> None:
     srdf = '<virtual_joint name="v" type="planar" parent_frame="map" child_link="base"/><group name="g"><joint name="v"/></group>'
     state = '<group_state name="s" group="g"><joint name="v" value="0 0 0"/></group_state>'

@@ -83,7 +83,7 @@ def test_a_path_that_does_not_exist_is_2_and_the_others_are_still_checked(folder
         (["x.urdf", "--statistics", "--format", "json"], "write -o json=FILE"),
         (["x.urdf", "--watch", "--fix"], "leave out --fix"),
         (["x.urdf", "-q", "-v"], "not allowed with"),
-        (["lsp"], "does not exist yet"),
+        (["lsp"], "did you mean urdfcheck server?"),
         (["rule", "XYZ000"], "no rule"),
     ],
 )
@@ -424,13 +424,12 @@ def test_a_cache_without_permission_is_told(folder: Path, monkeypatch: pytest.Mo
 
 
 def test_every_command_takes_the_options_of_the_table() -> None:
-    import importlib
 
     from urdfcheck.cli import options
 
     for option in options._OPTIONS:
         for command in options._ALL:
-            parser = importlib.import_module(f"urdfcheck.cli.commands.{command}").build_parser()
+            parser = cli.load_command(command).build_parser()
             known = option.name in parser._option_string_actions
             assert known or command not in option.commands, f"{command} {option.name}"
     assert {name for option in options._OPTIONS for name in option.commands} == set(options._ALL)

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from services import accepts
 
 from urdfcheck import cli
-from urdfcheck.cli.commands import init
-from urdfcheck.cli.commands.init import HOOKS, LOCAL_HOOKS, add_hooks
+from urdfcheck.cli.commands.setup import init
+from urdfcheck.cli.commands.setup.init import HOOKS, LOCAL_HOOKS, add_hooks
 from urdfcheck.policy import config_resolver
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("one_process")]

@@ -95,7 +95,7 @@ def test_each_save_is_checked_until_the_user_interrupts(tmp_path: Path) -> None:
 
 
 def test_only_reports_that_rest_on_files_that_changed_are_made_anew(tmp_path: Path) -> None:
-    from urdfcheck.run.pipeline import IN_THIS_PROCESS, Execution, run_audit
+    from urdfcheck.run.pipeline import IN_THIS_PROCESS, Execution, keep_valid_reports, run_audit
     from urdfcheck.run.unit_audit import audit_unit
 
     for name in ("a", "b"):
@@ -103,7 +103,7 @@ def test_only_reports_that_rest_on_files_that_changed_are_made_anew(tmp_path: Pa
     request = make_request(tmp_path, tier="source")
     before = run_audit(request, IN_THIS_PROCESS)
     (tmp_path / "a.urdf").write_text(BROKEN)
-    kept = watch._keep_valid_reports(before, request)
+    kept = keep_valid_reports(before, request)
     assert kept is not None
     checked: list[str] = []
     execution = Execution(audit=lambda unit, settings: checked.append(unit.id) or audit_unit(unit, settings))

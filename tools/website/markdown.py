@@ -13,7 +13,7 @@ from pathlib import PurePosixPath
 # What is prose: no fence, inline code, comment or heading. A link is taken whole, with code in its text.
 _PIECES = re.compile(
     r"""
-      (?P<fence>^(?P<bars>`{3,}|~{3,})(?P<language>\w*)(?:[ ]file=(?P<file>\S+))?\n(?P<lines>.*?)^(?P=bars)[ ]*$)
+      (?P<fence>^(?P<bars>`{3,}|~{3,})(?P<language>\w*)(?:[ ]file=(?P<file>\S+))?(?:[ ]exit=\d)?\n(?P<lines>.*?)^(?P=bars)[ ]*$)
     | (?P<html><!--.*?-->|<pre\b.*?</pre>)
     | (?P<heading>^\#[^\n]*$)
     | (?P<link>(?P<image>!?)\[(?P<text>(?:[^\[\]`]|`[^`]*`)*)\]\((?P<target>[^)\s]+)\))

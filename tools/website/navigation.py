@@ -32,6 +32,8 @@ class Section:
 START = Page("index.md", title="Start")
 SAMPLE = Page("sample/index.md", title="Sample report")
 RULES_INDEX = Page("rules/index.md", "rules/README.md")
+CONFIGURATION = Page("reference/configuration.md", "docs/configuration-keys.md")
+DEMOS = Page("guides/demos.md", "fixtures/demos/README.md")
 EXIT_CODES = Page("reference/exit-codes.md")
 PYTHON_API = Page("reference/python-api.md")
 SCHEMAS = Page("reference/json.md")
@@ -46,43 +48,74 @@ NAVIGATION = (
             Section(
                 "Check my robot",
                 (
+                    Page("guides/first-robot.md", "docs/guides/first-robot.md", "The first ten minutes"),
                     Page("guides/install.md", "docs/install.md"),
                     Page("guides/reports.md", "docs/reports.md", "Read the report"),
+                    Page("guides/inertia.md", "docs/guides/inertia.md"),
+                    Page("guides/editors.md", "docs/editors.md"),
                     Page("guides/variants.md", "docs/variants.md"),
-                    Page("guides/simulators.md", "docs/simulators.md"),
                 ),
             ),
             Section(
                 "Fix what it found",
                 (
-                    Page("guides/fix.md", "docs/fix.md"),
+                    Page("guides/fix.md", "docs/guides/fix.md", "Repair the files"),
                     Page("guides/repair.md", "docs/repair.md"),
+                    Page("guides/exporters.md", "docs/guides/exporters.md"),
                     Page("guides/suppress.md", "docs/suppress.md"),
                 ),
             ),
             Section(
                 "Adopt it on a messy repository",
                 (
-                    Page("guides/adopt.md", "docs/adopt.md", "Accept today's findings"),
+                    Page("guides/adopt.md", "docs/guides/adopt.md", "Accept today's findings"),
                     Page("guides/configure.md", "docs/configure.md"),
                 ),
             ),
             Section(
                 "Gate a pull request",
                 (
+                    Page("guides/pull-request.md", "docs/guides/pull-request.md", "Two questions"),
                     Page("guides/continuous-integration.md", "docs/continuous-integration.md"),
-                    Page("guides/strangers-models.md", "docs/strangers-models.md"),
+                    Page("guides/strangers-models.md", "docs/guides/strangers-models.md"),
                     Page("guides/integrations.md", "integrations/README.md"),
                 ),
             ),
-            Section("See what a change does", (Page("guides/diff.md", "docs/diff.md"),)),
+            Section(
+                "See what a change does",
+                (
+                    Page("guides/see-a-change.md", "docs/guides/see-a-change.md", "Two edits"),
+                    Page("guides/diff.md", "docs/diff.md"),
+                ),
+            ),
+            Section(
+                "Prepare a model for a simulator",
+                (
+                    Page("guides/prepare.md", "docs/guides/simulators.md", "MuJoCo, Drake, Gazebo, Isaac Sim"),
+                    Page("guides/simulators.md", "docs/simulators.md"),
+                    Page("guides/moveit.md", "docs/moveit.md"),
+                ),
+            ),
             Section(
                 "Check thousands of models",
-                (Page("guides/datasets.md", "docs/datasets.md"), Page("guides/cache.md", "docs/cache.md")),
+                (
+                    Page("guides/thousands-of-models.md", "docs/guides/thousands-of-models.md"),
+                    Page("guides/cache.md", "docs/cache.md"),
+                    Page("guides/python.md", "docs/python.md"),
+                ),
+            ),
+            Section(
+                "Robots to practise on",
+                (
+                    DEMOS,
+                    Page("guides/demo-arm.md", "fixtures/demos/arm.md"),
+                    Page("guides/demo-mobile-manipulator.md", "fixtures/demos/mobile_manipulator.md"),
+                    Page("guides/demo-quadruped.md", "fixtures/demos/quadruped.md"),
+                ),
             ),
             Section(
                 "Use it with other programs",
-                (Page("guides/python.md", "docs/python.md"), Page("guides/moveit.md", "docs/moveit.md")),
+                (Page("guides/agents.md", "docs/agents.md"),),
             ),
         ),
     ),
@@ -91,10 +124,12 @@ NAVIGATION = (
         "Reference",
         (
             Page("reference/command-line.md", "docs/command-line.md"),
+            CONFIGURATION,
             EXIT_CODES,
             PYTHON_API,
             SCHEMAS,
             Page("reference/limits.md", "docs/limits.md"),
+            Page("reference/glossary.md", "docs/glossary.md"),
             Page("reference/changelog.md", "CHANGELOG.md"),
         ),
     ),
@@ -105,6 +140,7 @@ NAVIGATION = (
             Page("project/contributing.md", "CONTRIBUTING.md"),
             Page("project/what-a-check-can-ask.md", "docs/what-a-check-can-ask.md"),
             Page("project/security.md", "SECURITY.md"),
+            Page("project/code-of-conduct.md", "CODE_OF_CONDUCT.md"),
             Page("project/hostile.md", "fixtures/hostile/README.md"),
             Section(
                 "Measured",

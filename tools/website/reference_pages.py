@@ -16,7 +16,7 @@ from docstrings import render_class
 
 import urdfcheck
 from website.markdown import relate
-from website.navigation import REPOSITORY, SCHEMAS, list_copied_files
+from website.navigation import CONFIGURATION, REPOSITORY, SCHEMAS, list_copied_files
 
 GATE = "docs/continuous-integration.md"
 _SCHEMA_FILES = (
@@ -24,6 +24,7 @@ _SCHEMA_FILES = (
     ("diff.schema.json", "`urdfcheck diff --format json`"),
     ("audit.schema.json", "a line of what `urdfcheck audit` writes"),
 )
+CONFIG_SCHEMA = "files/urdfcheck.schema.json"
 _FIELD = re.compile(r"^:(?P<kind>\w+)(?: (?P<name>[^:]+))?: (?P<text>.*?)(?=^:\w|\Z)", re.MULTILINE | re.DOTALL)
 _DOCTEST = re.compile(r"^>>> .*?(?=\n\s*\n|\Z)", re.MULTILINE | re.DOTALL)
 
@@ -118,6 +119,11 @@ def render_schemas() -> str:
         parts.append(f"## {schema['title']}\n\n{command} · {link}\n\n{_render_object(schema, name)}")
         for part, described in schema.get("$defs", {}).items():
             parts.append(f"### {part} {{ #{_name_anchor(name, part)} }}\n\n{_render_object(described, name)}")
+    link, page = relate(CONFIG_SCHEMA, SCHEMAS.address), relate(CONFIGURATION.address, SCHEMAS.address)
+    parts.append(
+        f"## urdfcheck.toml\n\n`urdfcheck config --schema` · [{Path(CONFIG_SCHEMA).name}]({link})\n\n"
+        f"For editors. [Configuration keys]({page}) describes it."
+    )
     return "\n".join(parts)
 
 

@@ -6,19 +6,31 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from rich.console import Console
 from rich.terminal_theme import TerminalTheme
 from rich.text import Text
 
-from website.navigation import REPOSITORY, START
+from urdfcheck.cli import FINDINGS, OK
+from urdfcheck.cli.demo_robots import load_demo_robots
+from website.navigation import DEMOS, REPOSITORY, START
+from website.terminal_recording import DARK, LIGHT, Recorded, render_recording
 
 ASSETS = Path(__file__).parent / "assets"
 REPORT = "sample/car-3.html"
 ROBOT = "fixtures/car-3"
 MODEL = f"{ROBOT}/robot_description/urdf/car_body.urdf.xacro"
 COLUMNS = 98
+# The commands that the start page shows at work on a copy of the demo robot, and the columns of their terminal.
+RECORDED = (
+    ("robot", "-q"),
+    ("robot", "--select", "INR003"),
+    ("robot", "--fix", "--unsafe-fixes", "-q"),
+)
+RECORDED_COLUMNS = 113
+RECORDING_TITLE = "urdfcheck finds seven defects in a quadruped, explains one of them, and repairs four"
 # What would make the output another one on this machine.
 _OWN_VARIABLES = {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "NO_COLOR", "TTY_COMPATIBLE"}
 # The colours of the report in the dark, on the background that site.css gives a terminal.
@@ -43,7 +55,41 @@ def render_start() -> str:
     text = (ASSETS / "start.md").read_text(encoding="utf-8")
     readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
     quoted = re.sub(r"^<!-- README: (.+?) -->$", lambda match: _quote(readme, match[1]), text, flags=re.MULTILINE)
-    return quoted.replace("<!-- terminal -->", _render_terminal())
+    return quoted.replace("<!-- recording -->", _embed_recordings()).replace("<!-- terminal -->", _render_terminal())
+
+
+def write_recordings(folder: Path) -> None:
+    """Write the recording of the start page and its last picture, in the light and in the dark: the real output."""
+    with tempfile.TemporaryDirectory() as place:
+        _run("demo", "quadruped", "-o", "robot", place=Path(place))
+        steps = [
+            Recorded(f"urdfcheck {' '.join(words)}", _run(*words, place=Path(place), columns=RECORDED_COLUMNS))
+            for words in RECORDED
+        ]
+    for name, palette in (("light", LIGHT), ("dark", DARK)):
+        for is_still, suffix in ((False, ""), (True, "-still")):
+            svg = render_recording(steps, palette, RECORDED_COLUMNS, RECORDING_TITLE, is_still=is_still)
+            (folder / f"recording-{name}{suffix}.svg").write_text(svg, encoding="utf-8", newline="\n")
+
+
+def render_demos() -> str:
+    """Return the page about the demo robots with their pictures, with its links as they are in fixtures/demos."""
+    introduction, table = (REPOSITORY / DEMOS.source).read_text(encoding="utf-8").split("\n| ", 1)
+    pictures = (
+        f'<img src="../../{_name_picture(name)}" alt="{name}: {robot.title}" loading="lazy">'
+        for name, robot in load_demo_robots().items()
+    )
+    return f'{introduction}\n<div class="gallery">{"".join(pictures)}</div>\n\n| {table}'
+
+
+def write_pictures(pages: Path) -> None:
+    """Write a picture of each demo robot as it is without defects."""
+    for name, robot in load_demo_robots().items():
+        _run(str(robot.folder / "urdf" / f"{name}.urdf.xacro"), "-o", f"png={pages / _name_picture(name)}")
+
+
+def _name_picture(name: str) -> str:
+    return f"assets/demo-{name}.png"
 
 
 def render_sample() -> str:
@@ -54,6 +100,18 @@ def render_sample() -> str:
 def write_report(path: Path) -> None:
     """Write the HTML report of car-3 as `make audit` does."""
     _run(ROBOT, "--pedantic", "-o", f"html={path}")
+
+
+def _embed_recordings() -> str:
+    """Both recordings, of which the style shows one; a click opens it alone, and it begins anew."""
+    shown = (
+        f'<a class="only-{name}" href="assets/recording-{name}.svg">'
+        f'<picture><source media="(prefers-reduced-motion: reduce)" srcset="assets/recording-{name}-still.svg">'
+        f'<img src="assets/recording-{name}.svg" alt="Recording of a terminal: {RECORDING_TITLE}" loading="lazy">'
+        "</picture></a>"
+        for name in ("light", "dark")
+    )
+    return f'<div class="recording">{"".join(shown)}</div>'
 
 
 def _quote(readme: str, heading: str) -> str:
@@ -70,14 +128,27 @@ def _render_terminal() -> str:
     return f'<pre class="terminal"><code><b>$ urdfcheck {Path(MODEL).name}</b>\n{code.rstrip()}</code></pre>'
 
 
-def _run(*words: str) -> str:
+def _run(*words: str, place: Path = REPOSITORY, columns: int = COLUMNS) -> str:
+    """Return what the command prints in a folder, in colour.
+
+    :raises subprocess.CalledProcessError: unless it checks everything, with or without findings.
+    """
     environment = {name: value for name, value in os.environ.items() if name not in _OWN_VARIABLES}
     done = subprocess.run(
-        [sys.executable, "-m", "urdfcheck", *words, "--fail-on", "never"],
-        cwd=REPOSITORY,
-        env={**environment, "SOURCE_DATE_EPOCH": "0", "COLUMNS": str(COLUMNS), "FORCE_COLOR": "1"},
+        [sys.executable, "-m", "urdfcheck", *words],
+        cwd=place,
+        # Unbuffered, because a terminal shows lines of both streams in the order of their times.
+        env={
+            **environment,
+            "SOURCE_DATE_EPOCH": "0",
+            "COLUMNS": str(columns),
+            "FORCE_COLOR": "1",
+            "PYTHONUNBUFFERED": "1",
+        },
         stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
         encoding="utf-8",
-        check=True,
     )
+    if done.returncode not in (OK, FINDINGS):
+        done.check_returncode()
     return done.stdout

@@ -221,7 +221,12 @@ def _check_wheel_geometry(
     model: Model, rule: Rule, controller: Controller, *, elsewhere: PackageNames | None, rel_tol: float
 ) -> Iterator[Finding]:
     """Report a wheel radius or separation that is not the model's, unless the wheels may be those of a robot ``elsewhere``."""
-    from urdfcheck.model.ground.drive_wheels import list_drive_wheels, measure_wheel_radii, measure_wheel_separations
+    from urdfcheck.model.ground.drive_wheels import (
+        find_other_size,
+        list_drive_wheels,
+        measure_wheel_radii,
+        measure_wheel_separations,
+    )
 
     left, right = list_drive_wheels(controller)
     names = [value.text for value in (*left, *right)]
@@ -235,20 +240,18 @@ def _check_wheel_geometry(
     for key, sizes in measured.items():
         typed = controller.parameters.get(key)
         value = None if typed is None else typed.number
-        if typed is None or value is None or value <= 0 or not sizes or min(sizes) <= 0:
-            continue
-        nearest = min(sizes, key=lambda size: abs(size - value))
-        if abs(value - nearest) > rel_tol * nearest:
+        real = None if value is None else find_other_size(value, sizes, rel_tol=rel_tol)
+        if typed is not None and value is not None and real is not None:
             yield rule.finding(
                 key.removeprefix("wheel_"),
                 at=typed,
                 related=[model.joint_by_name[name] for name in names],
                 severity=Severity.WARNING,
-                edits=typed.build_edits(keep_notation(typed.text, f"{nearest:.4g}")),
+                edits=typed.build_edits(keep_notation(typed.text, f"{real:.4g}")),
                 controller=controller.name,
                 value=value,
-                real=nearest,
-                off=abs(value - nearest) / nearest,
+                real=real,
+                off=abs(value - real) / real,
                 left=names[0],
                 right=right[0].text,
             )
@@ -258,28 +261,26 @@ def _check_other_drive(
     model: Model, rule: Rule, controller: Controller, *, elsewhere: PackageNames | None, rel_tol: float
 ) -> Iterator[Finding]:
     """Report a size of a mecanum drive or a tricycle that is not the model's."""
-    from urdfcheck.model.ground.drive_wheels import measure_drive_sizes
+    from urdfcheck.model.ground.drive_wheels import find_other_size, measure_drive_sizes
 
     drive = measure_drive_sizes(model, controller)
     if drive is None or (elsewhere is not None and any(elsewhere.can_others_have("joint", n) for n in drive.joints)):
         return
     for key, typed, sizes in drive.sizes:
         value = typed.number
-        if value is None or value <= 0 or not sizes or min(sizes) <= 0:
-            continue
-        nearest = min(sizes, key=lambda size: abs(size - value))
-        if abs(value - nearest) > rel_tol * nearest:
+        real = None if value is None else find_other_size(value, sizes, rel_tol=rel_tol)
+        if value is not None and real is not None:
             yield rule.finding(
                 "drive",
                 at=typed,
                 related=[model.joint_by_name[name] for name in drive.joints],
                 severity=Severity.WARNING,
-                edits=typed.build_edits(keep_notation(typed.text, f"{nearest:.4g}")),
+                edits=typed.build_edits(keep_notation(typed.text, f"{real:.4g}")),
                 controller=controller.name,
                 key=key,
                 value=value,
-                real=nearest,
-                off=abs(value - nearest) / nearest,
+                real=real,
+                off=abs(value - real) / real,
                 joints=join_names(drive.joints),
             )
 

@@ -114,11 +114,11 @@ def _compare(
     rel_tol: float,
     wheels: tuple[str, str],
 ) -> Iterator[Finding]:
+    from urdfcheck.model.ground.drive_wheels import find_other_size
+
     value = parse_number(element.text.strip())
-    if value is None or value <= 0 or not sizes or min(sizes) <= 0:
-        return
-    nearest = min(sizes, key=lambda size: abs(size - value))
-    if abs(value - nearest) > rel_tol * nearest:
+    real = None if value is None else find_other_size(value, sizes, rel_tol=rel_tol)
+    if value is not None and real is not None:
         yield rule.finding(
             message,
             at=element,
@@ -126,8 +126,8 @@ def _compare(
             shared=_describe_other_users(model, element, wheels),
             key=element.tag,
             value=value,
-            real=nearest,
-            off=abs(value - nearest) / nearest,
+            real=real,
+            off=abs(value - real) / real,
             left=wheels[0],
             right=wheels[1],
         )

@@ -51,7 +51,7 @@ def check(
             known=len(densities),
             default=default,
             spread=f" to within {spread:.1%}" if spread >= 5e-4 else "",
-            mass=sum(declared.mass for declared in heavy),
+            mass=sum(declared.mass for declared in near),
             links=[declared.link.name for declared in near],
         )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
@@ -92,6 +92,15 @@ def _collect_uses_by_name(srdf: Srdf) -> _Uses:
     return uses
 
 
+def _list_names_beside(uses: Sequence[_NameUse]) -> set[str]:
+    """Return the names in the same groups and states: none of them is meant by another name there."""
+    around = [use.attribute.owner.parent for use in uses]
+    beside = [
+        element for parent in around if parent is not None and parent.tag != "robot" for element in parent.children
+    ]
+    return {element.get("name").strip() for element in beside} - {use.name for use in uses}
+
+
 def _find_missing_names(model: Model, srdf: Srdf) -> _Uses:
     """Return the links and joints that a description names and the robot lacks."""
     known = {"link": model.link_by_name.keys(), "joint": model.joint_by_name.keys() | srdf.virtual_joints}
@@ -121,7 +130,7 @@ def _check_unknown_names(
         return  # it is for another robot of this name
     is_certain = is_configured_for(srdf, model.source)
     for index, ((kind, name), like) in enumerate(missing.items()):
-        candidates = known[kind] if index < MAX_HINTS else frozenset[str]()
+        candidates = known[kind] - _list_names_beside(like) if index < MAX_HINTS else frozenset[str]()
         if is_certain:
             near = find_only_near_name(name, candidates)
         else:

@@ -6,27 +6,32 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from types import ModuleType
 
 from urdfcheck.cli.terminal import FAILED, FINDINGS, NOTHING, OK, compute_exit_code, erase_progress, say, silence_stdout
 from urdfcheck.core.errors import UrdfcheckError
 
 __all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "compute_exit_code", "main"]
 
-COMMANDS = (
-    "check",
-    "audit",
-    "diff",
-    "rule",
-    "srdf",
-    "cache",
-    "baseline",
-    "engines",
-    "drop",
-    "repair",
-    "config",
-    "init",
-    "completion",
-)
+# Each command with its module in `urdfcheck.cli.commands`, in the order of the documentation.
+COMMANDS = {
+    "check": "check",
+    "audit": "audit",
+    "diff": "diff",
+    "rule": "rule",
+    "srdf": "srdf",
+    "cache": "setup.cache",
+    "baseline": "setup.baseline",
+    "engines": "engines",
+    "drop": "drop",
+    "repair": "repair",
+    "config": "setup.config",
+    "init": "setup.init",
+    "demo": "setup.demo",
+    "server": "servers.server",
+    "mcp": "servers.mcp",
+    "completion": "setup.completion",
+}
 # What other programs call a command.
 _OTHER_NAMES = {
     "explain": "rule CODE",
@@ -38,11 +43,10 @@ _OTHER_NAMES = {
     "watch": "check --watch",
     "version": "--version",
     "help": "--help",
+    "lsp": "server",
 }
 # What the shell says of a command that SIGPIPE ended, as grep and git end.
 CLOSED_PIPE = 141
-# Words that later versions will use as commands; a file of such a name is written ./lsp.
-RESERVED = ("lsp",)
 
 
 def main(argv: Sequence[str] | None = None, *, working_folders: Sequence[str] = ()) -> int:
@@ -81,17 +85,20 @@ def main(argv: Sequence[str] | None = None, *, working_folders: Sequence[str] = 
     return FAILED
 
 
+def load_command(name: str) -> ModuleType:
+    """Return the module of a command, with its ``build_parser()`` and ``main(words)``."""
+    return importlib.import_module(f"urdfcheck.cli.commands.{COMMANDS[name]}")
+
+
 def _run_command(words: list[str]) -> int:
     for word in words[: words.index("--") if "--" in words else None]:
         # An untrusted file name may come from a shell pattern or from pre-commit: -ohtml=… would write where it says.
         if word.startswith("-") and os.path.lexists(word):
             raise UrdfcheckError(f"{word} is the name of a file, but reads like an option: write ./{word}")
     name = words[0] if words else ""
-    if name in RESERVED:
-        raise UrdfcheckError(f"the command {name!r} does not exist yet; to check a file of this name write ./{name}")
     _suggest_command(name)
     command, rest = (name, words[1:]) if name in COMMANDS else ("check", words)
-    code: int = importlib.import_module(f"urdfcheck.cli.commands.{command}").main(rest)
+    code: int = load_command(command).main(rest)
     if command != "check":  # its verdict holds without a reader; what the others print is all that they do
         sys.stdout.flush()
     return code

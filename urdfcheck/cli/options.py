@@ -66,27 +66,28 @@ def _make_option(name: str, commands: Iterable[str], **settings: Any) -> _Option
 
 
 _CHECKING = ("check", "audit", "baseline", "config")
+_SERVING = (*_CHECKING, "server")
 _DROPPING = (*_CHECKING, "drop")
 _REPAIRING = (*_DROPPING, "repair")
 _READING = (*_REPAIRING, "engines", "srdf")
-_ALL = (*_READING, "diff")
+_ALL = (*_READING, "diff", "server")
 _REPEATED: Mapping[str, Any] = {"action": "append", "default": []}
 # What is checked, how, what a model is read with, and its limits, in the order of the help.
 _OPTIONS = (
     _make_option(
-        "--tier", (*_CHECKING, "diff"), choices=("source", "mesh", "full"), help="how much to compute (default: full)"
+        "--tier", (*_SERVING, "diff"), choices=("source", "mesh", "full"), help="how much to compute (default: full)"
     ),
     _make_option(
         "--select",
-        (*_CHECKING, "diff"),
+        (*_SERVING, "diff"),
         action="append",
         metavar="CODES",
         help="only these rules: codes, prefixes, names, tags",
     ),
-    _make_option("--ignore", (*_CHECKING, "diff"), action="append", metavar="CODES", help="all but these rules"),
+    _make_option("--ignore", (*_SERVING, "diff"), action="append", metavar="CODES", help="all but these rules"),
     _make_option(
         "--pedantic",
-        (*_CHECKING, "diff"),
+        (*_SERVING, "diff"),
         action="store_true",
         help="report every note, and as warnings those that most maintainers would switch off",
     ),
@@ -132,12 +133,16 @@ _OPTIONS = (
     ),
     _make_option(
         "--target",
-        (*_REPAIRING, "engines", "diff"),
+        (*_REPAIRING, "engines", "diff", "server"),
         metavar="NAMES",
         help="programs that will read the model (gazebo, mujoco, drake, …): what one of them rejects or drops is an error",
     ),
     _make_option(
-        "--baseline", _DROPPING, type=Path, metavar="FILE", help="file of accepted findings (see urdfcheck baseline)"
+        "--baseline",
+        (*_DROPPING, "server"),
+        type=Path,
+        metavar="FILE",
+        help="file of accepted findings (see urdfcheck baseline)",
     ),
     _make_option(
         "--thorough", _DROPPING, action="store_true", help="sample 5,000 configurations of the joints instead of 200"

@@ -11,7 +11,6 @@ import os
 import sys
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +19,7 @@ from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.shared.escaping import escape_one_line
 from urdfcheck.policy.config import OWN_FILE, PROJECT_FILE
 from urdfcheck.run.jobs import Request
-from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit
+from urdfcheck.run.pipeline import AuditedRun, Execution, keep_valid_reports, run_audit
 from urdfcheck.run.preload import start_warm_worker
 from urdfcheck.source.package.file_kinds import is_launch, is_model, is_srdf
 from urdfcheck.source.package.finder import format_path
@@ -72,7 +71,7 @@ def watch(
                 if changed:
                     request, settings = ask()
                 execution = Execution(warm_worker=warm_worker, on_idle=on_idle, on_progress=make_progress_printer())
-                last = run_audit(request, execution, previous=_keep_valid_reports(last, request))
+                last = run_audit(request, execution, previous=keep_valid_reports(last, request))
                 if last.outcome.partial:
                     break
                 code = report(last.outcome, settings)
@@ -94,19 +93,6 @@ def watch(
     except KeyboardInterrupt:
         erase_progress()
     return code
-
-
-def _keep_valid_reports(last: AuditedRun | None, request: Request) -> AuditedRun | None:
-    """Return the last run with only the reports whose files are unchanged; None where the request differs."""
-    if last is None or last.request != request:
-        return None
-    now = functools.cache(read_stamp)
-    reports = {
-        place: report
-        for place, report in last.reports.items()
-        if not report.failures and all(now(path) == stamp for path, stamp in report.reads.items())
-    }
-    return replace(last, reports=reports)
 
 
 def _print_heading(changed: list[str]) -> None:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import contextlib
 from bisect import bisect_left, bisect_right, insort
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -52,16 +52,18 @@ def compute_fixes(
     *,
     include_unsafe: bool = False,
     are_only_shown: bool = False,
+    accepts: Callable[[Finding], bool] = lambda _: True,
 ) -> FixResult:
     """Check, and compute the content of the files after the safe fixes, and with ``include_unsafe`` all. No file is changed.
 
-    ``are_only_shown``: no file will be, so that those that cannot be written have fixes as well.
+    ``are_only_shown``: no file will be, so that those that cannot be written have fixes as well. ``accepts``: which findings
+    are fixed, place by place.
 
     :raises KeyboardInterrupt: if a check of edited files was interrupted.
     """
     state = run_audit(request, execution)
     editable = EditableFiles(request.paths, _list_package_folders(state), are_written=not are_only_shown)
-    fixer = _Fixer(editable, Execution(audit=execution.audit), include_unsafe=include_unsafe)
+    fixer = _Fixer(editable, Execution(audit=execution.audit), include_unsafe=include_unsafe, accepts=accepts)
     if not state.outcome.partial:
         for _ in range(MAX_ROUNDS):
             before, state = state, fixer.run_round(state)
@@ -92,7 +94,10 @@ class _FixGroup:
 
 
 class _Fixer:
-    def __init__(self, editable: EditableFiles, execution: Execution, *, include_unsafe: bool) -> None:
+    def __init__(
+        self, editable: EditableFiles, execution: Execution, *, include_unsafe: bool, accepts: Callable[[Finding], bool]
+    ) -> None:
+        self.accepts = accepts
         self.wanted = {Applicability.SAFE, Applicability.UNSAFE} if include_unsafe else {Applicability.SAFE}
         self.execution = execution
         self.editable = editable
@@ -139,6 +144,8 @@ class _Fixer:
         found: dict[tuple[str, tuple[Edit, ...]], list[Finding]] = {}
         refused: list[tuple[Finding, str]] = []
         for finding, fix in iter_fixable(outcome, self.wanted):
+            if not self.accepts(finding):
+                continue
             try:
                 found.setdefault((finding.code, files.resolve_edits(fix.edits)), []).append(finding)
             except EditRefusedError as reason:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from urdfcheck.core import Run
 
-FORMATS = ("text", "concise", "json", "html", "sarif", "github", "gitlab", "junit", "rdjson", "markdown")
+FORMATS = ("text", "concise", "agent", "json", "html", "sarif", "github", "gitlab", "junit", "rdjson", "markdown")
 # A picture can only be written to a file.
 PICTURE_FORMAT = "png"
 # Formats that draw something: they need the scenes of a run.

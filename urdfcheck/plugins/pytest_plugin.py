@@ -1,7 +1,7 @@
 """``pytest --urdfcheck``: the robot models below the given paths become tests, next to those of the code.
 
 There is one test for each model, launch file and package that ``urdfcheck check`` finds with its configuration. All of them
-are checked in one run of urdfcheck in a separate process (:mod:`urdfcheck.cli.commands.serve`); a test waits for its result.
+are checked in one run of urdfcheck in a separate process (:mod:`urdfcheck.plugins.pytest_service`); a test waits for its result.
 With pytest-xdist each worker has such a process and requests one model at a time. pytest imports this module wherever urdfcheck
 is installed: without ``--urdfcheck`` it must cost nothing.
 """
@@ -22,7 +22,7 @@ from typing import Any
 import pytest
 
 # With `-c`, Python imports from its working directory: it is started in a folder with nothing but its own modules.
-_PROGRAM = [sys.executable, "-c", "from urdfcheck.cli.commands.serve import serve; serve()"]
+_PROGRAM = [sys.executable, "-c", "from urdfcheck.plugins.pytest_service import serve; serve()"]
 _KNOWN = (".urdf", ".xacro", ".launch", ".launch.xml", "_launch.xml", ".launch.py", "_launch.py", "package.xml")
 _GRACE = 5.0
 

@@ -12,16 +12,14 @@ import tomli
 
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.policy.config import (
-    FAIL_ON,
     OWN_FILE,
     PROJECT_FILE,
-    UNCHECKED,
     Config,
     NamedModel,
     Section,
 )
+from urdfcheck.policy.config_keys import find_key, list_key_names
 from urdfcheck.policy.config_table import TableReader, explain_unknown_target
-from urdfcheck.policy.policy import TIERS
 from urdfcheck.policy.suppression import SuppressionEntry
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
@@ -79,18 +77,9 @@ def _parse_toml(path: Path, text: str) -> dict[str, Any]:
         raise UrdfcheckError(f"{format_path(path)}: {error}") from None
 
 
-_KEYS = (
-    *("select", "ignore", "severity", "options", "target", "fail-on", "tier", "exclude", "packages", "package-path"),
-    *("pedantic", "unchecked", "baseline", "strict-baseline", "paths", "models", "suppress"),
-)
-_SECTION_KEYS = ("match", "select", "ignore", "severity", "options", "target", "pedantic")
-_MODEL_KEYS = ("path", "name", "arguments")
-_SUPPRESS_KEYS = ("codes", "subject", "path", "reason")
-
-
 def _parse_config(path: Path, text: str, *, table: Any, key: Key) -> Config:
     reader = TableReader(path, text, table=table, key=key)
-    reader.ensure_known_keys(_KEYS)
+    reader.ensure_known_keys(list_key_names())
     root = path.parent
     packages, package_path = reader.read_texts("packages"), reader.read_words("package-path") or ()
     for name, folder in packages.items():
@@ -103,9 +92,9 @@ def _parse_config(path: Path, text: str, *, table: Any, key: Key) -> Config:
     return Config(
         root=root,
         file=path,
-        sections=tuple(_parse_section(r, key) for r in (reader, *reader.read_tables("paths", _SECTION_KEYS))),
-        fail_on=reader.read_choice("fail-on", FAIL_ON, "error"),
-        tier=reader.read_choice("tier", TIERS, "full"),
+        sections=tuple(_parse_section(r, key) for r in (reader, *reader.read_tables("paths", list_key_names("paths")))),
+        fail_on=reader.read_choice(find_key("fail-on")),
+        tier=reader.read_choice(find_key("tier")),
         unchecked=_parse_unchecked(reader),
         strict_baseline=reader.read_flag("strict-baseline"),
         exclude=reader.read_words("exclude") or (),
@@ -113,17 +102,20 @@ def _parse_config(path: Path, text: str, *, table: Any, key: Key) -> Config:
         package_path=tuple(root / p for p in package_path),
         baseline=None if baseline is None else root / baseline,
         models=_parse_models(reader),
-        suppress=tuple(_parse_suppression(entry) for entry in reader.read_tables("suppress", _SUPPRESS_KEYS)),
+        suppress=tuple(
+            _parse_suppression(entry) for entry in reader.read_tables("suppress", list_key_names("suppress"))
+        ),
     )
 
 
 def _parse_unchecked(reader: TableReader) -> str | tuple[str, ...]:
     """Read how bad it is that a model cannot be checked, or the patterns of the models for which it is accepted."""
-    value = reader.table.get("unchecked", "error")
+    key = find_key("unchecked")
+    value = reader.table.get(key.name, key.default)
     if isinstance(value, list):
-        return reader.read_words("unchecked") or ()
-    if value not in UNCHECKED:
-        raise reader.make_type_error("unchecked", f"one of {', '.join(UNCHECKED)}, or a list of patterns for models")
+        return reader.read_words(key.name) or ()
+    if value not in key.choices:
+        raise reader.make_type_error(key.name, f"one of {', '.join(key.choices)}, or a list of patterns for models")
     return str(value)
 
 
@@ -151,7 +143,7 @@ def _parse_section(reader: TableReader, table: Key) -> Section:
 def _parse_models(reader: TableReader) -> tuple[NamedModel, ...]:
     found: list[NamedModel] = []
     known: dict[tuple[str, str], TableReader] = {}
-    for entry in reader.read_tables("models", _MODEL_KEYS):
+    for entry in reader.read_tables("models", list_key_names("models")):
         typed, name = entry.read_required_text("path"), entry.read_text("name")
         path = entry.path.parent / typed
         if not FileReach.from_paths([entry.path], []).can_open(path):

@@ -10,6 +10,7 @@ from typing import Any
 
 from urdfcheck.core import Severity, UrdfcheckError
 from urdfcheck.policy.config import TARGETS
+from urdfcheck.policy.config_keys import ConfigKey
 from urdfcheck.rules import load_rules, select_rules
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import FileReach
@@ -98,10 +99,10 @@ class TableReader:
             raise self.make_error((), f"{key} is missing")
         return value
 
-    def read_choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
-        value = self.table.get(key, default)
-        if value not in choices:
-            raise self.make_type_error(key, f"one of {', '.join(choices)}")
+    def read_choice(self, key: ConfigKey) -> str:
+        value = self.table.get(key.name, key.default)
+        if value not in key.choices:
+            raise self.make_type_error(key.name, f"one of {', '.join(key.choices)}")
         return str(value)
 
     def read_flag(self, key: str) -> bool:

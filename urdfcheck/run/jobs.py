@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from urdfcheck.core.mechanism import RobotMechanism
     from urdfcheck.core.scene import Scene
     from urdfcheck.core.seams import SeamFact
+    from urdfcheck.export.index.source_index import SourceIndex
     from urdfcheck.export.link_pairs import LinkPairs
     from urdfcheck.export.outline import ModelOutline
     from urdfcheck.policy.baseline import Baseline
@@ -68,6 +69,8 @@ class AuditOptions:
     """The options of the command that say what may be read, and where packages are: a command that helps repeats them."""
     limits: ResourceLimits = field(default_factory=ResourceLimits)
     """Time and memory for one unit."""
+    index: bool = False
+    """Whether reports hold the index of the source, for editors."""
     heed_comments: bool = True
     """Whether comments in the source suppress findings."""
     texts: Mapping[str, bytes] = field(default_factory=dict)
@@ -201,6 +204,7 @@ class UnitReport:
     pairs: LinkPairs | None = None
     drop: DropTest | None = None
     mechanism: RobotMechanism | None = None
+    index: SourceIndex | None = None
     seams: tuple[SeamFact, ...] = ()
     """What files around the model say about it, or a launch file or manifest says."""
     outline: ModelOutline | None = None

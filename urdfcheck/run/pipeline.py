@@ -43,8 +43,8 @@ from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import FileReach
 from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.array_cache import ArrayCache
-from urdfcheck.system.files import overlay_files
-from urdfcheck.system.process_pool import Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
+from urdfcheck.system.files import overlay_files, read_stamp
+from urdfcheck.system.process_pool import SpareWorkers, Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 # The search for all models may take so many times longer than the check of one, and at least so many seconds: a model takes
 # about a millisecond.
@@ -59,6 +59,8 @@ class Execution:
     """Function that audits units in this process, for tests and for embedding; None: worker processes do."""
     warm_worker: Worker | None = None
     """Worker that waits for its first job."""
+    spare_workers: SpareWorkers | None = None
+    """Workers of earlier runs: for a process that runs many."""
     on_idle: Callable[[], object] | None = None
     """Called once while the first workers are busy."""
     on_progress: Callable[[int, int], object] | None = None
@@ -99,7 +101,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     differs.
     """
     start = time.perf_counter()
-    plan, units = plan_units(request, in_process=execution.audit is not None)
+    plan, units = plan_units(request, in_process=execution.audit is not None, spare_workers=execution.spare_workers)
     reports = {} if previous is None else _reuse_reports(previous, units, request.options.texts)
     texts, sizes = SourceTexts(), ReportSizes()
 
@@ -139,6 +141,30 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
     outcome = strip_volatile_values(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
     return AuditedRun(request=request, plan=plan, units=units, reports=reports, outcome=outcome)
+
+
+def keep_valid_reports(last: AuditedRun | None, request: Request) -> AuditedRun | None:
+    """Return the last run with only the reports whose files on the disk are unchanged, for :func:`run_audit`.
+
+    None where the request differs in more than its texts, and where a file has appeared or disappeared that may matter to any
+    unit that looked for it.
+    """
+    if last is None or _without_texts(last.request) != _without_texts(request):
+        return None
+    now = functools.cache(read_stamp)
+    reports = {
+        place: report
+        for place, report in last.reports.items()
+        if not report.failures and all(now(path) == stamp for path, stamp in report.reads.items())
+    }
+    stamps = [(stamp, now(path)) for report in last.reports.values() for path, stamp in report.reads.items()]
+    if any((before is None) != (after is None) for before, after in stamps):
+        return None
+    return replace(last, reports=reports)
+
+
+def _without_texts(request: Request) -> Request:
+    return replace(request, options=replace(request.options, texts={}))
 
 
 def _reuse_reports(previous: AuditedRun, units: Sequence[Unit], texts: Mapping[str, bytes]) -> dict[int, UnitReport]:
@@ -182,7 +208,9 @@ def audit_single_model(request: Request, execution: Execution = IN_WORKERS) -> U
     return report
 
 
-def plan_units(request: Request, *, in_process: bool = False) -> tuple[Plan, list[Unit]]:
+def plan_units(
+    request: Request, *, in_process: bool = False, spare_workers: SpareWorkers | None = None
+) -> tuple[Plan, list[Unit]]:
     """Return what the request's paths lead to, and the units of work in a stable order.
 
     Files of strangers are read, so it takes place in its own process unless ``in_process``.
@@ -208,7 +236,8 @@ def plan_units(request: Request, *, in_process: bool = False) -> tuple[Plan, lis
     # The search ends by itself in time; it is killed where it hangs.
     killed = longest and longest + limits.seconds + sandbox.PATIENCE
     work = (limits.memory, longest or 0.0, limits.seconds, texts, search)
-    ((_, plan),) = map_in_processes(_discover_bounded, [work], 1, timeout=killed)
+    spare = None if spare_workers is None else spare_workers.get_list(limits.memory)
+    ((_, plan),) = map_in_processes(_discover_bounded, [work], 1, timeout=killed, spare_workers=spare)
     if isinstance(plan, WorkerTimeoutError):
         raise UrdfcheckError(f"looking for models took more than {longest:g} s (--timeout)")
     if isinstance(plan, WorkerDiedError):
@@ -428,9 +457,17 @@ def stream_reports(
     work = [(units[index], settings) for index in order]
     limits = settings.options.limits
     longest = limits.seconds + sandbox.PATIENCE if limits.seconds else None
-    warm_worker, on_idle = execution.warm_worker, execution.on_idle
+    rights = settings.visible_folders, settings.cache, limits.memory
+    spare = None if execution.spare_workers is None else execution.spare_workers.get_list(rights)
     for place, answer in map_in_processes(
-        _audit_in_worker, work, at_once, warm_worker=warm_worker, on_idle=on_idle, timeout=longest, is_spent=_is_stopped
+        _audit_in_worker,
+        work,
+        at_once,
+        warm_worker=execution.warm_worker,
+        spare_workers=spare,
+        on_idle=execution.on_idle,
+        timeout=longest,
+        is_spent=_is_stopped,
     ):
         yield order[place], _report_answer(units[order[place]], answer, settings)
 

@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from urdfcheck.core.mechanism import RobotMechanism
     from urdfcheck.core.scene import Scene
     from urdfcheck.core.seams import SeamFact
+    from urdfcheck.export.index.source_index import SourceIndex
     from urdfcheck.source.launch.launch_file import Launch
 
 _TIER_OF_NEED = {
@@ -84,6 +85,7 @@ def audit_unit(unit: Unit, settings: AuditSettings) -> UnitReport:
                 audit.audit_launches(None)
             else:
                 audit.audit_model()
+                audit.build_index()
         except ModelTimeout:
             audit.stop_audit("time")
         except MemoryError:
@@ -111,6 +113,8 @@ class _UnitAudit:
         self.pairs: LinkPairs | None = None
         self.drop: DropTest | None = None
         self.mechanism: RobotMechanism | None = None
+        self.index: SourceIndex | None = None
+        self.model: Model | None = None
         self.seams: list[SeamFact] = []
         self.outline: ModelOutline | None = None
         self.findings_cache: FindingsCache | None = None
@@ -169,7 +173,7 @@ class _UnitAudit:
             self.audit_launches(None)
             return
         self.run_checks("file", source)
-        model = self.build_model(source, source.root)
+        model = self.model = self.build_model(source, source.root)
         self.check_model(model)
         self.audit_launches(model)
         self.info = _describe_model(self.unit, source, model)
@@ -277,6 +281,14 @@ class _UnitAudit:
             self.collect_seams(lambda: list_model_seams(model))
         if self.options.drop:
             self.drop = self.run_guarded("drop", lambda: self.run_drop_test(model))
+
+    def build_index(self) -> None:
+        """Index the source, for editors: of parts of models too, and of files of which no model could be made."""
+        source = self.source
+        if self.options.index and source is not None:
+            from urdfcheck.export.index.index_builder import build_index  # only editors pay for it
+
+            self.index = self.run_guarded("server", lambda: build_index(source, self.model, self.unit.id))
 
     def run_drop_test(self, model: Model) -> DropTest | None:
         """Drop the model on a plane; None where that is impossible."""
@@ -444,6 +456,7 @@ class _UnitAudit:
             pairs=self.pairs,
             drop=self.drop,
             mechanism=mechanism,
+            index=self.index,
             seams=tuple(self.seams),
             outline=self.outline,
             sources=sources,

@@ -17,7 +17,7 @@ import signal
 import struct
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass
 from enum import Enum
 from multiprocessing.connection import Connection, wait
@@ -35,6 +35,8 @@ _FEW, _PATIENCE = 4, 0.3
 _PR_SET_PDEATHSIG = 1
 # Bytes of an answer; the texts of its files have at most an eighth of it.
 MAX_ANSWER = 1024**3
+# Seconds without a job after which a worker looks for garbage, rather than before its next job.
+_BREAK = 0.05
 # Seconds that a worker has to exit after it closed its pipe.
 _GRACE = 10.0
 
@@ -119,6 +121,7 @@ class _PlainUnpickler(pickle.Unpickler):
             "core.run",
             "core.scene",
             "core.seams",
+            "export.index.source_index",
             "export.link_pairs",
             "fix.repair.steps",
             "export.outline",
@@ -128,6 +131,7 @@ class _PlainUnpickler(pickle.Unpickler):
             "policy.limits",
             "policy.suppression",
             "run.jobs",
+            "server.check_messages",
             "simulators.outcome",
             "source.plan",
             "source.reach",
@@ -212,12 +216,36 @@ class Worker:
         self.pipe.close()
 
 
+class SpareWorkers:
+    """Workers that wait between runs, by what they gave up: a process never sees more folders again than for its first job."""
+
+    def __init__(self) -> None:
+        self._waiting: dict[Hashable, list[Worker]] = {}
+
+    def get_list(self, rights: Hashable) -> list[Worker]:
+        """Return the list of the workers with these rights, for :func:`map_in_processes`, without those that have died."""
+        workers = self._waiting.setdefault(rights, [])
+        workers[:] = [worker for worker in workers if worker.process.is_alive()]
+        return workers
+
+    def end(self) -> None:
+        """End all of them."""
+        for workers in self._waiting.values():
+            for worker in workers:
+                worker.end()
+        self._waiting.clear()
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+
 def map_in_processes(
     function: Callable[..., Any],
     jobs: Sequence[Sequence[object]],
     at_once: int,
     *,
     warm_worker: Worker | None = None,
+    spare_workers: list[Worker] | None = None,
     on_idle: Callable[[], object] | None = None,
     timeout: float | None = None,
     is_spent: Callable[[Any], bool] = lambda _: False,
@@ -228,12 +256,16 @@ def map_in_processes(
 
     :param at_once: how many workers run at a time.
     :param warm_worker: a worker that is started already; others are started like it.
+    :param spare_workers: workers of earlier calls, which are used first; at the end it holds those that are idle.
     :param on_idle: is called once while the first workers are busy.
     :param timeout: seconds after which the worker of a job is killed (`WorkerTimeoutError`).
     :param is_spent: whether the worker that returned this result must not get another job.
     """
     waiting = list(range(len(jobs)))[::-1]
     idle = [] if warm_worker is None else [warm_worker]
+    if spare_workers is not None:
+        idle += spare_workers
+        spare_workers.clear()
     busy: dict[Connection, tuple[int, Worker, float]] = {}
     until = time.monotonic() + (_PATIENCE if idle and len(jobs) <= _FEW else 0.0)
     try:
@@ -268,8 +300,10 @@ def map_in_processes(
                     del busy[pipe]
                     worker.end()
                     yield index, WorkerTimeoutError(worker.process.exitcode)
-    finally:  # also when we are interrupted: no worker survives
-        _release_workers([worker for _, worker, _ in busy.values()], idle)
+    finally:  # also when we are interrupted: no worker survives but those that wait for another call
+        _release_workers([worker for _, worker, _ in busy.values()], idle if spare_workers is None else ())
+        if spare_workers is not None:
+            spare_workers += idle
 
 
 def _release_workers(busy: Iterable[Worker], idle: Iterable[Worker]) -> None:
@@ -297,7 +331,7 @@ def block_ending_signals() -> Iterator[None]:
 def _serve_jobs(
     pipe: Connection, prepare: Callable[[], object] | None, inherited: Connection | None, parent: int
 ) -> None:
-    _end_with_parent(parent)
+    end_with_parent(parent)
     # An interrupt from the keyboard reaches every process of the terminal; the parent ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -310,13 +344,18 @@ def _serve_jobs(
         prepare()
     gc.freeze()  # loaded modules stay: later collections need not traverse them
     with contextlib.suppress(EOFError, OSError):  # the parent has exited, or has no more jobs
+        has_garbage = False
         while True:
             function, arguments = pipe.recv()
-            gc.collect()  # the garbage of the previous job
+            if has_garbage:
+                gc.collect()
             pipe.send(function(*arguments))
+            has_garbage = pipe.poll(_BREAK)
+            if not has_garbage:  # there is time for it now
+                gc.collect()
 
 
-def _end_with_parent(parent: int) -> None:
+def end_with_parent(parent: int) -> None:
     """Let the kernel kill this process when its parent ends, however that ends. Linux only: elsewhere a worker whose parent was
     killed ends after its job."""
     if sys.platform != "linux":

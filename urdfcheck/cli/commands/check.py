@@ -46,7 +46,7 @@ def build_parser() -> argparse.ArgumentParser:
         prog="urdfcheck",
         usage="urdfcheck [check] PATH... [options]\n"
         "       urdfcheck [check] - [--stdin-filename FILE] [options]\n"
-        "       urdfcheck rule [CODE] | init [FOLDER] | config [PATH]\n"
+        "       urdfcheck rule [CODE] | init [FOLDER] | config [PATH] | demo [NAME]\n"
         "       urdfcheck baseline write|check|prune [PATH...] [options]\n"
         "       urdfcheck engines MODEL | drop MODEL | srdf MODEL [options]\n"
         "       urdfcheck repair MODEL -o DIR [options]\n"

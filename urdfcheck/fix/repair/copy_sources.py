@@ -38,13 +38,22 @@ def ensure_target(folder: Path, model: Path) -> None:
 
     :raises UrdfcheckError: with the reason.
     """
-    name = format_path(folder)
-    if os.path.lexists(folder) and not os.path.isdir(folder):
-        raise UrdfcheckError(f"-o {name}: it is a file; name a new or an empty folder")
     target = os.path.realpath(folder)
     own = _find_package(Path(os.path.realpath(model))) or Path(os.path.realpath(model)).parent
     if is_below(target, str(own)) or is_below(os.path.realpath(model), target):
+        name = format_path(folder)
         raise UrdfcheckError(f"-o {name}: the model is there, and a repair never changes it; name another folder")
+    ensure_empty_folder(folder)
+
+
+def ensure_empty_folder(folder: Path) -> None:
+    """Reject a folder that holds anything.
+
+    :raises UrdfcheckError: with the reason.
+    """
+    name = format_path(folder)
+    if os.path.lexists(folder) and not os.path.isdir(folder):
+        raise UrdfcheckError(f"-o {name}: it is a file; name a new or an empty folder")
     try:
         if os.path.isdir(folder) and os.listdir(folder):
             raise UrdfcheckError(f"-o {name}: it is not empty; name a new or an empty folder")

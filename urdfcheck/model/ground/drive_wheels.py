@@ -83,7 +83,7 @@ def _measure_offset(model: Model, one: str, other: str) -> float:
 def measure_wheel_radii(model: Model, joint: str) -> list[float]:
     """Measure the radii (m) of a joint's child about the joint's axis.
 
-    Of what it collides as and of what it draws, where these are round and known.
+    Of what it collides as, then of what it draws, where these are round and known.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -101,8 +101,8 @@ def measure_wheel_radii(model: Model, joint: str) -> list[float]:
 def measure_wheel_separations(model: Model, left: str, right: str) -> list[float]:
     """Measure the distances (m) along their common axis between two wheels.
 
-    The distance of the joints comes first, then those of the middles of what is known of the wheels; none where the axes
-    are not parallel.
+    Those of the middles of what they collide as and of what they draw, where it is known, come first, then that of the joints:
+    a joint may be at the inner face of its wheel. None where the axes are not parallel.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -110,9 +110,16 @@ def measure_wheel_separations(model: Model, left: str, right: str) -> list[float
     if left not in axes or right not in axes or abs(float(axes[left] @ axes[right])) < 0.99:
         return []
     axis = axes[left]
-    separations = [abs(float((_locate_joint(model, left) - _locate_joint(model, right)) @ axis))]
+    joints = abs(float((_locate_joint(model, left) - _locate_joint(model, right)) @ axis))
     one, other = _compute_wheel_middles(model, left, axis), _compute_wheel_middles(model, right, axis)
-    return [*separations, *(abs(a - b) for a, b in zip(one, other, strict=False))]
+    return [*(abs(a - b) for a, b in zip(one, other, strict=False)), joints]
+
+
+def find_other_size(value: float, sizes: Sequence[float], *, rel_tol: float) -> float | None:
+    """Return the first of the ``sizes`` (m) that the model shows if a typed ``value`` is none of them; None if it is one."""
+    if value <= 0 or not sizes or min(sizes) <= 0 or any(abs(value - size) <= rel_tol * size for size in sizes):
+        return None
+    return sizes[0]
 
 
 def are_wheels_sideways(model: Model, left: Sequence[str], right: Sequence[str]) -> bool:

@@ -64,6 +64,8 @@ class Definition:
     reads: tuple[Definition, ...] = ()
     text: str = ""
     """What is typed at the place; empty where the place holds more than the value, as that of a default does."""
+    value: str = ""
+    """What that became; empty as long as nothing has read it, and for anything but a text, a number or a truth value."""
 
     @property
     def location(self) -> Location:

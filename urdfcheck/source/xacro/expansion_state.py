@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 from xml.dom import minidom
 
@@ -16,6 +16,8 @@ from urdfcheck.source.text.xml import Definition, XmlError, flatten_definitions
 from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError
 from urdfcheck.source.xacro.origins import get_origin
 
+# The types of values that are shown to readers, and the longest such text.
+_SHOWN_TYPES, _LONGEST_SHOWN = frozenset({str, int, float, bool}), 1_000
 CYCLE = "include cycle"
 # The kind of a definition that stands for a variable of the environment.
 ENVIRONMENT = "environment"
@@ -28,6 +30,13 @@ NODES_OF_FILE = 100
 # How much of a refused expression goes into the problem, and how much of xacro's message is read.
 _MAX_EXPRESSION_SHOWN = 1_000
 _MAX_MESSAGE_READ = 20_000
+
+
+def describe_value(value: Any) -> str:
+    """Return the value of a property or argument as a text for readers; empty for values that have no short one."""
+    if type(value) not in _SHOWN_TYPES or (isinstance(value, int) and value.bit_length() > _LONGEST_SHOWN):
+        return ""
+    return str(value)[:_LONGEST_SHOWN]
 
 
 class ExpansionStoppedError(Exception):
@@ -158,11 +167,13 @@ class ExpansionTrace:
         if self.readers:
             self.readers[-1].append(definition)
 
-    def record_argument_read(self, name: str) -> None:
+    def record_argument_read(self, name: str, value: Any) -> None:
         """Note that an argument is read."""
         self.arguments_read.add(name)
         definition = self.argument_definitions.get(name)
         if definition is not None:
+            if not definition.value:
+                definition = self.argument_definitions[name] = replace(definition, value=describe_value(value))
             self.record_read(definition)
 
     def record_failed_read(self, definition: Definition) -> None:

@@ -69,15 +69,15 @@ class SubstitutionContext(dict[str, Any]):
 
 
 class TracedArguments(dict[str, Any]):
-    """xacro's arguments; ``on_read`` is called with each one that ``$(arg)``, ``$(eval)`` or ``xacro.arg()`` reads."""
+    """xacro's arguments; ``on_read`` is called with the name and value of each one that is read."""
 
-    def __init__(self, values: Mapping[str, str], on_read: Callable[[str], None]) -> None:
+    def __init__(self, values: Mapping[str, str], on_read: Callable[[str, Any], None]) -> None:
         super().__init__(values)
         self.on_read = on_read
 
     def __getitem__(self, name: str) -> Any:
         value = super().__getitem__(name)
-        self.on_read(name)
+        self.on_read(name, value)
         return value
 
 

@@ -17,7 +17,7 @@ from xml.dom import minidom
 
 from urdfcheck.core import Location, Span
 from urdfcheck.source.text.xml import Attribute, Definition
-from urdfcheck.source.xacro.expansion_state import CYCLE, ActiveCall, ExpansionTrace
+from urdfcheck.source.xacro.expansion_state import CYCLE, ActiveCall, ExpansionTrace, describe_value
 from urdfcheck.source.xacro.expressions.compile_expression import (
     FORBIDDEN_BUILTINS,
     ExpressionRefusedError,
@@ -566,6 +566,8 @@ class Tracer:
             if definition is not None:
                 if lazy:
                     definition = replace(definition, reads=reads)
+                if lazy or not definition.value:
+                    definition = replace(definition, value=describe_value(value))
                     _get_definitions(table)[key] = definition
                 self.trace.record_read(definition)
             return value

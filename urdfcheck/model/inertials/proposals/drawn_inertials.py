@@ -152,7 +152,8 @@ def _compute_from_geometry(model: Model, link: Link, *, with_com: bool = False) 
     is_exact = drawn.closed and not _is_replaced_by_collision(model, link)
     keeps_com = own is not None and (not is_exact or (own.any() and not with_com))
     com = own if own is not None and keeps_com else _drop_noise(drawn.solid.com, size**0.5)
-    tensor = _drop_noise(tensor, float(np.abs(tensor).max()))
+    products = tensor - np.diag(np.diag(tensor))  # a moment of a thin rod is small and no noise
+    tensor = np.diag(np.diag(tensor)) + _drop_noise(products, float(np.abs(tensor).max()))
     return build_inertial_repair(
         inertial, DeclaredInertial(mass=inertial.mass, com=com, tensor=tensor, rotation=rotation), _GUESSED_DIGITS
     )

@@ -10,12 +10,11 @@ command. The values of CODES, NAMES and FORMAT=FILE would still be functions of 
 from __future__ import annotations
 
 import argparse
-import importlib
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from urdfcheck.cli import COMMANDS
+from urdfcheck.cli import COMMANDS, load_command
 from urdfcheck.cli.options import CommandParser
 from urdfcheck.cli.terminal import OK
 
@@ -100,7 +99,7 @@ def _list_commands() -> list[CompletedCommand]:
 
 
 def _describe_command(name: str, values: dict[str, tuple[str, ...]]) -> CompletedCommand:
-    parser: argparse.ArgumentParser = importlib.import_module(f"urdfcheck.cli.commands.{name}").build_parser()
+    parser: argparse.ArgumentParser = load_command(name).build_parser()
     arguments = []
     for action in parser._actions:
         meta = str(action.metavar or action.dest)

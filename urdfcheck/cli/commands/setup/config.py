@@ -76,6 +76,9 @@ def build_parser() -> argparse.ArgumentParser:
     )
     p.add_argument("path", nargs="?", default=".", metavar="PATH", help="a model or a folder (default: this one)")
     p.add_argument("--format", choices=("text", "json"), default="text", help="output format (default: text)")
+    p.add_argument(
+        "--schema", action="store_true", help="print the JSON Schema of urdfcheck.toml, for editors, and exit"
+    )
     add_options(p, "config")
     return p
 
@@ -83,6 +86,11 @@ def build_parser() -> argparse.ArgumentParser:
 def main(words: Sequence[str]) -> int:
     """Run the command."""
     options = build_parser().parse_args(words)
+    if options.schema:
+        from urdfcheck.cli.config_schema import render_config_schema
+
+        print_document(json.dumps(render_config_schema(), indent=1) + "\n")
+        return OK
     path = Path(options.path)
     if not path.exists():
         raise UrdfcheckError(f"{path} does not exist")

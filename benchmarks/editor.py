@@ -1,0 +1,124 @@
+"""Measure how soon an editor shows a finding after a key, against the command and against plain xacro.
+
+``python benchmarks/editor.py MODEL [repeats]`` starts ``urdfcheck server``, opens the model, and toggles a link without a joint
+in its buffer: each change makes the server send other diagnostics. The time is from the notification to the diagnostics. Of it,
+0.1 s is the pause that the server waits for in case that more is typed. All rows are medians of one run that takes turns.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import io
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from lsprotocol import types
+from pygls.lsp.client import LanguageClient
+
+from urdfcheck.source.package.finder import PackageFinder
+
+LOOSE = '<link name="of_the_benchmark"/>'
+PAUSE = 0.1
+
+
+def measure_seconds(work: Callable[[], object]) -> float:
+    """Return the wall time of a function."""
+    began = time.perf_counter()
+    work()
+    return time.perf_counter() - began
+
+
+def expand_plainly(model: Path) -> None:
+    """Expand a xacro file with xacro alone, in this process; it finds packages as urdfcheck does, without ROS."""
+    import xacro
+    import xacro.substitution_args as substitution
+
+    substitution._eval_find = lambda name: str(PackageFinder(model).find(name))
+    with contextlib.redirect_stderr(io.StringIO()):
+        xacro.process_file(str(model)).toprettyxml(indent="  ")
+
+
+class Editor:
+    """A client that toggles the loose link and waits for what it is sent."""
+
+    def __init__(self, model: Path) -> None:
+        self.model = model
+        self.text = model.read_text(encoding="utf-8")
+        self.version = 1
+        self.sent = asyncio.Event()
+        self.client = LanguageClient("benchmark", "1")
+        self.client.feature(types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)(lambda _: self.sent.set())
+
+    async def start(self) -> None:
+        """Start the server and wait until everything is checked, and its process has loaded what it needs."""
+        await self.client.start_io(sys.executable, "-m", "urdfcheck", "server")
+        root = self.model.parent.as_uri()
+        parameters = types.InitializeParams(capabilities=types.ClientCapabilities(), root_uri=root)
+        await self.client.initialize_async(parameters)
+        self.client.initialized(types.InitializedParams())
+        item = types.TextDocumentItem(self.model.as_uri(), "xml", 1, self.text)
+        self.client.text_document_did_open(types.DidOpenTextDocumentParams(item))
+        await self.rest()
+        await asyncio.sleep(10)
+
+    async def rest(self) -> None:
+        """Wait until everything is checked."""
+        await self.client.workspace_execute_command_async(types.ExecuteCommandParams("urdfcheck.check"))
+
+    async def measure_edit(self) -> float:
+        """Return the time from an edit to the diagnostics of the source tier."""
+        self.version += 1
+        text = self.text if self.version % 2 else self.text.replace("</robot>", f"{LOOSE}</robot>")
+        document = types.VersionedTextDocumentIdentifier(self.version, self.model.as_uri())
+        change = types.TextDocumentContentChangeWholeDocument(text)
+        self.sent.clear()
+        began = time.perf_counter()
+        self.client.text_document_did_change(types.DidChangeTextDocumentParams(document, [change]))
+        await asyncio.wait_for(self.sent.wait(), 120)
+        return time.perf_counter() - began
+
+    async def end(self) -> None:
+        """End the server."""
+        await self.client.shutdown_async(None)
+        self.client.exit(None)
+        await self.client.stop()
+
+
+async def measure(model: Path, repeats: int) -> dict[str, list[float]]:
+    """Return the times of each row."""
+    editor = Editor(model)
+    await editor.start()
+    times: dict[str, list[float]] = {"edit": [], "check": [], "xacro": []}
+    check = [sys.executable, "-m", "urdfcheck", "check", "--tier", "source", str(model)]
+    for _ in range(repeats):
+        times["edit"].append(await editor.measure_edit() - PAUSE)
+        await editor.rest()
+        times["check"].append(measure_seconds(lambda: subprocess.run(check, capture_output=True, check=False)))
+        if model.name.endswith(".xacro"):
+            times["xacro"].append(measure_seconds(lambda: expand_plainly(model)))
+    await editor.end()
+    return times
+
+
+def main() -> None:
+    """Print the medians and their ratios."""
+    repeats = int(sys.argv[2]) if len(sys.argv) > 2 else 11
+    times = asyncio.run(measure(Path(sys.argv[1]).resolve(), repeats))
+    edit = statistics.median(times["edit"])
+    for name, label in (
+        ("edit", "edit to diagnostics, source tier, without the pause"),
+        ("check", "urdfcheck check --tier source, a whole process"),
+        ("xacro", "xacro alone, in a running Python"),
+    ):
+        if times[name]:
+            middle = statistics.median(times[name])
+            print(f"{label:55} {middle:7.3f} s   least {min(times[name]):7.3f} s   edit is {edit / middle:5.2f} of it")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,221 @@
+"""What an editor shows while a robot is typed."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+from conftest import FIXTURES, command
+from lsprotocol import types
+
+from .conftest import Editor
+
+pytestmark = pytest.mark.slow
+
+INERTIA = '<inertia ixx="{}" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+ROBOT = (
+    '<?xml version="1.0"?>\n<robot name="r">\n  <!-- {} --> <link name="base"><inertial><mass value="1"/>'
+    + INERTIA
+    + "</inertial></link>\n</robot>\n"
+)
+SOUND, IMPOSSIBLE = ROBOT.format("", 1), ROBOT.format("", 3)
+MACROS = f"""<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:macro name="body" params="name">
+    <link name="${{name}}"><inertial><mass value="1"/>{INERTIA.format(1)}</inertial></link>
+  </xacro:macro>
+</robot>
+"""
+WRONG_MACROS = MACROS.replace('ixx="1"', 'ixx="3"')
+USER = (
+    '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n'
+    '  <xacro:include filename="body.xacro"/>\n  <xacro:body name="base"/>\n</robot>\n'
+)
+
+
+def list_found(folder: Path, *paths: Path) -> set[tuple[str, int, int]]:
+    """The findings of the command in the first of some files: code, line and column."""
+    done = command(*map(str, paths), "--format", "json", cwd=folder)
+    name = os.path.relpath(paths[0], folder)
+    return {
+        (finding["code"], place["line"], place["column"])
+        for finding in json.loads(done.stdout)["findings"]
+        if (place := finding["location"]) is not None and place["file"] == name and not finding["suppressed"]
+    }
+
+
+def list_shown(editor: Editor, path: Path) -> set[tuple[str, int, int]]:
+    """The same as the editor shows it, of a text in ASCII."""
+    return {
+        (str(found.code), found.range.start.line + 1, found.range.start.character + 1)
+        for found in editor.diagnostics(path)
+    }
+
+
+def test_what_is_typed_is_checked_before_it_is_saved(editor: Editor, project: Path) -> None:
+    path = project / "urdf/r.urdf"
+    path.write_text(SOUND)
+    editor.open(path)
+    assert "INR003" not in editor.codes(path)
+    editor.type(path, IMPOSSIBLE)
+    (found,) = [d for d in editor.diagnostics(path) if d.code == "INR003"]
+    assert path.read_text() == SOUND
+    assert found.severity == types.DiagnosticSeverity.Error
+    assert found.message == "base: inertia breaks the triangle inequality (by 33.3 %)"
+    assert found.source == "urdfcheck"
+    assert found.code_description is not None
+    assert "INR003-triangle-inequality.md" in found.code_description.href
+    editor.type(path, SOUND)
+    assert "INR003" not in editor.codes(path)
+
+
+def test_a_file_that_does_not_parse_says_why(editor: Editor, project: Path) -> None:
+    path = project / "urdf/r.urdf"
+    path.write_text(SOUND)
+    editor.open(path)
+    editor.type(path, SOUND.replace("</link>", "</lnik>"))
+    assert "XML001" in editor.codes(path)
+    editor.type(path, "")
+    assert editor.codes(path), "an empty file is no robot"
+    editor.type(path, SOUND)
+    assert "XML001" not in editor.codes(path)
+
+
+@pytest.mark.parametrize("before", ["é", "🤖", "a\u2028c", "🤖é🤖"])
+def test_positions_count_utf_16_units(editor: Editor, project: Path, before: str) -> None:
+    path = project / "urdf/r.urdf"
+    path.write_text(ROBOT.format(before, 3).replace("\n", "", 1), encoding="utf-8")
+    editor.open(path)
+    (found,) = [d for d in editor.diagnostics(path) if d.code == "INR003"]
+    assert editor.read(path, found.range).startswith("<inertia ") or editor.read(path, found.range) in {"3", "1"}
+
+
+@pytest.fixture
+def macro_project(project: Path) -> tuple[Path, Path]:
+    macros, user = project / "urdf/body.xacro", project / "urdf/r.urdf.xacro"
+    macros.write_text(MACROS)
+    user.write_text(USER)
+    return macros, user
+
+
+def test_an_edit_of_macros_renews_the_robots_that_use_them(editor: Editor, macro_project: tuple[Path, Path]) -> None:
+    macros, user = macro_project
+    editor.open(user)
+    assert "INR003" not in editor.codes(macros)
+    editor.open(macros)
+    editor.type(macros, WRONG_MACROS)
+    (found,) = [d for d in editor.diagnostics(macros) if d.code == "INR003"]
+    (call, *_) = found.related_information
+    assert call.location.uri == user.as_uri()
+    assert editor.read(user, call.location.range).startswith("<xacro:body")
+    editor.type(user, USER.replace('  <xacro:body name="base"/>', '  <link name="base"/>'))
+    assert "INR003" not in editor.codes(macros), "nothing makes the link any more"
+
+
+def test_macros_alone_are_checked_through_the_robots_that_include_them(
+    editor: Editor, macro_project: tuple[Path, Path]
+) -> None:
+    macros, _ = macro_project
+    editor.open(macros)
+    editor.type(macros, WRONG_MACROS)
+    assert "INR003" in editor.codes(macros)
+
+
+def test_the_configuration_counts(editor: Editor, project: Path) -> None:
+    path = project / "urdf/r.urdf"
+    path.write_text(IMPOSSIBLE)
+    (project / "urdfcheck.toml").write_text('ignore = ["INR003"]')
+    editor.open(path)
+    assert "INR003" not in editor.codes(path)
+    (project / "urdfcheck.toml").write_text('[severity]\nINR003 = "info"')
+    (found,) = [d for d in editor.diagnostics(path) if d.code == "INR003"]
+    assert found.severity == types.DiagnosticSeverity.Information
+    (project / "urdfcheck.toml").write_text("selct = 1")
+    (failure,) = editor.diagnostics(path)
+    assert "unknown key 'selct'" in failure.message
+
+
+def test_a_comment_in_the_buffer_suppresses(editor: Editor, project: Path) -> None:
+    path = project / "urdf/r.urdf"
+    path.write_text(IMPOSSIBLE)
+    editor.open(path)
+    editor.type(path, ROBOT.format("urdfcheck: ignore[INR003] an example", 3))
+    assert "INR003" not in editor.codes(path)
+
+
+def test_two_projects_are_checked_beside_each_other(editor: Editor, project: Path) -> None:
+    """Each with its own configuration: that of one does not fail the other."""
+    paths = []
+    for name in ("one", "two"):
+        folder = project / name
+        folder.mkdir()
+        (folder / ".git").mkdir()
+        (folder / "r.urdf").write_text(IMPOSSIBLE)
+        paths.append(folder / "r.urdf")
+        editor.open(paths[-1])
+    (project / "two/urdfcheck.toml").write_text("selct = 1")
+    assert "INR003" in editor.codes(paths[0])
+    assert "INR003" not in editor.codes(paths[1])
+
+
+def test_what_is_closed_is_no_longer_shown(editor: Editor, project: Path) -> None:
+    path = project / "urdf/r.urdf"
+    path.write_text(IMPOSSIBLE)
+    editor.open(path)
+    assert editor.diagnostics(path)
+    editor.close(path)
+    assert not editor.diagnostics(path)
+
+
+def test_findings_that_take_meshes_come_when_nothing_is_typed(tmp_path: Path) -> None:
+    """Those of the source tier come first, at rest all of them, those of the command."""
+    editor = Editor(tmp_path)
+    path = tmp_path / "car.urdf"
+    text = (FIXTURES / "car-3/urdf/car-3.urdf").read_text()
+    path.write_text(text)
+    editor.open(path)
+    shown = list_shown(editor, path)
+    assert shown == list_found(tmp_path, path)
+    assert "SYM001" in {code for code, _, _ in shown}
+    editor.type(path, text.replace("<link", "\n<link", 1))
+    moved = list_shown(editor, path)
+    assert {line for _, line, _ in moved} == {line + 1 for _, line, _ in shown}
+    editor.save(path)
+    assert list_shown(editor, path) == moved == list_found(tmp_path, path)
+    editor.end()
+
+
+def test_a_check_process_that_dies_is_started_again(editor: Editor, project: Path) -> None:
+    path = project / "urdf/r.urdf"
+    path.write_text(SOUND)
+    editor.open(path)
+    assert "INR003" not in editor.codes(path)
+    for child in list_children(editor):
+        os.kill(child, signal.SIGKILL)
+    editor.type(path, IMPOSSIBLE)
+    assert "INR003" in editor.codes(path)
+
+
+def list_children(editor: Editor) -> list[int]:
+    """The processes that the server has started."""
+    server = editor.client._server.pid
+    return [int(word) for word in Path(f"/proc/{server}/task/{server}/children").read_text().split()]
+
+
+def test_the_server_and_its_processes_end_with_the_client(tmp_path: Path) -> None:
+    editor = Editor(tmp_path)
+    path = tmp_path / "r.urdf"
+    path.write_text(SOUND)
+    editor.open(path)
+    editor.rest()
+    children = list_children(editor)
+    assert children
+    assert editor.end().returncode == 0
+    for _ in range(100):
+        if not any(Path(f"/proc/{child}").exists() for child in children):
+            break
+        time.sleep(0.05)
+    assert not [child for child in children if Path(f"/proc/{child}").exists()]

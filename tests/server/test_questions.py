@@ -1,0 +1,225 @@
+"""What an editor asks about a place: values, definitions, uses, outline."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lsprotocol import types
+
+from .conftest import Editor
+
+pytestmark = pytest.mark.slow
+
+MACROS = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:property name="density" value="1000"/>
+  <xacro:macro name="arm" params="prefix parent length:=0.4">
+    <xacro:property name="mass" value="${density * length * 0.01}"/>
+    <link name="${prefix}_arm">
+      <inertial>
+        <origin xyz="0 0 ${length / 2}"/>
+        <mass value="${mass}"/>
+        <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/>
+      </inertial>
+    </link>
+    <joint name="${prefix}_joint" type="revolute">
+      <parent link="${parent}"/>
+      <child link="${prefix}_arm"/>
+      <axis xyz="0 1 0"/>
+      <limit lower="-1.5707963" upper="${pi/4}" effort="10" velocity="1"/>
+    </joint>
+  </xacro:macro>
+</robot>
+"""
+ROBOT = """<?xml version="1.0"?>
+<robot name="two_arms" xmlns:xacro="http://www.ros.org/wiki/xacro"> <!-- 🤖 é -->
+  <xacro:arg name="reach" default="0.5"/>
+  <xacro:property name="sizes" value="${xacro.load_yaml('sizes.yaml')}"/>
+  <xacro:include filename="arm.xacro"/>
+  <material name="blue"><color rgba="0 0 1 1"/></material>
+  <link name="base"><visual><geometry><box size="${sizes.base.width} 1 1"/></geometry><material name="blue"/></visual></link>
+  <xacro:arm prefix="left" parent="base" length="$(arg reach)"/>
+  <xacro:arm prefix="right" parent="left_arm"/>
+</robot>
+"""
+YAML = "base:\n  width: 0.75\n"
+
+
+@pytest.fixture
+def robot(editor: Editor, project: Path) -> tuple[Path, Path]:
+    """The robot and its macros, both open."""
+    user, macros = project / "urdf/two_arms.urdf.xacro", project / "urdf/arm.xacro"
+    user.write_text(ROBOT, encoding="utf-8")
+    macros.write_text(MACROS)
+    (project / "urdf/sizes.yaml").write_text(YAML)
+    editor.open(user)
+    editor.open(macros)
+    editor.rest()
+    return user, macros
+
+
+def hover(editor: Editor, path: Path, at: types.Position) -> str:
+    params = types.HoverParams(editor.identify(path), at)
+    found = editor.wait(editor.client.text_document_hover_async(params))
+    if found is None:
+        return ""
+    assert isinstance(found.contents, types.MarkupContent)
+    return found.contents.value
+
+
+def define(editor: Editor, path: Path, at: types.Position) -> set[tuple[str, str]]:
+    """The definitions of the name at a position: file and text."""
+    params = types.DefinitionParams(editor.identify(path), at)
+    return read_places(editor, editor.wait(editor.client.text_document_definition_async(params)))
+
+
+def refer(editor: Editor, path: Path, at: types.Position, *, declared: bool = False) -> list[tuple[str, int]]:
+    """The uses of the name at a position: file and line."""
+    context = types.ReferenceContext(include_declaration=declared)
+    params = types.ReferenceParams(context, editor.identify(path), at)
+    found = editor.wait(editor.client.text_document_references_async(params)) or []
+    return sorted((Path(place.uri).name, place.range.start.line + 1) for place in found)
+
+
+def read_places(editor: Editor, found: object) -> set[tuple[str, str]]:
+    assert isinstance(found, list)
+    files = {path.as_uri(): path for path in editor.texts}
+    folder = next(iter(editor.texts)).parent
+    files |= {path.as_uri(): path for path in folder.iterdir()}
+    return {(files[place.uri].name, editor.read(files[place.uri], place.range)) for place in found}
+
+
+def test_an_expression_shows_its_value_and_what_it_was_computed_from(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, macros = robot
+    text = hover(editor, macros, editor.find(macros, "${length / 2}", part="length"))
+    assert "`${length / 2}` = `0.25` in `link[left_arm]/inertial/origin@xyz`" in text
+    assert "`${length / 2}` = `0.2` in `link[right_arm]/inertial/origin@xyz`" in text
+    text = hover(editor, user, editor.find(user, "$(arg reach)"))
+    assert "argument `reach` = `0.5`" in text
+    text = hover(editor, user, editor.find(user, "sizes.base.width", part="width"))
+    assert "`${sizes.base.width}` = `0.75`" in text
+    assert "yaml `base.width` = `0.75`, sizes.yaml:2" in text
+    text = hover(editor, macros, editor.find(macros, "${density * length"))
+    assert "`5.0`" in text
+    assert "`4.0`" in text
+    assert "property `density` = `1000`, arm.xacro:2" in text
+
+
+def test_links_and_joints_show_their_physics(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, macros = robot
+    text = hover(editor, user, editor.find(user, 'parent="base"', part="base"))
+    assert text == "", "a text that a macro is given is not a name yet"
+    text = hover(editor, user, editor.find(user, 'link name="base"', part="base"))
+    assert "**link base**" in text
+    text = hover(editor, macros, editor.find(macros, "<mass value", part="mass"))
+    assert "**link left\\_arm**" in text
+    assert "mass 5 kg, COM 0 0 0.25 m" in text
+    assert "principal moments 0.01, 0.02, 0.02 kg m²" in text
+    text = hover(editor, macros, editor.find(macros, "<axis xyz", part="axis"))
+    assert "**joint right\\_joint**" in text
+    assert "revolute, from left\\_arm to right\\_arm, about 0 1 0" in text
+    assert "\\-90° to 45°, effort 10 N m, velocity 57.3°/s" in text
+
+
+def test_a_finding_shows_its_evidence(editor: Editor, robot: tuple[Path, Path]) -> None:
+    _, macros = robot
+    editor.type(macros, MACROS.replace('ixx="0.02"', 'ixx="0.2"'))
+    found = next(d for d in editor.diagnostics(macros) if d.code == "INR003")
+    text = hover(editor, macros, found.range.start)
+    assert text.startswith("**INR003** ")
+    assert "Fix" in text
+
+
+def test_definitions_are_found_across_includes(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, macros = robot
+    assert define(editor, user, editor.find(user, "<xacro:arm", part="arm")) == {("arm.xacro", "arm")}
+    assert define(editor, user, editor.find(user, "$(arg reach)", part="reach")) == {(user.name, "reach")}
+    assert define(editor, user, editor.find(user, 'material name="blue"/', part="blue")) == {(user.name, "blue")}
+    assert define(editor, macros, editor.find(macros, "${density", part="density")) == {("arm.xacro", "density")}
+    assert define(editor, macros, editor.find(macros, "${length / 2}", part="length")) == {("arm.xacro", "length")}
+    assert define(editor, macros, editor.find(macros, "${mass}", part="mass")) == {("arm.xacro", "mass")}
+    where = editor.find(macros, 'child link="${prefix}_arm"', part="_arm")
+    assert define(editor, macros, where) == {("arm.xacro", "${prefix}_arm")}
+    assert define(editor, user, editor.find(user, "sizes.base.width", part="width")) == {("sizes.yaml", "0.75")}
+
+
+def test_uses_are_found_across_includes(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, macros = robot
+    density = editor.find(macros, 'name="density"', part="density")
+    assert refer(editor, macros, density) == [("arm.xacro", 4)]
+    assert refer(editor, macros, density, declared=True) == [("arm.xacro", 2), ("arm.xacro", 4)]
+    assert refer(editor, macros, editor.find(macros, 'name="arm"', part="arm")) == [(user.name, 8), (user.name, 9)]
+    assert refer(editor, user, editor.find(user, 'link name="base"', part="base")) == [("arm.xacro", 13)]
+    length = editor.find(macros, "length:=0.4")
+    assert refer(editor, macros, length) == [("arm.xacro", 4), ("arm.xacro", 7)]
+
+
+def test_the_outline_is_the_kinematic_tree(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, _ = robot
+    params = types.DocumentSymbolParams(editor.identify(user))
+    found = editor.wait(editor.client.text_document_document_symbol_async(params))
+
+    def draw(symbols: object) -> dict[str, object]:
+        assert isinstance(symbols, (list, tuple))
+        return {symbol.name: draw(symbol.children or []) for symbol in symbols}
+
+    arm = {"right_joint": {"right_arm": {}}}
+    assert draw(found) == {"reach": {}, "sizes": {}, "base": {"left_joint": {"left_arm": arm}}}
+    base = next(symbol for symbol in found or () if symbol.name == "base")
+    assert isinstance(base, types.DocumentSymbol)
+    assert editor.read(user, base.range).startswith('<link name="base"><visual>')
+    assert editor.read(user, base.selection_range) == '<link name="base">'
+    assert editor.read(user, base.children[0].range).startswith('<xacro:arm prefix="left"')
+
+
+def test_values_are_beside_their_expressions(editor: Editor, robot: tuple[Path, Path]) -> None:
+    _, macros = robot
+    range_ = types.Range(types.Position(0, 0), types.Position(99, 0))
+    params = types.InlayHintParams(editor.identify(macros), range_)
+    found = editor.wait(editor.client.text_document_inlay_hint_async(params)) or []
+    shown = {hint.position.line + 1: hint.label for hint in found}
+    assert shown[4] == "= 5.0 | 4.0"
+    assert shown[7] == "= 0 0 0.25 | 0 0 0.2"
+
+
+def test_answers_survive_a_text_that_does_not_parse(editor: Editor, robot: tuple[Path, Path]) -> None:
+    """What was known of the last robot that could be made, where the text is still the same."""
+    user, macros = robot
+    editor.type(user, "<!-- 🤖 -->\n" + ROBOT.replace("<link", "<<link"))
+    assert "XML001" in editor.codes(user)
+    assert "argument `reach`" in hover(editor, user, editor.find(user, "$(arg reach)"))
+    assert define(editor, user, editor.find(user, "<xacro:arm", part="arm")) == {("arm.xacro", "arm")}
+    assert "`0.25`" in hover(editor, macros, editor.find(macros, "${length / 2}"))
+
+
+def complete(editor: Editor, path: Path, text: str, *, at: str) -> dict[str, str]:
+    """What can be typed at a mark in a text, and what that writes."""
+    editor.type(path, text.replace(at, "", 1))
+    before = text[: text.index(at)]
+    line = before.rpartition("\n")[2]
+    position = types.Position(before.count("\n"), len(line.encode("utf-16-le")) // 2)
+    params = types.CompletionParams(editor.identify(path), position)
+    found = editor.wait(editor.client.text_document_completion_async(params)) or []
+    assert isinstance(found, list)
+    return {item.label: item.text_edit.new_text for item in found if item.text_edit is not None}
+
+
+def test_what_the_model_knows_can_be_completed(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, _ = robot
+
+    def ask(typed: str) -> dict[str, str]:
+        return complete(editor, user, ROBOT.replace("</robot>", f"{typed}\n</robot>"), at="|")
+
+    assert set(ask('<joint name="j" type="fixed"><parent link="|')) == {"base", "left_arm", "right_arm"}
+    assert set(ask('<joint name="j" type="|"/>')) >= {"revolute", "prismatic"}
+    assert ask('<joint name="|"/>') == {}
+    assert set(ask('<gazebo reference="le|"/>')) >= {"left_arm", "left_joint"}
+    assert set(ask('<link name="${|')) >= {"density", "sizes", "prefix"}
+    assert set(ask('<link name="$(arg |')) == {"reach"}
+    assert set(ask('<visual><material name="|"/>')) == {"blue"}
+    assert {"link", "joint", "xacro:if", "xacro:arm"} <= set(ask("<|"))
+    assert "inertial" in ask('<link name="x"><iner|')
+    assert ask('<link name="x"></|') == {"link": "link>"}
+    assert ask('<xacro:arm prefix="x" |') == {"parent": 'parent=""', "length": 'length=""'}
+    assert set(ask("<limit lower='1' |/>")) >= {"upper", "effort"}
+    assert ask("<!-- <|") == {}

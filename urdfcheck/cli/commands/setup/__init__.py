@@ -1,0 +1,1 @@
+"""Commands that set a project or a machine up, and check nothing."""

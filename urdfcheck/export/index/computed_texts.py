@@ -1,0 +1,61 @@
+"""What the expressions of a xacro file became, and what they were computed from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from urdfcheck.core import Span
+from urdfcheck.core.text import truncate_text
+from urdfcheck.export.index.source_index import ComputedText, ComputedUse, ValueSource
+from urdfcheck.source.load import Source
+from urdfcheck.source.text.xml import Attribute, Definition, flatten_definitions
+
+# Of a macro that is called a hundred times, and of a value that a whole file goes into.
+_MOST_USES, _MOST_SOURCES, _LONGEST = 8, 12, 200
+
+
+def list_computed_texts(source: Source) -> tuple[ComputedText, ...]:
+    """Return the texts with expressions of a model, in the order in which the robot reads them."""
+    texts: dict[Span, str] = {}
+    uses: dict[Span, dict[str, ComputedUse]] = {}
+
+    def add(span: Span, text: str, value: str, subject: str, reads: Iterable[Definition]) -> None:
+        texts.setdefault(span, text)
+        known = uses.setdefault(span, {})
+        if value not in known and len(known) < _MOST_USES:
+            known[value] = ComputedUse(value=_shorten(value), subject=subject, sources=_list_sources(reads))
+
+    seen: set[int] = set()
+    for element in () if source.root is None else source.root.walk():
+        for attribute in element.attributes.values():
+            if attribute.span is not None and "$" in attribute.typed:
+                add(attribute.span, attribute.typed, attribute.value, _name_subject(attribute), attribute.reads)
+            for definition in flatten_definitions(attribute.reads):
+                if id(definition) in seen:
+                    continue
+                seen.add(id(definition))
+                if definition.span is not None and "$" in definition.text and definition.value:
+                    subject = f"{definition.kind}[{definition.name}]"
+                    add(definition.span, definition.text, definition.value, subject, definition.reads)
+    return tuple(ComputedText(span=span, text=texts[span], uses=tuple(known.values())) for span, known in uses.items())
+
+
+def _name_subject(attribute: Attribute) -> str:
+    return f"{attribute.owner.subject}@{attribute.name}"
+
+
+def _list_sources(reads: Iterable[Definition]) -> tuple[ValueSource, ...]:
+    return tuple(
+        ValueSource(
+            kind=definition.kind,
+            name=definition.name,
+            text=_shorten(definition.text),
+            value="" if definition.value == definition.text else _shorten(definition.value),
+            span=definition.span,
+        )
+        for definition in flatten_definitions(reads)[:_MOST_SOURCES]
+    )
+
+
+def _shorten(text: str) -> str:
+    return truncate_text(" ".join(text.split()), _LONGEST)

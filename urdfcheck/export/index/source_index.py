@@ -1,0 +1,90 @@
+"""The index of a model's source, in plain values. Standard library only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from urdfcheck.core.findings import Span
+
+LINK, JOINT, MATERIAL = "link", "joint", "material"
+PROPERTY, PARAMETER, ARGUMENT, MACRO = "property", "parameter", "argument", "macro"
+
+
+@dataclass(frozen=True, slots=True)
+class NamePlace:
+    """A place at which a name is defined or used."""
+
+    kind: str
+    """link | joint | material | property | parameter | argument | macro."""
+    name: str
+    span: Span
+    is_definition: bool
+    targets: tuple[Span, ...] = ()
+    """Of a use, the definitions that it means, where the names alone do not say it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValueSource:
+    """A definition that a value was computed from."""
+
+    kind: str
+    """property | parameter | argument | yaml | environment."""
+    name: str
+    text: str
+    """As typed; empty if unknown."""
+    value: str
+    """What that became; empty if unknown, or if it is the text."""
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComputedUse:
+    """What a text with expressions became in one element of the robot."""
+
+    value: str
+    subject: str
+    """The attribute of the robot: ``link[arm]/inertial/mass@value``; that of a definition: ``property[arm_mass]``."""
+    sources: tuple[ValueSource, ...]
+    """Nearest first."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComputedText:
+    """An attribute's value with expressions, as typed, and what it became."""
+
+    span: Span
+    text: str
+    uses: tuple[ComputedUse, ...]
+    """Those with different values, in the order of the robot."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotPart:
+    """A link or joint of the kinematic tree."""
+
+    kind: str
+    """link | joint."""
+    name: str
+    detail: str
+    """The mass of a link, the type of a joint."""
+    facts: tuple[str, ...]
+    """What is known of it, a line each."""
+    depth: int
+    """In the tree; the parts are in its order, each below its parent."""
+    places: tuple[Span, ...]
+    """The whole element if it was typed as such, its start tag, and the macro calls and includes that brought it in, innermost
+    first."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceIndex:
+    """What is known of one model's source."""
+
+    model: str
+    """Its id."""
+    files: tuple[str, ...]
+    names: tuple[NamePlace, ...]
+    texts: tuple[ComputedText, ...]
+    parts: tuple[RobotPart, ...]
+    is_expanded: bool
+    """Whether there is a robot; without one, names and parts are those as typed."""

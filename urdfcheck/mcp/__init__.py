@@ -1,0 +1,1 @@
+"""urdfcheck for language models: a few tools over the Model Context Protocol."""

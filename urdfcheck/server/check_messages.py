@@ -1,0 +1,65 @@
+"""What the language server and its check process exchange: plain values, a length before each.
+
+The answers of the check process hold what its workers found in untrusted files. They are read as those of the workers are.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from urdfcheck.core import Finding
+from urdfcheck.export.index.source_index import SourceIndex
+
+HEADER = struct.Struct("<Q")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckJob:
+    """A run over the open documents, or the search for their safe fixes."""
+
+    number: int
+    """Increases with each job."""
+    folder: str
+    """The working directory: names of files in findings are relative to it."""
+    paths: tuple[str, ...]
+    """Absolute paths of the models and launch files that are open."""
+    texts: Mapping[str, bytes]
+    """Real path → content of each open document."""
+    tier: str | None = None
+    """How much is computed; None: the configuration decides."""
+    forgets: bool = False
+    """Whether files appeared or disappeared, so that nothing of earlier runs may be reused."""
+    fixes: bool = False
+    """Whether the safe fixes are wanted instead of the findings."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProjectAnswer:
+    """The findings about the open documents of one project: a repository, a package or a folder."""
+
+    folder: str
+    findings: tuple[Finding, ...] = ()
+    sources: Mapping[str, str] = field(default_factory=dict)
+    """Text of the files with findings, by name."""
+    failures: tuple[str, ...] = ()
+    """What could not be checked: a wrong configuration, a path that does not exist, a crash."""
+    model_paths: Mapping[str, str] = field(default_factory=dict)
+    """Id of each model → path of its file."""
+    indexes: tuple[SourceIndex, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckAnswer:
+    """The outcome of a job."""
+
+    number: int
+    projects: tuple[ProjectAnswer, ...] = ()
+    deep_codes: frozenset[str] = frozenset()
+    """The rules that need more than the source tier."""
+    changes: Mapping[str, tuple[bytes, bytes]] = field(default_factory=dict)
+    """Real path → content before and after the safe fixes."""
+    fixed: int = 0
+    """Number of findings that these repair."""
+    is_cancelled: bool = False

@@ -1,0 +1,179 @@
+"""When what is checked: the source tier a moment after each edit, everything on saving or when nothing was typed for a while.
+
+One job runs at a time. An edit interrupts the slow one; at rest, the last job that ran was about the present texts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from urdfcheck.policy.policy import TIERS
+from urdfcheck.server.check_client import CheckClient, CheckProcessError
+from urdfcheck.server.check_messages import CheckAnswer, CheckJob
+from urdfcheck.server.diagnostics import CheckedState
+from urdfcheck.server.documents import DocumentStore, OpenDocument
+from urdfcheck.server.index_store import IndexStore
+from urdfcheck.source.package.file_kinds import is_launch, is_model
+
+# Seconds after the last edit: until the source tier is computed, and until everything is.
+TYPING, RESTING = 0.1, 1.0
+# Seconds for which a question about a document that was not checked yet waits.
+PATIENCE = 20.0
+SOURCE = TIERS[0]
+# A part of a robot or a robot under another name.
+_ROBOT = "<robot"
+
+
+class CheckSchedule:
+    """Runs jobs on the open documents and hands over what they find."""
+
+    def __init__(self, client: CheckClient, documents: DocumentStore, on_change: Callable[[], object]) -> None:
+        self.client = client
+        self.documents = documents
+        self.on_change = on_change
+        self.latest: CheckedState | None = None
+        """The outcome of the last job."""
+        self.complete: CheckedState | None = None
+        """The outcome of the last job that computed everything."""
+        self.indexes = IndexStore()
+        self.problem = ""
+        """Why nothing can be checked."""
+        self._delays: Mapping[str | None, float] = {SOURCE: TYPING, None: RESTING}
+        if client.options.tier == SOURCE:  # that is everything
+            self._delays = {None: TYPING}
+        self._numbers = 0
+        self._timers: dict[str | None, asyncio.TimerHandle] = {}
+        self._waiting: set[str | None] = set()
+        self._running: str | None = ""  # the tier; empty where nothing runs
+        self._forgets = False
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._answered = asyncio.Event()
+        self._at_rest = asyncio.Event()
+        self._at_rest.set()
+
+    @property
+    def states(self) -> list[CheckedState]:
+        """The outcomes that are shown, the latest first."""
+        older = None if self.complete is self.latest else self.complete
+        return [state for state in (self.latest, older) if state is not None]
+
+    def note_edit(self) -> None:
+        """Check soon: the text of a document was changed."""
+        self._interrupt()
+        for tier, seconds in self._delays.items():
+            self._set_timer(tier, seconds)
+
+    def note_save(self, *, files_differ: bool = False) -> None:
+        """Check everything at once: a document was opened, saved or closed, or a file has changed on the disk.
+
+        ``files_differ``: whether there are other files than before.
+        """
+        self._forgets = self._forgets or files_differ
+        self._interrupt()
+        for tier in self._delays:
+            self._set_timer(tier, 0.0)
+
+    async def wait_until_rest(self) -> None:
+        """Wait until all that was asked for is checked."""
+        await self._at_rest.wait()
+
+    async def wait_until_known(self, document: OpenDocument) -> None:
+        """Wait until a document was checked once, but not for ever: an editor that has just opened it asks only once."""
+        with contextlib.suppress(asyncio.TimeoutError):
+            while self.latest is None or document.real not in self.latest.texts:
+                await asyncio.wait_for(self._answered.wait(), PATIENCE)
+
+    async def find_fixes(self, only: OpenDocument) -> CheckAnswer:
+        """Return what the safe fixes change in the model of a document.
+
+        :raises CheckProcessError: if the check process died.
+        """
+        return await self.client.run_job(self._make_job(None, [only.path], fixes=True))
+
+    def _interrupt(self) -> None:
+        """End the job that computes everything; the fast one is rather finished."""
+        if self._running is None and len(self._delays) > 1:
+            self.client.cancel()
+
+    # -- jobs ------------------------------------------------------------------------------------------------------
+
+    def _set_timer(self, tier: str | None, seconds: float) -> None:
+        if tier in self._timers:
+            self._timers.pop(tier).cancel()
+        self._at_rest.clear()
+        self._timers[tier] = asyncio.get_running_loop().call_later(seconds, self._enqueue, tier)
+
+    def _enqueue(self, tier: str | None) -> None:
+        self._timers.pop(tier, None)
+        self._waiting.add(tier)
+        self._start_next()
+
+    def _start_next(self) -> None:
+        if self._running != "":
+            return
+        if not self._waiting:
+            if not self._timers:
+                self._at_rest.set()
+            return
+        tier = SOURCE if SOURCE in self._waiting else None
+        self._waiting.discard(tier)
+        self._running = tier
+        task = asyncio.get_running_loop().create_task(self._run(tier))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _run(self, tier: str | None) -> None:
+        texts = {document.real: document.text for document in self.documents.by_uri.values()}
+        try:
+            answer = await self.client.run_job(self._make_job(tier, list_checked_paths(self.documents)))
+        except CheckProcessError as error:
+            self.problem = str(error)
+            self.on_change()
+            if self.client.can_start:
+                self._waiting.add(tier)
+        else:
+            self.problem = ""
+            self._take_answer(answer, tier, texts)
+        finally:
+            self._running = ""
+            self._start_next()
+
+    def _take_answer(self, answer: CheckAnswer, tier: str | None, texts: Mapping[str, str]) -> None:
+        if answer.is_cancelled:
+            if tier not in self._timers:  # the interrupt was meant for the job before it
+                self._waiting.add(tier)
+            return
+        self.latest = CheckedState(answer=answer, texts=texts)
+        self.indexes.take_answer(answer, texts)
+        self._answered.set()
+        self._answered = asyncio.Event()
+        if tier is None:
+            self.complete = self.latest
+        self.on_change()
+
+    def _make_job(self, tier: str | None, paths: list[str], *, fixes: bool = False) -> CheckJob:
+        self._numbers += 1
+        forgets, self._forgets = self._forgets, False
+        return CheckJob(
+            number=self._numbers,
+            folder=os.getcwd(),
+            paths=tuple(paths),
+            texts={document.real: document.encode() for document in self.documents.by_uri.values()},
+            tier=tier,
+            forgets=forgets,
+            fixes=fixes,
+        )
+
+
+def list_checked_paths(documents: DocumentStore) -> list[str]:
+    """Return the open documents that are checked: models, their parts and launch files. Others are only read."""
+    return [document.path for document in documents.by_uri.values() if _is_checked(document)]
+
+
+def _is_checked(document: OpenDocument) -> bool:
+    path = Path(document.path)
+    return is_model(path) or is_launch(path) or (path.suffix == ".xml" and _ROBOT in document.text)

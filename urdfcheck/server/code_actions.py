@@ -1,0 +1,203 @@
+"""What an editor can do about a finding: repair it, suppress it, read its rule; and repair all that is safe to repair."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from lsprotocol import types
+
+from urdfcheck.core import Applicability, Edit, Fix
+from urdfcheck.fix.patch import EditableFiles, EditRefusedError
+from urdfcheck.server.check_messages import CheckAnswer
+from urdfcheck.server.diagnostics import SOURCE, CheckedState, ShownFinding
+from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
+from urdfcheck.source.text.suppression_comments import MARK
+from urdfcheck.source.text.xml import SourceFile
+from urdfcheck.system.files import overlay_files
+
+Action = types.CodeAction | types.Command
+FIX_ALL = f"{types.CodeActionKind.SourceFixAll.value}.{SOURCE}"
+# The command that shows the page of a rule.
+OPEN_RULE = "urdfcheck.openRule"
+_TAG = re.compile(r"<(?![/!?])[^<>]*", re.DOTALL)
+_COMMENT = re.compile(r"<!--.*?-->|<!\[CDATA\[.*?\]\]>", re.DOTALL)
+_HASH_SUFFIXES = (".yaml", ".yml", ".py", ".txt")
+
+
+def list_actions(
+    document: OpenDocument,
+    range_: types.Range,
+    shown: Iterable[ShownFinding],
+    documents: DocumentStore,
+) -> list[Action]:
+    """Return what can be done about the findings in a range: repairs first, those that may change the meaning last of them."""
+    findings = [found for found in shown if found.range.start <= range_.end and range_.start <= found.range.end]
+    repairs: list[types.CodeAction] = []
+    others: list[Action] = []
+    for found in findings:
+        repair = _make_repair(found, documents)
+        repairs += [] if repair is None else [repair]
+        others += _iter_suppressions(found, document, documents)
+        others.append(_make_rule_command(found))
+    repairs.sort(key=lambda action: not action.is_preferred)
+    return [*repairs, *_drop_repeated(others)]
+
+
+def _drop_repeated(actions: Iterable[Action]) -> list[Action]:
+    return list({action.title: action for action in actions}.values())
+
+
+# -- repairs -----------------------------------------------------------------------------------------------------------
+
+
+def _make_repair(found: ShownFinding, documents: DocumentStore) -> types.CodeAction | None:
+    """Return the edit that repairs a finding; None if it has none, or the text has changed too much since."""
+    fix = found.finding.fix
+    if fix is None or not fix.edits:
+        return None
+    edits = _build_edits(fix, found.state, documents)
+    if edits is None:
+        return None
+    is_safe = fix.applicability is Applicability.SAFE
+    title = fix.title if is_safe else f"{fix.title} (may change the meaning)"
+    return types.CodeAction(
+        title=f"{found.finding.code}: {title}",
+        kind=types.CodeActionKind.QuickFix,
+        diagnostics=[found.diagnostic],
+        is_preferred=is_safe,
+        edit=_make_workspace_edit(edits, documents),
+    )
+
+
+def _build_edits(fix: Fix, state: CheckedState, documents: DocumentStore) -> list[tuple[str, types.TextEdit]] | None:
+    """Return the edits of a fix in the present texts; None if a text is not the one that the finding was about."""
+    made = []
+    editable = EditableFiles([Path(d.path) for d in documents.by_uri.values()], [], are_written=False)
+    for edit in fix.edits:
+        positions = documents.find_text(edit.span.file)
+        place = state.move_span(edit.span)
+        if place is None or positions.text[place[0] : place[1]] != edit.expected:
+            return None
+        try:
+            editable.ensure_editable(Path(edit.span.file))
+        except EditRefusedError:
+            return None
+        made.append((edit.span.file, types.TextEdit(positions.make_range(*place), _adapt_breaks(edit, positions))))
+    return made
+
+
+def _adapt_breaks(edit: Edit, positions: TextPositions) -> str:
+    """Return the new text of an edit with the line breaks of its file."""
+    newline = "\r\n" if "\r\n" in positions.text else "\n"
+    return edit.replacement.replace("\r\n", "\n").replace("\n", newline)
+
+
+def _make_workspace_edit(edits: Iterable[tuple[str, types.TextEdit]], documents: DocumentStore) -> types.WorkspaceEdit:
+    """Return the edits of some files, for the versions that are open where the editor can compare them."""
+    by_file: dict[str, list[types.TextEdit]] = {}
+    for name, edit in edits:
+        by_file.setdefault(name, []).append(edit)
+    if not documents.has_versioned_edits:
+        return types.WorkspaceEdit(changes={documents.find_uri(name): made for name, made in by_file.items()})
+    changes: list[types.TextDocumentEdit | types.CreateFile | types.RenameFile | types.DeleteFile] = []
+    for name, made in by_file.items():
+        document = documents.find_open(name)
+        version = None if document is None else document.version
+        identifier = types.OptionalVersionedTextDocumentIdentifier(documents.find_uri(name), version)
+        changes.append(types.TextDocumentEdit(identifier, [*made]))
+    return types.WorkspaceEdit(document_changes=changes)
+
+
+def make_fix_all(answer: CheckAnswer, documents: DocumentStore) -> types.CodeAction | None:
+    """Return the edit of all safe fixes, which were checked again together; None where there is none."""
+    edits: list[tuple[str, types.TextEdit]] = []
+    for path, (before, after) in answer.changes.items():
+        positions = documents.find_text(path)
+        old, new = _decode(path, before), _decode(path, after)
+        if positions.text != old:  # it was edited meanwhile
+            return None
+        edits += [(path, edit) for edit in _iter_differences(positions, new)]
+    if not edits:
+        return None
+    count = f"{answer.fixed} finding{'' if answer.fixed == 1 else 's'}"
+    return types.CodeAction(
+        title=f"Apply all safe fixes ({count})",
+        kind=FIX_ALL,
+        edit=_make_workspace_edit(edits, documents),
+    )
+
+
+def _decode(path: str, data: bytes) -> str:
+    with overlay_files({os.path.realpath(path): data}):
+        return SourceFile.read(Path(path), path).text
+
+
+def _iter_differences(positions: TextPositions, new: str) -> Iterator[types.TextEdit]:
+    """Yield the edits, line by line, that make another text of one."""
+    old_lines, new_lines = positions.text.splitlines(keepends=True), new.splitlines(keepends=True)
+    starts = [0]
+    for line in old_lines:
+        starts.append(starts[-1] + len(line))
+    matcher = difflib.SequenceMatcher(None, old_lines, new_lines, autojunk=False)
+    for kind, first, last, new_first, new_last in matcher.get_opcodes():
+        if kind != "equal":
+            range_ = positions.make_range(starts[first], starts[last])
+            yield types.TextEdit(range_, "".join(new_lines[new_first:new_last]))
+
+
+# -- suppression, and the rule -----------------------------------------------------------------------------------------
+
+
+def _iter_suppressions(
+    found: ShownFinding, document: OpenDocument, documents: DocumentStore
+) -> Iterator[types.CodeAction]:
+    """Yield the action that writes a comment before the element; the author adds the reason, without which it has no effect."""
+    finding = found.finding
+    if finding.is_about_urdfcheck or finding.blocks_check:
+        return
+    positions = TextPositions(document.text, documents.encoding)
+    offset = positions.find_offset(found.range.start)
+    newline = "\r\n" if "\r\n" in document.text else "\n"
+    mark = f"{MARK} ignore[{finding.code}] "
+    if document.path.endswith(_HASH_SUFFIXES):
+        place = _find_line_start(document.text, offset)
+        rest = document.text[place:]
+        text = f"{rest[: len(rest) - len(rest.lstrip(' '))]}# {mark}{newline}"
+    else:
+        start = _find_element_start(document.text, offset)
+        if start is None:
+            return
+        place = start
+        before = document.text[_find_line_start(document.text, place) : place]
+        text = f"<!-- {mark} -->{' ' if before.strip() else newline + before}"
+    edit = types.TextEdit(positions.make_range(place, place), text)
+    yield types.CodeAction(
+        title=f"Suppress {finding.code} here: add the reason to the comment",
+        kind=types.CodeActionKind.QuickFix,
+        diagnostics=[found.diagnostic],
+        edit=_make_workspace_edit([(document.path, edit)], documents),
+    )
+
+
+def _find_line_start(text: str, offset: int) -> int:
+    return max(text.rfind("\n", 0, offset), text.rfind("\r", 0, offset)) + 1
+
+
+def _find_element_start(text: str, offset: int) -> int | None:
+    """Return the offset of the start tag that an offset is in, or else of the last one before it."""
+    comments = [match.span() for match in _COMMENT.finditer(text)]
+    starts = [
+        match.start()
+        for match in _TAG.finditer(text, 0, offset + 1)
+        if not any(start <= match.start() < end for start, end in comments)
+    ]
+    return starts[-1] if starts else None
+
+
+def _make_rule_command(found: ShownFinding) -> types.Command:
+    title = f"Open the page of {found.finding.code} {found.finding.name}"
+    return types.Command(title, OPEN_RULE, arguments=[found.finding.code])

@@ -1,0 +1,222 @@
+"""What can be typed at a place: elements, attributes, their values, and names that the model knows.
+
+The text that is being typed rarely parses, so that the place is found by its tags, and names come from the last index.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from lsprotocol import types
+
+from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, MACRO, MATERIAL, PARAMETER, PROPERTY
+from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
+from urdfcheck.server.index_store import IndexStore, IndexView
+from urdfcheck.source.text.grammar import CHILDREN, JOINT_TYPES, get_known_attributes
+
+# A tag, whose values hold no "<"; and what is no tag, with its end.
+_TAG = re.compile(r"""<(/?)([^\s<>/"']+)((?:"[^"<]*"|'[^'<]*'|[^<>"'])*)>""")
+_BEGUN = re.compile(r"</?([^\s<>/\"']*)")
+_OTHERS = (("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>"), ("<!", ">"))
+_ATTRIBUTE = re.compile(r"([^\s=\"']+)\s*=\s*(?:\"[^\"]*\"|'[^']*')")
+_OPEN_VALUE = re.compile(r"([^\s=\"'<>]+)\s*=\s*([\"'])([^\"'<>]*)\Z")
+_OPEN_EXPRESSION = re.compile(r"\$\{[^{}]*\Z")
+_OPEN_ARGUMENT = re.compile(r"\$\(arg\s+[^()\s]*\Z")
+_OPEN_COMMAND = re.compile(r"\$\([a-z]*\Z")
+_TOKEN = re.compile(r"[\w:.-]*\Z")
+_COMMANDS = ("arg", "dirname", "env", "eval", "find", "optenv")
+# The attributes of xacro's own elements.
+_XACRO = {
+    "xacro:arg": ("name", "default"),
+    "xacro:property": ("name", "value", "default", "scope", "remove"),
+    "xacro:macro": ("name", "params"),
+    "xacro:include": ("filename", "ns", "optional"),
+    "xacro:if": ("value",),
+    "xacro:unless": ("value",),
+    "xacro:insert_block": ("name",),
+    "xacro:call": ("macro",),
+    "xacro:element": ("xacro:name",),
+    "xacro:attribute": ("name", "value"),
+}
+# What the values of attributes are names of.
+_NAMED = {
+    ("parent", "link"): (LINK,),
+    ("child", "link"): (LINK,),
+    ("mimic", "joint"): (JOINT,),
+    ("gazebo", "reference"): (LINK, JOINT),
+    ("material", "name"): (MATERIAL,),
+    ("joint", "name"): (JOINT,),
+    ("xacro:insert_block", "name"): (PARAMETER,),
+}
+_NAMING = frozenset({"transmission", "ros2_control"})
+_KINDS = {
+    LINK: types.CompletionItemKind.Class,
+    JOINT: types.CompletionItemKind.Interface,
+    MATERIAL: types.CompletionItemKind.Color,
+    MACRO: types.CompletionItemKind.Function,
+    PROPERTY: types.CompletionItemKind.Constant,
+    PARAMETER: types.CompletionItemKind.Variable,
+    ARGUMENT: types.CompletionItemKind.Variable,
+}
+TRIGGERS = ("<", '"', "'", "{", "(", ":", "/")
+
+
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """Something that can be typed."""
+
+    text: str
+    kind: types.CompletionItemKind
+    detail: str = ""
+    inserted: str = ""
+    """Where it differs from the text."""
+
+
+@dataclass(frozen=True, slots=True)
+class _TagPlace:
+    """Where an offset is among the tags before it."""
+
+    around: tuple[str, ...]
+    """The open elements, the outermost first."""
+    tag: str
+    """The element in whose start tag it is; empty between tags."""
+    rest: str
+    """The text of this tag behind its name."""
+
+
+def complete(
+    document: OpenDocument, offset: int, indexes: IndexStore, documents: DocumentStore
+) -> list[types.CompletionItem]:
+    """Return what can be typed at an offset."""
+    views = list(indexes.view(document))
+    before = document.text[:offset]
+    positions = TextPositions(document.text, documents.encoding)
+    match = _TOKEN.search(before)
+    start = offset if match is None else match.start()
+    range_ = positions.make_range(start, offset)
+    choices = {choice.text: choice for choice in _iter_choices(before, start, views)}
+    return [
+        types.CompletionItem(
+            label=choice.text,
+            kind=choice.kind,
+            detail=choice.detail or None,
+            text_edit=types.TextEdit(range_, choice.inserted or choice.text),
+        )
+        for choice in choices.values()
+    ]
+
+
+def _iter_choices(before: str, start: int, views: list[IndexView]) -> Iterator[_Choice]:
+    place = _find_place(before)
+    if place is None:
+        return
+    value = _OPEN_VALUE.search(place.rest) if place.tag else None
+    if value is not None:
+        yield from _iter_values(place, value[1], value[3], views)
+    elif place.tag and before[start - 1 : start].isspace():
+        yield from _iter_attributes(place, views)
+    elif before.endswith("<", 0, start):
+        yield from _iter_elements(place, views)
+    elif before.endswith("</", 0, start) and place.around:
+        yield _Choice(place.around[-1], types.CompletionItemKind.Property, inserted=f"{place.around[-1]}>")
+
+
+def _find_place(before: str) -> _TagPlace | None:
+    """Return where the end of a text is; None inside a comment or a section of plain text."""
+    around: list[str] = []
+    at = before.find("<")
+    while at >= 0:
+        ending = next((end for begin, end in _OTHERS if before.startswith(begin, at)), None)
+        tag = _TAG.match(before, at)
+        if ending is not None:
+            end = before.find(ending, at)
+            if end < 0:
+                return None
+            at = before.find("<", end)
+        elif tag is None:
+            begun, following = _BEGUN.match(before, at), before.find("<", at + 1)
+            if following < 0 and begun is not None:  # the one that is being typed; its name is unknown until it ends
+                is_named = begun.end() < len(before)
+                return _TagPlace(tuple(around), begun[1] if is_named else "", before[begun.end() :])
+            at = following
+        else:
+            _note_tag(around, *tag.groups())
+            at = before.find("<", tag.end())
+    return _TagPlace(tuple(around), "", "")
+
+
+def _note_tag(around: list[str], closing: str, name: str, rest: str) -> None:
+    """Note that an element begins or ends."""
+    if closing:
+        if name in around:  # what was not closed in it ends too
+            del around[len(around) - 1 - around[::-1].index(name) :]
+    elif not rest.endswith("/"):
+        around.append(name)
+
+
+def _iter_values(place: _TagPlace, attribute: str, typed: str, views: list[IndexView]) -> Iterator[_Choice]:
+    if _OPEN_ARGUMENT.search(typed):
+        yield from _iter_names(views, ARGUMENT)
+    elif _OPEN_COMMAND.search(typed):
+        yield from (_Choice(name, types.CompletionItemKind.Keyword) for name in _COMMANDS)
+    elif _OPEN_EXPRESSION.search(typed):
+        yield from _iter_names(views, PROPERTY, PARAMETER)
+    elif (place.tag, attribute) == ("joint", "type"):
+        yield from (_Choice(name, types.CompletionItemKind.EnumMember) for name in JOINT_TYPES)
+    elif (place.tag, attribute) == ("joint", "name") and not _NAMING.intersection(place.around):
+        return  # it gets a new name
+    else:
+        yield from _iter_names(views, *_NAMED.get((place.tag, attribute), ()))
+
+
+def _iter_attributes(place: _TagPlace, views: list[IndexView]) -> Iterator[_Choice]:
+    """Yield the attributes that an element may have and has not yet."""
+    typed = set(_ATTRIBUTE.findall(place.rest))
+    if place.tag in _XACRO:
+        names: Iterable[str] = _XACRO[place.tag]
+    elif place.tag.startswith("xacro:"):
+        names = dict.fromkeys(name for view in views for name in _list_parameters(view, place.tag[6:]))
+    else:
+        names = sorted(get_known_attributes(place.tag))
+    for name in names:
+        if name not in typed:
+            yield _Choice(name, types.CompletionItemKind.Field, inserted=f'{name}=""')
+
+
+def _list_parameters(view: IndexView, macro: str) -> list[str]:
+    """Return the parameters of a macro: those that are defined between its name and that of the next macro."""
+    definitions = [place for place in view.model.index.names if place.is_definition]
+    places = [place.span for place in definitions if place.kind == MACRO]
+    found = []
+    for own in (place.span for place in definitions if (place.kind, place.name) == (MACRO, macro)):
+        later = [span.start for span in places if span.file == own.file and span.start > own.start]
+        end = min(later, default=None)
+        found += [
+            place.name
+            for place in definitions
+            if place.kind == PARAMETER
+            and place.span.file == own.file
+            and place.span.start > own.start
+            and (end is None or place.span.start < end)
+        ]
+    return found
+
+
+def _iter_elements(place: _TagPlace, views: list[IndexView]) -> Iterator[_Choice]:
+    """Yield the elements that the element around may hold, then those of xacro and the macros."""
+    known = [tag for tag in reversed(place.around) if not tag.startswith("xacro:")]
+    parent = known[0] if known else "robot"
+    for tag in sorted(CHILDREN.get(parent, ())):
+        yield _Choice(tag, types.CompletionItemKind.Property)
+    for tag in _XACRO:
+        yield _Choice(tag, types.CompletionItemKind.Keyword)
+    for choice in _iter_names(views, MACRO):
+        yield _Choice(f"xacro:{choice.text}", choice.kind, choice.detail)
+
+
+def _iter_names(views: list[IndexView], *kinds: str) -> Iterator[_Choice]:
+    names = {(p.kind, p.name) for view in views for p in view.model.index.names if p.is_definition and p.kind in kinds}
+    for kind, name in sorted(names):
+        yield _Choice(name, _KINDS[kind], detail=kind)
