@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from builders import arm_on_base, box, collision, find, inertial, visual
+import pytest
+from builders import arm_on_base, box, collision, find, inertial, joint, limit, link, robot, visual
 
 from urdfcheck.core import Finding
 
@@ -53,3 +54,22 @@ def test_no_com_is_proposed_where_the_part_is_drawn_far_from_its_joint(tmp_path:
     assert (far.message_id, far.cause) == ("elsewhere", None)
     assert far.fix is not None
     assert "xyz=" not in far.fix.title
+
+
+@pytest.mark.parametrize(("size", "found"), [("100 20 20", False), ("0.3 0.1 0.1", True)])
+def test_a_drawing_in_another_unit_than_the_collision_is_no_measure(tmp_path: Path, size: str, found: bool) -> None:
+    arm = inertial(2, ixx=1e-6, iyy=2e-6, izz=2e-6), visual(box(size)), collision(box("0.1 0.02 0.02"))
+    assert bool(find(tmp_path, arm_on_base(*arm), "INR009")) == found
+
+
+@pytest.mark.parametrize(("root", "found"), [("world", False), ("trolley", True)])
+def test_a_base_on_the_world_needs_no_inertia_of_its_own(tmp_path: Path, root: str, found: bool) -> None:
+    shape = visual(box("0.3 0.1 0.1"))
+    text = robot(
+        link(root),
+        joint("mount", root, "base", kind="fixed" if root == "world" else "continuous"),
+        link("base", inertial(2, ixx=1e-6, iyy=2e-6, izz=2e-6), shape),
+        joint("elbow", "base", "arm", limit(-1, 1), kind="revolute", xyz="0.3 0 0"),
+        link("arm", inertial(2, ixx=0.0033, iyy=0.0167, izz=0.0167), shape),
+    )
+    assert bool(find(tmp_path, text, "INR009")) == found

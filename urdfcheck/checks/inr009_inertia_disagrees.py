@@ -59,6 +59,7 @@ from urdfcheck.model.shapes.visual_solid import (
     explain_collision_stand_in,
     has_loose_hull,
     measure_link_geometry,
+    measure_role_geometry,
 )
 from urdfcheck.source.text.xml import Attribute
 
@@ -72,6 +73,8 @@ PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out"
 _ASSUMED, _FACETS = 1000.0, 0.01
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.
 MIRROR_CAUSES = frozenset({"unmirrored"})
+# Visual and collision shapes of one link differ by so much where a mesh is in another unit.
+_OTHER_UNIT = 100.0
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
 _FAR_SMALLER = 0.2
 _POSSIBLE_TERM = (
@@ -154,7 +157,17 @@ def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: Diagnosed
         return False
     if explain_collision_stand_in(model, tensor.link) == "unread" or has_loose_hull(model, tensor.link):
         return False  # the shape of the part is not known
+    if tensor.link.name in list_bolted_links(model) or _is_drawn_in_other_unit(model, tensor.link):
+        return False
     return is_hull_enough(model, tensor.link, judged, far=far)
+
+
+def _is_drawn_in_other_unit(model: Model, link: Link) -> bool:
+    """Whether what a link draws is so much larger, or smaller, than its collision shapes that the scale of a mesh is wrong, which
+    GEO003 reports."""
+    roles = [measure_role_geometry(model, link, role) for role in ("visual", "collision")]
+    sizes = [measure_extent(drawn.points) for drawn in roles if drawn is not None]
+    return len(sizes) == 2 and not min(sizes) * _OTHER_UNIT > max(sizes)
 
 
 def _build_axes_finding(model: Model, rule: Rule, name: str, rotated: Mapping[str, float]) -> Finding:
