@@ -239,7 +239,7 @@ def test_the_base_may_be_a_drawing(tmp_path: Path) -> None:
         ("", "", "drawing"),
         (MASS, "", "none"),
         ("", '<ros2_control name="a" type="system"/>', "drawing"),
-        ("", "<gazebo/>", "none"),
+        ("", "<gazebo/>", "drawing"),
     ],
 )
 def test_a_model_without_any_collision_is_one_info(tmp_path: Path, mass: str, control: str, message: str) -> None:

@@ -278,6 +278,51 @@ def test_what_is_far_too_small_about_the_right_com_may_lack_the_term_of_several_
     assert ("parallel-axis" in finding.message) == hint
 
 
+@pytest.mark.parametrize(("mass", "found"), [(2.0, True), (0.5, False)])
+def test_a_drawing_that_no_material_is_light_enough_for_says_nothing(tmp_path: Path, mass: float, found: bool) -> None:
+    solid = geometry([((0.4, 0.4, 0.5), (0.0, 0.0, 0.0))]).solid
+    own = uniform(solid, mass)
+    small = own.tensor * 0.004 * np.diag((1.0, 1.2, 1.3))
+    numbers = replace(own, com=np.array((0.09, -0.06, 0.05)), tensor=small)
+    assert bool(find(tmp_path, arm_on_base(format_inertial(numbers), visual(box("0.4 0.4 0.5"))), {"INR009"})) == found
+
+
+@pytest.mark.parametrize(
+    ("size", "severity"), [((0.22, 0.12, 0.034), Severity.INFO), ((0.23, 0.12, 0.034), Severity.WARNING)]
+)
+def test_the_box_around_the_main_shape_is_an_approximation(
+    tmp_path: Path, size: tuple[float, ...], severity: Severity
+) -> None:
+    """A tray with two frames below it, whose inertial is that of the box around the tray."""
+    tray = [((0.22, 0.12, 0.006), (0.0, 0.0, -0.014))]
+    tray += [((0.004, 0.12, 0.028), (sign * 0.108, 0.0, 0.003)) for sign in (-1, 1)]
+    write_stl(tmp_path / "tray.stl", tray)
+    numbers = DeclaredInertial(5.5, np.zeros(3), compute_solid_inertia(make_box_solid(size), 5.5))
+    frames = [visual(box("0.13 0.03 0.01"), xyz=f"0 {y} -0.035") for y in (0.033, 0.01)]
+    text = arm_on_base(format_inertial(numbers), visual(mesh("tray.stl")), *frames)
+    found = find(tmp_path, text, {"INR009"})
+    assert [(finding.message_id, finding.severity) for finding in found] == [("com_missing", severity)]
+
+
+@pytest.mark.parametrize(("mass", "found"), [(1e-9, False), (2e-3, True)])
+def test_the_mass_of_a_part_without_material_shows_no_unit_of_the_tensor(
+    tmp_path: Path, mass: float, found: bool
+) -> None:
+    """The tensor of a kilogram, as a CAD program writes it whose mass was left out."""
+    true = compute_solid_inertia(make_box_solid((0.2, 0.15, 0.1)), 1.0)
+    text = arm_on_base(format_inertial(DeclaredInertial(mass, np.zeros(3), true)), visual(box("0.2 0.15 0.1")))
+    assert bool(find(tmp_path, text, {"INR005", "INR009"})) == found
+
+
+@pytest.mark.parametrize(("mass", "base", "found"), [(1e-3, 2, False), (1e-3, 0.2, True), (3e-3, 5, True)])
+def test_where_the_com_of_a_mark_is_makes_no_difference(tmp_path: Path, mass: float, base: float, found: bool) -> None:
+    size = (0.06, 0.04, 0.02)
+    numbers = DeclaredInertial(mass, np.zeros(3), compute_solid_inertia(make_box_solid(size), mass))
+    drawn = visual(box("0.06 0.04 0.02"), xyz="0.05 0 0")
+    text = arm_on_base(format_inertial(numbers), drawn, base=inertial(base, ixx=0.1, iyy=0.11, izz=0.12))
+    assert [one.message_id for one in find(tmp_path, text, {"INR009"})] == ["com_missing"] * found
+
+
 def test_a_hull_says_nothing_about_the_com(tmp_path: Path) -> None:
     drawn = geometry(CASTING)
     assert drawn.hull is not None

@@ -13,7 +13,6 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
-from urdfcheck.model.simulation_use import is_made_for_display
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -28,7 +27,7 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small:
             return  # made to be drawn: INR002 reports the masses of 0
         what = f"robot {model.name}" if model.name else "the robot"
         yield rule.finding(
-            "drawing" if is_made_for_display(model) and not semantic_descriptions(model) else "none",
+            "none" if semantic_descriptions(model) or _has_inertials(model, moving) else "drawing",
             at=model.name_location,
             severity=Severity.INFO,
             robot=model.name,
@@ -69,6 +68,11 @@ def _build_list_finding(
     heads = [_list_drawn_links(model, body)[0] for body in listed]
     links = join_names(link.name for link in heads)
     return rule.finding(message, at=heads[0], related=heads[1:], severity=Severity.INFO, links=links, **data)
+
+
+def _has_inertials(model: Model, bodies: Sequence[RigidLinkGroup]) -> bool:
+    """Whether one of the ``bodies`` can be simulated; if none can, INR001 says so."""
+    return any(model.link_by_name[name].inertial is not None for body in bodies for name in body.links)
 
 
 def _list_drawn_links(model: Model, body: RigidLinkGroup) -> list[Link]:

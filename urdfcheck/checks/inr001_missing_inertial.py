@@ -9,7 +9,7 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
-from urdfcheck.model.simulation_use import is_made_for_display, is_simulated
+from urdfcheck.model.simulation_use import has_bare_joints, is_simulated
 from urdfcheck.source.text.grammar import JOINT_TYPES
 
 # The targets that simulate robots.
@@ -39,7 +39,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         )
         return
     is_known = all(model.tree.parent_joint[body.links[0]].type in JOINT_TYPES for body in moving)
-    if is_known and is_made_for_display(model) and not _SIMULATORS.intersection(model.targets):
+    if is_known and has_bare_joints(model) and not _SIMULATORS.intersection(model.targets):
         yield rule.finding(
             "drawing",
             at=model.name_location,

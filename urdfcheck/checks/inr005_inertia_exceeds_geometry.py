@@ -27,13 +27,14 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     list_half_units,
 )
 from urdfcheck.facts.inertials.materials import DENSEST_PART
-from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_unknown_mass
+from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
+from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
+from urdfcheck.model.inertials.inertial_hull import EnclosedInertial, enclosed_inertials, has_negligible_moment
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import (
     compute_drawn_tensor,
@@ -47,6 +48,7 @@ from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.simulation_use import is_made_for_display
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -72,8 +74,8 @@ def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[
 def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
     unit = find_tensor_unit(model)
     in_unit: list[tuple[DeclaredTensor, bool]] = []
-    for part in enclosed_inertials(model):
-        if part.moment_share < NEGLIGIBLE_SHARE:
+    for part in [] if is_made_for_display(model) else enclosed_inertials(model):
+        if has_negligible_moment(part.mass, part.moment_share):
             continue
         declared = model.tensor_by_name[part.link.name]
         # If programs disagree about the size (MSH008) or the up axis of a mesh, the excess must be there in all readings.
@@ -82,7 +84,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
             continue
-        if (excess < VAST and _is_stand_in(part)) or _has_unknown_mass(model, part, declared):
+        if (excess < VAST and _is_stand_in(part)) or has_unknown_mass(model, part.link, part.mass, declared.tensor):
             continue
         # The COM is then as likely to be wrong as the tensor.
         is_elsewhere = any(
@@ -116,12 +118,6 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
     if unit is not None and in_unit:
         yield _build_unit_finding(model, rule, unit, [*in_unit, *_list_others_in_unit(model, unit.name, in_unit)])
-
-
-def _has_unknown_mass(model: Model, part: EnclosedInertial, declared: DeclaredTensor) -> bool:
-    """Whether the mass of a link is a placeholder, which is the mistake (INR012, INR015), not the tensor."""
-    drawn = measure_link_geometry(model, part.link)
-    return drawn is not None and is_unknown_mass(part.mass, declared.tensor, drawn.solid)
 
 
 def _has_other_unit(model: Model, link: str, unit: str) -> bool:

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule, Severity, Span
+from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
+from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
 from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
@@ -33,8 +33,6 @@ _FEWEST = 4
 _FEWEST_MASSES = 3
 # Cosine: a joint's axis is along a rod where the angle between the two is below 25°.
 _ALONG = 0.9
-# A link of less than a gram (kg) is a mark on the body that it is fixed to. Its tensor counts from this share of the body's.
-_SPECK, _SPECK_SHARE = 1e-3, 0.15
 # The diagonal in m above which a model without moving joints is no object that a robot handles.
 _SCENERY = 10.0
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
@@ -99,7 +97,7 @@ def _count_masses(suspects: Iterable[_PlaceholderInertial]) -> int:
 
 
 def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderInertial]:
-    for body in [] if _is_display_model(model) else list_whole_bodies(model):
+    for body in [] if is_made_for_display(model) else list_whole_bodies(model):
         descriptions = {
             name: what
             for name in body.links
@@ -112,18 +110,10 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
             if name not in shares:
                 continue
             declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
-            if shares[name][1] >= (_SPECK_SHARE if mass < _SPECK else NEGLIGIBLE_SHARE):
+            if not has_negligible_moment(mass, shares[name][1]):
                 yield _PlaceholderInertial(
                     declared, mass, description, shares[name][1], misfit=_measure_misfit(model, declared, mass, factor)
                 )
-
-
-def _is_display_model(model: Model) -> bool:
-    """Whether a robot is only drawn: then the inertial of its root is a dummy (INR001)."""
-    try:
-        return is_made_for_display(model)
-    except FactUnavailableError:  # the tree is broken
-        return False
 
 
 def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:

@@ -12,7 +12,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
-from urdfcheck.facts.inertials.materials import DENSEST
+from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
@@ -26,9 +26,12 @@ from urdfcheck.model.inertials.diagnosis_words import (
 )
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import (
+    has_unknown_mass,
     is_approximation,
+    is_box_of_one_shape,
     is_hull_enough,
     is_light,
+    is_mark,
     is_placeholder,
     is_possible,
     is_rounded_uniform,
@@ -111,6 +114,10 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             continue
         if name in rotated or (judged.is_habit and not shows_habit_alone(model, tensor.link, diagnosis)):
             continue
+        if has_unknown_mass(model, tensor.link, judged.declared.mass, judged.declared.tensor):
+            continue
+        if diagnosis.cause == "com_missing" and is_mark(model, judged.declared.mass):
+            continue
         # One unit that fits some links, where others fit none, is no cause: the COM is wrong in another way.
         is_refuted = disputed.get(diagnosis.cause or "") == "" or _is_unproven(model, tensor.link, judged)
         if diagnosis.cause is not None and not is_refuted:
@@ -159,6 +166,9 @@ def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: Diagnosed
         return False  # the shape of the part is not known
     if tensor.link.name in list_bolted_links(model) or _is_drawn_in_other_unit(model, tensor.link):
         return False
+    drawn = measure_link_geometry(model, tensor.link)
+    if drawn is not None and judged.declared.mass < LIGHTEST * drawn.solid.volume:
+        return False  # nor its size: no material is so light
     return is_hull_enough(model, tensor.link, judged, far=far)
 
 
@@ -287,6 +297,7 @@ def _build_cause_finding(
         data["other_mass"] = f"{other_mass:.4g}"
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
     mild |= message != "exact" and link.name in list_bolted_links(model)
+    mild |= cause == "com_missing" and is_box_of_one_shape(model, link, judged.declared)
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),

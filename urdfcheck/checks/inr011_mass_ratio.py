@@ -14,6 +14,8 @@ from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
 
 # A shaft of some grams on a vehicle of a tonne is a part (kg); a milligram is a placeholder, or another unit.
 LEAST_PART = 5e-3
+# At most this (kg), a moving body counts as massless (`mass` of INR012, which reports it).
+_NO_MASS = 1e-6
 # A body has the name of a link that makes most of its mass.
 _MOST = 0.5
 # From here on (kg) a mass is printed without decimals.
@@ -36,7 +38,7 @@ class _JointMasses:
 
 
 def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[Finding]:
-    pairs = _collect_joint_masses(model)
+    pairs = [pair for pair in _collect_joint_masses(model) if not _has_no_mass(model, pair)]
     root = frozenset(model.tree.list_body_links(model.tree.root))
     # The slack keeps 1/1000 itself, which has no exact double, from being below 1/1000.
     most = light * (1 - 1e-9)
@@ -68,6 +70,12 @@ def _collect_joint_masses(model: Model) -> list[_JointMasses]:
         for joint in joints
         if mass_of[joint.parent] > 0 and mass_of[joint.child] > 0
     ]
+
+
+def _has_no_mass(model: Model, pair: _JointMasses) -> bool:
+    """Whether a body beside the joint weighs next to nothing and moves: then that is the mistake."""
+    moves = model.tree.list_body_links(pair.joint.parent)[0] in model.tree.parent_joint
+    return pair.child_mass <= _NO_MASS or (moves and pair.parent_mass <= _NO_MASS)
 
 
 def _is_small_part(model: Model, pair: _JointMasses) -> bool:

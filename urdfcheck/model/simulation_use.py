@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
+from urdfcheck.model.parts import Link
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.source.package.package_folders import read_package_texts
@@ -45,19 +47,25 @@ def is_simulated(model: Model) -> bool:
 
 
 @fact
-def is_made_for_display(model: Model) -> bool:
-    """Whether a robot with joints is only drawn and planned with: no body that moves has an ``<inertial>`` or a ``<collision>``,
-    and nothing simulates it.
+def has_bare_joints(model: Model) -> bool:
+    """Whether no body that moves has an ``<inertial>`` or a ``<collision>``, and nothing simulates the robot. False where the
+    tree is broken."""
+    links = _list_moving_links(model)
+    bare = not any(link.inertial is not None or link.collisions for link in links)
+    return bool(links) and bare and not is_simulated(model)
 
-    :raises FactUnavailableError: when the tree is broken.
-    """
-    moving = [body for body in list_rigid_bodies(model) if body.is_movable]
-    links = [model.link_by_name[name] for body in moving for name in body.links]
-    return (
-        bool(links)
-        and not any(link.inertial is not None or link.collisions for link in links)
-        and not is_simulated(model)
-    )
+
+def is_made_for_display(model: Model) -> bool:
+    """Whether a robot is drawn, and its moving parts with it, but never simulated: then an inertial of its root is a dummy."""
+    return has_bare_joints(model) and any(link.visuals for link in _list_moving_links(model))
+
+
+def _list_moving_links(model: Model) -> list[Link]:
+    try:
+        moving = [body for body in list_rigid_bodies(model) if body.is_movable]
+    except FactUnavailableError:
+        return []
+    return [model.link_by_name[name] for body in moving for name in body.links]
 
 
 def starts_classic(model: Model) -> bool:

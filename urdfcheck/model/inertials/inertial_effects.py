@@ -13,17 +13,20 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
     compute_solid_inertia,
     list_half_units,
+    make_box_solid,
 )
 from urdfcheck.facts.inertials.materials import DENSEST
-from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
 from urdfcheck.model.rigid_bodies import compute_body_mass
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import (
     measure_link_geometry,
 )
 
 if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Mat3
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
 
@@ -39,6 +42,10 @@ APPROXIMATIONS = frozenset({"bounding_box", "convex_hull", "one_piece", "shell"}
 # A correction that changes the tensor by less than this part of it, and the COM by less than this part of the drawn part, or by
 # less than these metres, is worth an info: a motor or a cover changes as much.
 SLIGHT, SLIGHT_LENGTH = 0.05, 5e-3
+# A link of a gram (kg) or less, that is less than this share of its robot.
+_MARK, _MARK_SHARE = 1e-3, 1e-3
+# A box is that of a tensor to within this share, and its centre the COM to within this share of its diagonal.
+_SAME_BOX = 0.02
 
 
 def measure_mismatch(diagnosis: Diagnosis, *, is_mended: bool) -> float:
@@ -130,6 +137,26 @@ def is_approximation(model: Model, link: Link, judged: DiagnosedInertial) -> boo
     return bool((moments < NEAR * uniform).all() and (uniform < NEAR * moments).all())
 
 
+def is_box_of_one_shape(model: Model, link: Link, declared: DeclaredInertial) -> bool:
+    """Whether COM and tensor are those of the box around one of several shapes of a link: its author left out the others."""
+    for shape in link.visuals if len(link.visuals) > 1 else ():
+        box = compute_bounding_box(model, [(shape, np.eye(4))])
+        if box is None:
+            continue
+        edges = box[1] - box[0]
+        tensor = compute_solid_inertia(make_box_solid(edges), declared.mass)
+        is_centred = np.linalg.norm(box.mean(axis=0) - declared.com) <= _SAME_BOX * np.linalg.norm(edges)
+        if is_centred and np.linalg.norm(declared.inertia - tensor) <= _SAME_BOX * np.linalg.norm(tensor):
+            return True
+    return False
+
+
+def has_unknown_mass(model: Model, link: Link, mass: float, tensor: Mat3) -> bool:
+    """Whether the mass (kg) of a link is a placeholder, which is the mistake (INR012, INR015), and not its ``tensor`` (3, 3)."""
+    drawn = measure_link_geometry(model, link)
+    return drawn is not None and is_unknown_mass(mass, tensor, drawn.solid)
+
+
 def is_hull_enough(model: Model, link: Link, judged: DiagnosedInertial, *, far: float) -> bool:
     """Whether what is drawn shows that numbers without a cause are wrong. The hull of an open mesh is only the most that the part
     can fill: smaller moments are possible, except for those of a part of a seventh of its size, and any COM inside."""
@@ -146,6 +173,11 @@ def is_tiny(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
         return False
     uniform = compute_solid_inertia(drawn.solid, judged.declared.mass)
     return float(np.trace(uniform)) >= TINY * float(np.trace(judged.declared.tensor))
+
+
+def is_mark(model: Model, mass: float) -> bool:
+    """Whether a link of this ``mass`` (kg) is a mark on its robot: where its COM is makes no difference."""
+    return mass <= _MARK and mass < _MARK_SHARE * sum(declared.mass for declared in model.masses)
 
 
 def is_light(model: Model, link: Link) -> bool:

@@ -25,6 +25,13 @@ if TYPE_CHECKING:
 FRAME_MASS = 1e-3
 # Below this share of its body's mass or moments a link does not affect how the body moves.
 NEGLIGIBLE_SHARE = 0.05
+# A link of a gram (kg) or less is a mark on the body that it is fixed to. Its tensor counts from this share of the body's.
+_SPECK, _SPECK_SHARE = 1e-3, 0.15
+
+
+def has_negligible_moment(mass: float, share: float) -> bool:
+    """Whether the tensor of a link that weighs ``mass`` (kg) has too small a ``share`` of its body's largest moment to count."""
+    return share < (_SPECK_SHARE if mass <= _SPECK else NEGLIGIBLE_SHARE)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
