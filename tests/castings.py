@@ -22,7 +22,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     make_box_solid,
     transform_solid,
 )
-from urdfcheck.facts.mesh.measure import compute_convex_hull
+from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 

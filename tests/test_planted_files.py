@@ -166,6 +166,7 @@ def test_every_file_of_the_integrations_is_looked_at() -> None:
     } == {
         *("README.md", "github/urdfcheck.yml", "github/reviewdog.yml", "gitlab/urdfcheck.gitlab-ci.yml"),
         *("jenkins/Jenkinsfile", "github/renew_comment.py"),  # the last is run by the action
+        "agents/urdfcheck/SKILL.md",
     }
 
 

@@ -13,7 +13,7 @@ from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.core.model_diff import Diff
 from urdfcheck.policy.consumers import ASKED_ENGINES
 from urdfcheck.run.jobs import SAMPLES, Request
-from urdfcheck.run.pipeline import Execution, run_audit
+from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit
 from urdfcheck.run.preload import start_warm_worker
 from urdfcheck.run.request import AnyPath, RunOptions, make_request, split_words
 from urdfcheck.system import libraries
@@ -264,7 +264,11 @@ def diff_commits(
 
 def run_and_ask(request: Request, execution: Execution) -> Run:
     """Check what the request's paths lead to, and ask the engines that are targets, which no other run does."""
-    audited = run_audit(request, execution)
+    return ask_engines(run_audit(request, execution))
+
+
+def ask_engines(audited: AuditedRun) -> Run:
+    """Return the outcome of a run with the answers of the engines that are targets."""
     outcome = audited.outcome
     targets = {*outcome.targets, *(name for names in outcome.targets_by_unit.values() for name in names)}
     if targets.isdisjoint(ASKED_ENGINES) or outcome.partial:

@@ -15,6 +15,7 @@ import sys
 from importlib.metadata import version
 from pathlib import Path
 
+import large_meshes
 import many
 import robots
 import versions
@@ -22,7 +23,7 @@ from process import HERE
 
 import urdfcheck
 
-PARTS = ("meshes", "robots", "versions", "corpus", "growth")
+PARTS = ("meshes", "large", "robots", "versions", "corpus", "growth")
 
 
 def machine() -> str:
@@ -54,6 +55,10 @@ def main() -> None:
     if "meshes" in parts:
         _title("(a) mesh facts against trimesh.load + is_watertight + is_winding_consistent + mass_properties")
         subprocess.run([sys.executable, str(HERE / "meshes.py"), *(["--quick"] if options.quick else [])], check=True)
+    if "large" in parts:
+        _title("(a) one link with a large mesh, whole processes, cold: processor time")
+        names = (large_meshes.SMALLEST,) if options.quick else large_meshes.CASES
+        large_meshes.compare(names, repeats=3 if options.quick else 7)
     if "robots" in parts:
         _title("(b) one robot, whole processes")
         robots.compare(corpus, repeats=3 if options.quick else 11)

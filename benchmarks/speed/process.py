@@ -21,9 +21,11 @@ EMPTY = (sys.executable, "-c", "pass")
 
 @dataclass(frozen=True, slots=True)
 class Took:
-    """``seconds`` of wall time; ``peak`` MiB of the largest single process (0 where the platform does not tell)."""
+    """``seconds`` of wall time; ``processor`` seconds of all processes and ``peak`` MiB of the largest single one, 0 where the
+    platform does not tell."""
 
     seconds: float
+    processor: float
     peak: float
     code: int
 
@@ -42,12 +44,13 @@ def took(command: Sequence[str], *, cache: str = "") -> Took:
             process.returncode = os.waitstatus_to_exitcode(status)
             # Kibibytes on Linux, bytes on macOS; of the process or of one of the workers it waited for.
             peak = usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
+            processor = usage.ru_utime + usage.ru_stime
         else:
             process.wait()
-            peak = 0.0
+            peak = processor = 0.0
         seconds = time.perf_counter() - began
         if command[: len(CHECK)] == CHECK and process.returncode not in (0, 1):
             errors.seek(0)
             said = errors.read().decode(errors="replace")[-2000:]
             raise SystemExit(f"{' '.join(command)[:300]} ended with {process.returncode}:\n{said}")
-    return Took(seconds, peak, process.returncode)
+    return Took(seconds, processor, peak, process.returncode)

@@ -341,6 +341,12 @@ def test_without_coal_the_rule_is_skipped(tmp_path: Path, monkeypatch: pytest.Mo
     assert "coal is not installed" in run.skipped[0].reason
 
 
+def test_one_link_that_collides_needs_no_coal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "coal", None)
+    run = check_text(tmp_path, robot(make_link("base", box("1 1 1"), box("2 1 1"))), codes={"COL001"})
+    assert not (*run.findings, *run.skipped)
+
+
 def legs(folder: Path, up: str) -> str:
     """A leg on the left and one on the right, bars that lie along y as drawn and run into each other; with their y axes up
     they hang down, side by side."""

@@ -193,6 +193,34 @@ def test_a_launch_file_names_a_file_of_another_package(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("models", "reported"),
+    [
+        ([], True),
+        (["cart.urdf"], True),
+        (["cart_new.urdf"], False),
+        (["cart_new.urdf", "cart.urdf"], True),
+        (["$(arg robot).urdf"], True),
+        (["cart_new.urdf --> <!-- cart.urdf"], False),
+    ],
+)
+def test_controllers_that_are_loaded_with_another_model_are_not_this_one_s(
+    tmp_path: Path, models: list[str], reported: bool
+) -> None:
+    files = {"urdf/cart.urdf": make_cart(), "config/c.yaml": group("left_wheel", "rigth_wheel")}
+    for n, model in enumerate(models):
+        files[f"launch/{n}.launch"] = f"""<launch><rosparam command="load" file="$(find cart)/config/c.yaml"/>
+          <!-- {model} --><param name="robot_description" textfile="$(find cart)/urdf/{model.partition(" ")[0]}"/></launch>"""
+    root = package(tmp_path / "cart", files)
+    assert bool(check(root / "urdf" / "cart.urdf", codes={"CTL004"}).findings) == reported
+
+
+def test_two_unknown_names_do_not_mean_one_joint(tmp_path: Path) -> None:
+    lift = '<link name="fork"/><joint name="lift" type="continuous"><parent link="base"/><child link="fork"/></joint>'
+    found = find_in_cart(tmp_path, group("left_wheel", "lift", "rihgt_wheel", "right_weel"), lift)
+    assert [(f.message.count("did you mean"), f.fix and f.fix.edits) for f in found] == [(0, ()), (0, ())]
+
+
+@pytest.mark.parametrize(
     ("depends", "launch", "reported"),
     [
         ("<exec_depend>cart</exec_depend>", 'FindPackageShare("cart"), "c.yaml"', True),

@@ -83,6 +83,23 @@ def command_interface(name: str, *params: tuple[str, str], tag: str = "command_i
 
 
 @pytest.mark.parametrize(
+    ("typed", "repair"),
+    [
+        ("{-2*pi}", "write `${-2*pi}`, with the dollar sign before the braces"),
+        ("-{pi /2}", "write `${-(pi /2)}`, with the dollar sign before the braces"),
+        ("much", "write a number"),
+    ],
+)
+def test_an_expression_without_its_dollar_sign_gets_it(tmp_path: Path, typed: str, repair: str) -> None:
+    control = block(HARDWARE + f'<joint name="a">{command_interface("position", ("min", typed))}</joint>')
+    text = ROBOT.format(control).replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    (finding,) = find(tmp_path, text, "CTL006", name="r.urdf.xacro")
+    assert finding.message.endswith("ros2_control ignores the limit")
+    assert finding.fix is not None
+    assert finding.fix.title == repair
+
+
+@pytest.mark.parametrize(
     ("interface", "messages"),
     [
         (command_interface("position", ("min", "-1"), ("max", "1")), []),

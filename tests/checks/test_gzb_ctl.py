@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from builders import box, collision, find, inertial, joint, link, robot, visual
-from conftest import check
+from conftest import check, check_text
 
 from urdfcheck.core import Severity
 from urdfcheck.model import Model
@@ -182,6 +182,35 @@ def test_the_shapes_are_called_as_sdformat_calls_them(tmp_path: Path) -> None:
         "base_fixed_joint_lump__tip_collision_5",
         "base_tip_collision_6",
     ]
+
+
+@pytest.mark.parametrize(
+    ("other", "expected"),
+    [
+        ('<xacro:unless value="${classic}"><plugin name="n" filename="ign_ros2_control-system"/></xacro:unless>', []),
+        (
+            '<xacro:unless value="${other}"><plugin name="n" filename="gz_ros2_control-system"/></xacro:unless>',
+            ["plugin"],
+        ),
+        ("", ["plugin"]),
+    ],
+)
+def test_a_model_with_a_branch_for_the_new_gazebo_keeps_that_for_classic(
+    tmp_path: Path, other: str, expected: list[str]
+) -> None:
+    classic = '<xacro:if value="${classic}"><plugin name="c" filename="libgazebo_ros2_control.so"/></xacro:if>'
+    values = '<xacro:property name="classic" value="true"/><xacro:property name="other" value="true"/>'
+    block = f'<link name="a"/><gazebo>{classic}{other}</gazebo>'
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{values}{block}</robot>'
+    assert [f.message_id for f in check_text(tmp_path, text, "r.urdf.xacro", codes={"GZB002"}).findings] == expected
+
+
+@pytest.mark.parametrize("loaded", ["gz_ros2_control-system", "libign_ros2_control-system.so"])
+def test_a_plugin_whose_successor_is_loaded_is_to_be_deleted(tmp_path: Path, loaded: str) -> None:
+    plugins = f'<plugin name="a" filename="libgazebo_ros_control.so"/><plugin name="b" filename="{loaded}"/>'
+    (finding,) = find(tmp_path, robot(ARM, f"<gazebo>{plugins}</gazebo>"), "GZB002")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete gazebo_ros_control: gz_ros2_control-system is loaded already (")
 
 
 @pytest.mark.parametrize(
@@ -376,6 +405,16 @@ def test_what_a_contact_sensor_watches(tmp_path: Path, reference: str, collision
     )
 
 
+@pytest.mark.parametrize(("reference", "expected"), [("base", ["GZB004"]), ("laser", ["GZB001"])])
+def test_a_sensor_in_a_block_without_effect_is_left_to_that_block(
+    tmp_path: Path, reference: str, expected: list[str]
+) -> None:
+    sensor = '<sensor name="s" type="lidarr"><update_rate>5</update_rate></sensor>'
+    body = f'<gazebo reference="{reference}">{sensor}</gazebo>'
+    run = check_text(tmp_path, robot(link("base"), body), codes={"GZB001", "GZB004"})
+    assert [f.code for f in run.findings] == expected
+
+
 # -- bridges ------------------------------------------------------------------------------------------------------------
 
 
@@ -389,6 +428,7 @@ def test_what_a_contact_sensor_watches(tmp_path: Path, reference: str, collision
         ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Bool", ["gz-type"], ["gz.msgs.Boolean"]),
         ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Double", ["pair"], ["gz.msgs.Boolean"]),
         ("ros_type_name: std_msgs/Bool, gz_type_name: gz.msgs.Boolean", ["ros-type"], ["std_msgs/msg/Bool"]),
+        ("ros_type_name: sensor_msgs/msg/CompressedImage, gz_type_name: gz.msgs.Image", ["compressed"], []),
         ("ros_type_name: std_msgs/msg/Bool, gz_type_name: Boolean", ["prefix"], ["gz.msgs.Boolean"]),
         ("ros_type_name: nav_msgs/msg/Odometry, gz_type_name: gz.msgs.Pose", ["pair"], []),
         ("ros_type_name: std_msgs/msg/Bool", ["missing"], []),
@@ -453,6 +493,13 @@ def test_a_gazebo_reference_is_no_drive(tmp_path: Path) -> None:
 def test_joints_left_out_of_control_are_listed(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, robot(ARM, '<transmission name="t"><joint name="j"/></transmission>'), "CTL002")
     assert (finding.message_id, finding.location.subject) == ("most", "joint[k]")
+
+
+@pytest.mark.parametrize(("typed", "count"), [("right", 0), ("Right", 0), ("left", 1)])
+def test_a_joint_that_is_meant_in_other_capitals_is_driven(tmp_path: Path, typed: str, count: int) -> None:
+    wheels = "".join(link(side) + joint(f"{side}_wheel", "base", side, kind="continuous") for side in ("left", "right"))
+    drives = "".join(f'<transmission name="{n}"><joint name="{n}_wheel"/></transmission>' for n in ("left", typed))
+    assert len(find(tmp_path, robot(link("base"), wheels, drives), "CTL002")) == count
 
 
 @pytest.mark.parametrize(

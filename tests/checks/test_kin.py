@@ -58,6 +58,17 @@ def test_a_copied_joint_is_a_duplicate_and_not_a_second_parent(tmp_path: Path) -
     assert codes(check_text(tmp_path, text, codes=TREE)) == ["KIN001"]
 
 
+def test_a_copied_joint_names_the_link_that_it_was_meant_for(tmp_path: Path) -> None:
+    joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+    text = f'<robot name="r"><link name="a"/><link name="b"/>{joint}<link name="c"/>{joint}</robot>'
+    (finding,) = check_text(tmp_path, text, codes=TREE).findings
+    assert (finding.code, finding.message_id) == ("KIN001", "copied")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("(perhaps c, which has no joint)")
+    twice = text.replace('<link name="c"/>', '<link name="b"/>')
+    assert {f.message_id for f in check_text(tmp_path, twice, codes={"KIN001"}).findings} == {"repeated"}
+
+
 def test_a_fixed_joint_may_share_the_name_of_a_link(tmp_path: Path) -> None:
     text = (
         '<robot name="r"><link name="a"/><link name="b"/>'

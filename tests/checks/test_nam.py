@@ -28,6 +28,14 @@ class TestNAM001:
     def test_harmless(self, tmp_path: Path, name: str) -> None:
         assert not check_text(tmp_path, model(name, name + "_joint"), codes={"NAM001"}).findings
 
+    @pytest.mark.parametrize(("kind", "severity"), [("fixed", Severity.INFO), ("continuous", Severity.WARNING)])
+    def test_a_blank_in_the_name_of_a_fixed_joint_is_a_note(
+        self, tmp_path: Path, kind: str, severity: Severity
+    ) -> None:
+        text = model("arm", "my joint").replace("fixed", kind)
+        (finding,) = check_text(tmp_path, text, codes={"NAM001"}).findings
+        assert (finding.message_id, finding.severity) == ("space", severity)
+
     @pytest.mark.parametrize(
         ("name", "message", "severity"),
         [

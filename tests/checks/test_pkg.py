@@ -372,7 +372,7 @@ def test_include_that_leads_out_of_the_package(tmp_path: Path) -> None:
         ("package:/p/meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
         ("package:p/meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
         ("package://p/my meshes/a.stl", ("PKG011", "blank", Severity.WARNING), None),
-        ("package://p/meshes/größe.stl", ("PKG011", "letters", Severity.WARNING), None),
+        ("package://p/meshes/größe.stl", ("PKG011", "letters", Severity.INFO), None),
         ("pakage://p/meshes/a.stl", ("PKG011", "scheme", Severity.WARNING), "package://p/meshes/a.stl"),
         ("zip://p/meshes/a.stl", ("PKG011", "scheme", Severity.WARNING), None),
         ("https://example.org/a.stl", ("PKG011", "remote", Severity.WARNING), None),
@@ -607,6 +607,25 @@ def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, betw
     assert circle.fix is None or not circle.fix.edits
     assert other.fix is not None
     assert [edit.replacement.strip() for edit in other.fix.edits] == ["<exec_depend>amcl</exec_depend>"]
+
+
+@pytest.mark.parametrize(
+    ("first", "names"),
+    [
+        ("$(find xacro)/xacro", ["xacro", "robot_state_publisher", "rviz"]),
+        ("cat", []),
+    ],
+)
+def test_programs_that_launch_files_start_are_listed_with_what_is_missing(
+    tmp_path: Path, first: str, names: list[str]
+) -> None:
+    nodes = "".join(f'<node name="{n}" pkg="{n}" type="t"/>' for n in ("robot_state_publisher", "rviz", "p", "my_own"))
+    launch = (
+        f'<launch><param name="robot_description" command="{first} a.urdf"/><!-- <node pkg="tf"/> -->{nodes}</launch>'
+    )
+    write(tmp_path, {"package.xml": manifest(), "launch/a.launch": launch, "urdf/a.urdf": '<robot name="r"/>'})
+    found = findings(tmp_path, "PKG007")
+    assert [f.data["names"] for f in found] == ([names] if names else [])
 
 
 def test_what_only_tests_name_is_a_dependency_of_tests(tmp_path: Path) -> None:

@@ -144,6 +144,48 @@ def test_an_old_copy_of_a_model_needs_no_folder(
     assert [set(f.consequences) for f in findings] == ([] if programs is None else [programs])
 
 
+@pytest.mark.parametrize("has_file", [True, False])
+def test_a_package_of_another_project_does_not_hide_the_model_s_own_files(tmp_path: Path, has_file: bool) -> None:
+    """Two clones in one workspace: one is the package that the other's paths name."""
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, "clone/package.xml", text='<package format="3"><name>arm</name></package>')
+    write(
+        tmp_path,
+        "mine/urdf/arm.urdf",
+        text=f'<robot name="r">{link("l", visual(mesh("package://arm/meshes/a.stl")))}</robot>',
+    )
+    if has_file:
+        write(tmp_path, "mine/meshes/a.stl")
+    (finding,) = check(tmp_path / "mine/urdf/arm.urdf", codes={"PKG002"}).findings
+    assert finding.fix is not None
+    assert ("write the path from this file, `../meshes/a.stl`" in finding.fix.title) == has_file
+    assert ("the package arm that is found is another project" in finding.message) == has_file
+
+
+@pytest.mark.parametrize(
+    ("beside", "repair"),
+    [
+        ("rviz/b.rviz", "glob('rviz/*'))`"),
+        ("rviz/deep/b.rviz", "glob('rviz/*.*'))`, and a line for each of its subfolders that is read"),
+        ("rviz/show.py", "glob('rviz/*.*'))`"),
+        ("rviz/__init__.py", "start what is in rviz by its name in console_scripts"),
+    ],
+)
+def test_the_line_for_setup_py_names_no_folder(tmp_path: Path, beside: str, repair: str) -> None:
+    build = "<export><build_type>ament_python</build_type></export>"
+    write(tmp_path, "package.xml", text=f'<package format="3"><name>p</name>{build}</package>')
+    write(tmp_path, "setup.py", text=SETUP.format(', ("share/p/launch", glob("launch/*"))'))
+    for name in ("rviz/a.rviz", beside):
+        write(tmp_path, name)
+    launch = '<launch><arg name="r" default="$(find-pkg-share p)/rviz/a.rviz"/></launch>'
+    write(tmp_path, "launch/a.launch.xml", text=launch)
+    write(tmp_path, "urdf/r.urdf", text='<robot name="r"><link name="l"/></robot>')
+    (finding,) = check(tmp_path, codes={"PKG008"}).findings
+    assert finding.fix is not None
+    assert repair in finding.fix.title
+    assert finding.fix.title.endswith(repair) or "start" in repair
+
+
 def test_a_folder_without_meshes_loses_none(tmp_path: Path) -> None:
     build = "<export><build_type>ament_python</build_type></export>"
     write(tmp_path, "package.xml", text=f'<package format="3"><name>p</name>{build}</package>')
@@ -175,6 +217,22 @@ def test_the_end_of_a_machine_path_may_be_a_file_of_the_package(tmp_path: Path, 
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ([] if edit is None else [edit])
     assert ("move the file into" in finding.fix.title) == (edit is None)
+
+
+@pytest.mark.parametrize(
+    ("typed", "path"),
+    [
+        ("/home/ann/ws/src/p/mesh/a.stl", "package://p/mesh/a.stl"),
+        ("/home/ann/cad/a.stl", "package://p/meshes/a.stl"),
+    ],
+)
+def test_a_file_that_is_on_one_machine_only_has_its_place_in_the_package(tmp_path: Path, typed: str, path: str) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, "p/package.xml", text='<package format="3"><name>p</name></package>')
+    write(tmp_path, "p/urdf/r.urdf", text=f'<robot name="r">{link("l", visual(mesh(typed)))}</robot>')
+    finding = find(tmp_path / "p/urdf/r.urdf", typed, code="PKG004")
+    assert finding.fix is not None
+    assert f"write `{path}`" in finding.fix.title
 
 
 @pytest.mark.parametrize(("place", "told"), [("meshes/robot.urdf", False), ("urdf/robot.urdf", True)])

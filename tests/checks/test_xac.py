@@ -198,6 +198,14 @@ CONDITIONAL = """<xacro:arg name="prefix" default=""/><xacro:property name="side
 <link name="l${corner}"/>"""
 
 
+def test_a_condition_that_is_one_argument_names_the_default_that_is_no_truth(tmp_path: Path) -> None:
+    text = '<xacro:arg name="gps" default="30.0"/>\n<xacro:if value="$(arg gps)"><link name="a"/></xacro:if>'
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title == "write true or false as the default of gps (line 3), or compare it here"
+    assert [place.span and place.span.line for place in finding.related] == [3]
+
+
 def test_property_that_is_only_defined_under_conditions_names_them_and_their_arguments(tmp_path: Path) -> None:
     finding = only(xacro(tmp_path, CONDITIONAL, {"XAC001"}))
     assert "only defined if `${side == 'left'}` or if `${side == 'right'}`" in finding.message
@@ -248,6 +256,21 @@ def test_slip_in_a_path_with_an_empty_argument_is_told_at_the_path(tmp_path: Pat
     text = '<xacro:arg name="prefix" default=""/><xacro:include filename="$(arg prefix)materials.xacro"/>'
     finding = only(xacro(tmp_path, text, {"XAC001"}))
     assert (finding.message_id, finding.data["hint"]) == ("file-missing", " (did you mean 'meterials.xacro'?)")
+
+
+@pytest.mark.parametrize(
+    ("others", "hint"),
+    [
+        (["car.trans"], " (the only other .trans file there is 'car.trans')"),
+        (["car.trans", "arm.trans"], ""),
+        (["car.gazebo"], ""),
+    ],
+)
+def test_the_only_file_of_a_kind_is_named_for_a_missing_one(tmp_path: Path, others: list[str], hint: str) -> None:
+    for name in others:
+        (tmp_path / name).write_text("<robot/>")
+    finding = only(xacro(tmp_path, '<xacro:include filename="guzergah.trans"/>', {"XAC001"}))
+    assert (finding.message_id, finding.data["hint"]) == ("file-missing", hint)
 
 
 def test_missing_yaml_key(tmp_path: Path) -> None:
@@ -879,6 +902,53 @@ def test_xacro_tags_in_a_plain_urdf_are_a_warning(tmp_path: Path) -> None:
     text = '<robot name="r"><link name="a"/><property name="b" value="1"/></robot>'
     finding = only(check_text(tmp_path, text, codes={"XAC007", "XML003"}))
     assert (finding.code, finding.message_id, finding.severity) == ("XAC007", "plain", Severity.WARNING)
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "severity"),
+    [
+        ('<property name="a" value="1"/>', "dead", Severity.INFO),
+        (
+            '<property name="a" value="1"/><xacro:property name="a" value="1"/><link name="l${a}"/>',
+            "dead",
+            Severity.INFO,
+        ),
+        (
+            '<property name="a" value="2"/><xacro:property name="a" value="1"/><link name="l${a}"/>',
+            "value",
+            Severity.WARNING,
+        ),
+        ('<arg name="a" default="2"/><xacro:arg name="a" default="2"/><link name="l$(arg a)"/>', "dead", Severity.INFO),
+        ('<property name="a" value="1"/><link name="l${a}"/>', "halted", Severity.ERROR),
+        (f'<property name="a" value="1"/>{WHEEL}<wheel name="a"/>', "unprefixed", Severity.ERROR),
+    ],
+)
+def test_a_value_without_its_prefix_takes_no_link_from_a_robot(
+    tmp_path: Path, text: str, message: str, severity: Severity
+) -> None:
+    finding = only(xacro(tmp_path, text, {"XAC001", "XAC007", "XAC010", "XML003"}))
+    assert (finding.message_id, finding.severity) == (message, severity)
+    assert ("urdfdom" in finding.consequences) == (message == "unprefixed")
+
+
+def test_the_call_that_makes_links_is_named_before_the_rest(tmp_path: Path) -> None:
+    calls = '<link name="b"><inertial><mass value="1"/><inertia_of m="1"/></inertial></link><wheel name="a"/>'
+    finding = only(xacro(tmp_path, INERTIA + WHEEL + '<property name="c" value="1"/>' + calls, {"XAC007"}))
+    assert finding.headline == "<wheel> and 2 other tags lack the prefix xacro:"
+    assert finding.data["listed"] == "<wheel>, <inertia_of>, <property>"
+    assert finding.consequences["mujoco"].startswith("refuses the file")
+
+
+def test_what_follows_from_a_call_without_its_prefix_is_not_told_again(tmp_path: Path) -> None:
+    parts = WHEEL + '<gazebo reference="a"><mu1>1</mu1></gazebo><gazebo reference="b"><mu1>1</mu1></gazebo>'
+    light = (
+        '<link name="tip"><inertial><mass value="1e-5"/>'
+        '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
+    )
+    codes = {"XAC007", "XAC003", "GZB001", "INR015"}
+    found = xacro(tmp_path, parts + light + '<wheel name="a"/>', codes)
+    assert sorted(f.code for f in found.findings) == ["GZB001", "XAC007"]
+    assert "'b'" in next(f.message for f in found.findings if f.code == "GZB001")
 
 
 # -- properties that are lost ----------------------------------------------------------------------------------------------

@@ -10,7 +10,9 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Severity
+from urdfcheck.core.merging import join_occurrences
 from urdfcheck.model.motion.pinocchio_model import capture_stderr
+from urdfcheck.rules import load_rules
 
 ROBOT = '<robot name="r"><link name="a"/><link name="b">{link}</link>{joint}</robot>'
 JOINT = (
@@ -200,6 +202,26 @@ class TestXML003:
         by_message = {finding.message_id: finding.consequences for finding in findings(tmp_path, text, "XML003")}
         assert by_message["sdf"]["gazebo"].startswith("ignores")
         assert "gazebo" not in by_message["ignored"]
+
+    @pytest.mark.parametrize(
+        ("origin", "verb"),
+        [('xyz="0 0 1" rpy="0 0 0"', "delete"), ('xyz="0 0 1.0"', "delete"), ('xyz="0 0 2"', "move")],
+    )
+    def test_an_origin_that_the_joint_above_has_too_is_to_be_deleted(
+        self, tmp_path: Path, origin: str, verb: str
+    ) -> None:
+        joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/><origin xyz="0 0 1"/></joint>'
+        text = f'<robot name="r"><link name="a"/><link name="b"><origin {origin}/></link>{joint}</robot>'
+        (finding,) = findings(tmp_path, text, "XML003")
+        assert finding.fix is not None
+        assert finding.fix.title.split()[0] == verb
+
+    def test_repairs_of_several_kinds_are_all_told(self, tmp_path: Path) -> None:
+        inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        text = f'<robot name="r"><link name="a"><limit effort="1"/><mass value="2"/>{inertial}</link></robot>'
+        joint = join_occurrences(findings(tmp_path, text, "XML003"), load_rules())
+        assert joint.fix is not None
+        assert joint.fix.title == "move it into <joint>; elsewhere delete it: <inertial> beside it has its own"
 
     def test_inertia_in_a_link_is_misplaced_and_not_misspelt(self, tmp_path: Path) -> None:
         (finding,) = findings(tmp_path, '<robot name="r"><link name="a"><inertia ixx="1"/></link></robot>', "XML003")
@@ -697,6 +719,17 @@ class TestXML004:
 
 
 class TestXML006:
+    def test_of_two_equal_elements_the_macro_s_is_kept(self, tmp_path: Path) -> None:
+        macro = '<xacro:macro name="i" params="m">\n<mass value="${m}"/></xacro:macro>'
+        inside = (
+            '<inertial>\n<mass value="1"/>\n<xacro:i m="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        )
+        link = f'<link name="a">{inside}</inertial></link>'
+        text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{macro}{link}</robot>'
+        (finding,) = findings(tmp_path, text, "XML006", name="r.urdf.xacro")
+        assert finding.fix is not None
+        assert [(edit.span.line, edit.expected) for edit in finding.fix.edits] == [(3, '<mass value="1"/>\n')]
+
     @pytest.mark.parametrize(
         ("link", "messages"),
         [

@@ -8,9 +8,18 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from urdfcheck.facts.mesh import topology
-from urdfcheck.facts.mesh.topology import classify_edges, count_component_faces, find_repeated_faces, weld_exact
+from urdfcheck.facts.mesh.topology import (
+    classify_edges,
+    count_component_faces,
+    find_repeated_faces,
+    label_bodies,
+    label_components,
+    weld_exact,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -59,6 +68,8 @@ class TestGrouping:
             assert edges.watertight == (set(count.values()) == {2})
             assert edges.winding_consistent == (not flipped)
             assert edges.closed == (Counter(directed) == Counter((b, a) for a, b in directed))
+            is_manifold = edges.watertight and edges.winding_consistent
+            assert edges.distinct_faces == (is_manifold and len({frozenset(f) for f in faces}) == len(faces))
 
         holds()
 
@@ -74,3 +85,24 @@ class TestGrouping:
 def test_pieces_are_counted_by_their_faces() -> None:
     faces = np.array([(0, 1, 2), (2, 3, 4), (5, 6, 7), (8, 9, 10), (9, 10, 11), (10, 11, 12)])
     assert count_component_faces(faces, 13).tolist() == [3, 2, 1]
+
+
+@given(st.lists(st.tuples(*[st.integers(0, 59)] * 3), min_size=1, max_size=40))
+def test_pieces_are_those_of_the_graph_of_their_edges(faces: list[tuple[int, int, int]]) -> None:
+    array = np.array(faces, dtype=np.int32)
+    graph = coo_array((np.ones(2 * len(faces)), (array[:, :2].T.ravel(), array[:, 1:].T.ravel())), shape=(60, 60))
+    labels = connected_components(graph, directed=False)[1][array[:, 0]]
+    assert label_components(array, 60).tolist() == np.unique(labels, return_inverse=True)[1].tolist()
+    assert count_component_faces(array, 60).tolist() == sorted(Counter(labels.tolist()).values(), reverse=True)
+
+
+def test_bodies_that_touch_along_an_edge_are_two_and_two_sides_of_one_sheet_are_repeated() -> None:
+    one, other = (
+        np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]),
+        np.array([(0, 1, 4), (0, 5, 1), (0, 4, 5), (1, 5, 4)]),
+    )
+    assert label_bodies(np.concatenate((one, other)), 6).tolist() == [0] * 4 + [1] * 4
+    pillow = classify_edges(np.array([(0, 1, 2), (2, 1, 0)]), 3)
+    assert pillow.closed
+    assert not pillow.distinct_faces
+    assert classify_edges(one, 4).distinct_faces

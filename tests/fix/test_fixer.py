@@ -424,6 +424,15 @@ def test_what_is_worse() -> None:
         find_regression(run_of(one), replace(run_of(), partial=True), [one])
 
 
+def test_links_that_a_fixed_error_brings_may_have_warnings_of_their_own() -> None:
+    for fixed, code, is_worse in (("XAC007", "XML003", False), ("XAC007", "KIN002", True), ("XML003", "GZB001", True)):
+        one, new = finding(fixed), finding(code, "link[b]")
+        grown = replace(run_of(new), models=(replace(run_of().models[0], links=4, joints=3),))
+        assert bool(find_regression(run_of(one), grown, [one])) == is_worse, (fixed, code)
+    one, new = finding("XAC007"), finding("XML003", "link[b]")
+    assert find_regression(run_of(one), run_of(new), [one]), "a robot that did not grow"
+
+
 def test_what_a_finding_hid_is_not_new() -> None:
     hidden = finding("XML003", "link[b]")
     for hides in ([], ["XML003"]):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from lsprotocol import types
 
-from .conftest import Editor
+from .editor import Editor
 
 pytestmark = pytest.mark.slow
 

@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 import os
 import signal
+import subprocess
+import sys
 import time
+import warnings
 from pathlib import Path
 
 import pytest
 from conftest import FIXTURES, command
 from lsprotocol import types
 
-from .conftest import Editor
+from .editor import Editor
 
 pytestmark = pytest.mark.slow
 
@@ -23,6 +26,16 @@ ROBOT = (
     + "</inertial></link>\n</robot>\n"
 )
 SOUND, IMPOSSIBLE = ROBOT.format("", 1), ROBOT.format("", 3)
+BODY = "<inertial><mass value='1'/><inertia ixx='{}' ixy='0' ixz='0' iyy='0.01' iyz='0' izz='0.01'/></inertial>"
+REFUSED = f"""<robot name="r">
+  <link name="base">{BODY.format(0.01)}</link>
+  <link name="arm">{BODY.format(0.03)}</link>
+  <joint name="j" type="revolute">
+    <parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/>
+  </joint>
+</robot>
+"""
 MACROS = f"""<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
   <xacro:macro name="body" params="name">
     <link name="${{name}}"><inertial><mass value="1"/>{INERTIA.format(1)}</inertial></link>
@@ -188,6 +201,24 @@ def test_findings_that_take_meshes_come_when_nothing_is_typed(tmp_path: Path) ->
     editor.end()
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("like", ["neovim", "emacs"])
+def test_other_editors_get_what_they_said_they_understand(like: str, tmp_path: Path) -> None:
+    """The client warns of anything that the capabilities of its editor do not allow."""
+    editor = Editor(tmp_path, "--tier", "source", like=like)
+    path = tmp_path / "é 🤖.urdf"
+    path.write_text(IMPOSSIBLE)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        editor.open(path)
+        (found,) = [d for d in editor.diagnostics(path) if d.code == "INR003"]
+        params = types.CodeActionParams(editor.identify(path), found.range, types.CodeActionContext([found]))
+        assert editor.wait(editor.client.text_document_code_action_async(params))
+        hover = types.HoverParams(editor.identify(path), found.range.start)
+        assert editor.wait(editor.client.text_document_hover_async(hover)) is not None
+    editor.end()
+
+
 def test_a_check_process_that_dies_is_started_again(editor: Editor, project: Path) -> None:
     path = project / "urdf/r.urdf"
     path.write_text(SOUND)
@@ -203,6 +234,35 @@ def list_children(editor: Editor) -> list[int]:
     """The processes that the server has started."""
     server = editor.client._server.pid
     return [int(word) for word in Path(f"/proc/{server}/task/{server}/children").read_text().split()]
+
+
+def test_the_server_ends_when_its_client_is_gone(tmp_path: Path) -> None:
+    """Without a word: the client was killed."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "urdfcheck", "server"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=tmp_path
+    )
+    assert process.stdin is not None
+    process.stdin.write(b"Content-Length: 40\r\n\r\n{")
+    process.stdin.close()
+    assert process.wait(120) is not None
+    assert process.stdout is not None
+    process.stdout.close()
+
+
+@pytest.mark.long
+def test_what_an_engine_that_is_a_target_says_is_shown(tmp_path: Path) -> None:
+    """As the command shows it: an engine that refuses the model."""
+    pytest.importorskip("mujoco")
+    words = ("--target", "mujoco", "--ignore", "INR003")
+    editor = Editor(tmp_path, *words)
+    path = tmp_path / "r.urdf"
+    path.write_text(REFUSED)
+    editor.open(path)
+    done = command(str(path), *words, "--format", "json", cwd=tmp_path)
+    reported = {finding["headline"] for finding in json.loads(done.stdout)["findings"]}
+    assert any("MuJoCo" in headline for headline in reported)
+    assert {found.message for found in editor.diagnostics(path)} == reported
+    editor.end()
 
 
 def test_the_server_and_its_processes_end_with_the_client(tmp_path: Path) -> None:

@@ -5,9 +5,6 @@ from __future__ import annotations
 import random
 
 import pytest
-
-pytest.importorskip("pygls")
-
 from lsprotocol import types
 
 from urdfcheck.server.documents import DocumentStore, TextPositions, TextShift, find_word

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from lsprotocol import types
 
-from .conftest import Editor
+from .editor import Editor
 
 pytestmark = pytest.mark.slow
 
@@ -140,6 +140,7 @@ def test_definitions_are_found_across_includes(editor: Editor, robot: tuple[Path
     assert define(editor, macros, editor.find(macros, "${mass}", part="mass")) == {("arm.xacro", "mass")}
     where = editor.find(macros, 'child link="${prefix}_arm"', part="_arm")
     assert define(editor, macros, where) == {("arm.xacro", "${prefix}_arm")}
+    assert define(editor, user, editor.find(user, 'filename="arm.xacro"', part="arm.")) == {("arm.xacro", "")}
     assert define(editor, user, editor.find(user, "sizes.base.width", part="width")) == {("sizes.yaml", "0.75")}
 
 

@@ -18,9 +18,9 @@ import pytest
 from conftest import FIXTURES, command
 from lsprotocol import types
 
-from .conftest import Editor
+from .editor import Editor
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 EDITS = int(os.environ.get("URDFCHECK_SERVER_EDITS", "12"))
 # Real robots of many kinds, by the ids of their corpus.
@@ -117,7 +117,7 @@ def list_shown(editor: Editor) -> list[tuple[str, str, str, int, int]]:
     return sorted(set(found))
 
 
-@pytest.mark.parametrize(("source", "model"), list_models())
+@pytest.mark.parametrize(("source", "model"), list(list_models()))
 def test_random_edits_end_with_what_the_command_reports(source: Path, model: str, tmp_path: Path) -> None:
     chance = random.Random(model)
     folder = Path(shutil.copytree(source, tmp_path / source.name))

@@ -70,6 +70,23 @@ def list_found(model: Path) -> dict[str, tuple[str, int]]:
 
 
 class TestPassedArguments:
+    @pytest.mark.parametrize(
+        ("line", "is_known"), [("", True), ("    root = other", False), ("    global root", False)]
+    )
+    def test_a_name_counts_in_its_function(self, tmp_path: Path, line: str, is_known: bool) -> None:
+        launch = f"""
+def show(share):
+    root = share.perform(None)
+    return root
+
+def generate_launch_description():
+    root = FindPackageShare("arm")
+{line}
+    return Command(["xacro ", PathJoinSubstitution([root, "urdf", "arm.urdf.xacro"]), " name:=", root])
+"""
+        found = list_found(make_package(tmp_path, {"view.launch.py": launch}))
+        assert found == ({"name": (str(tmp_path / "arm"), 9)} if is_known else {})
+
     def test_command(self, tmp_path: Path) -> None:
         model = make_package(tmp_path, {"view.launch.py": COMMAND})
         assert list_found(model) == {"name": ("ur", 17), "type": ("large", 6), "prefix": ("", 9)}

@@ -270,7 +270,7 @@ FIRST = '<launch><param name="robot_description" command="$(find xacro)/xacro $(
         ({"view.launch.py": 'NAME = "arm"\n' + HANDS_OVER.replace('"arm"', "NAME")}, True),
         ({"view.launch": FIRST}, True),
         ({"view.py": HANDS_OVER, "rviz.launch.py": SHOWS}, False),
-        ({"view.launch.py": HANDS_OVER + "text = open(model).read()"}, False),
+        ({"view.launch.py": HANDS_OVER + "    other = open(model).read()"}, False),
         ({"view.launch.py": OTHER}, False),
         ({"view.launch": FIRST.replace("command", "textfile").replace("$(find xacro)/xacro ", "")}, False),
         ({"view.launch.py": HANDS_OVER + "\n(" }, False),

@@ -71,6 +71,22 @@ def test_they_are_looked_for_where_moveit_configurations_lie(tmp_path: Path, pla
     assert list_descriptions(tmp_path, "ws/arm/urdf/arm.urdf") == ([place] if belongs else [])
 
 
+@pytest.mark.parametrize(("model", "belongs"), [("urdf/arm.urdf", False), ("meshes/arm.stl", True)])
+def test_a_configuration_that_depends_on_another_package_with_models_is_not_the_model_s(
+    tmp_path: Path, model: str, belongs: bool
+) -> None:
+    place = "ws/arm_moveit_config/config/arm.srdf"
+    packages = {
+        "ws/arm/package.xml": manifest("arm"),
+        "ws/arm_moveit_config/package.xml": manifest("arm_moveit_config", "arm_description"),
+        "ws/arm_description/package.xml": manifest("arm_description"),
+        f"ws/arm_description/{model}": URDF,
+    }
+    write(tmp_path, {"ws/arm/urdf/arm.urdf": URDF, place: SRDF, **packages})
+    (tmp_path / "ws/.git").mkdir()
+    assert list_descriptions(tmp_path, "ws/arm/urdf/arm.urdf") == ([place] if belongs else [])
+
+
 def test_a_model_without_a_package_has_those_beside_it(tmp_path: Path) -> None:
     write(tmp_path, {"arm.urdf": URDF, "a.srdf": SRDF, "b.srdf": SRDF.replace('"arm"', '" arm "'), "deep/c.srdf": SRDF})
     assert list_descriptions(tmp_path, "arm.urdf") == ["a.srdf", "b.srdf"]

@@ -29,9 +29,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _check_undriven_joints(model: Model, rule: Rule) -> Iterator[Finding]:
-    driven = _collect_control_words(model)
+    words = _collect_control_words(model)
+    # A name in other capitals is meant, and reported where it is typed (CTL001, CTL007).
+    driven = {word.casefold() for word in words - model.joint_by_name.keys()}
     drivable = [joint for joint in model.joints if _has_motor(joint)]
-    without = [joint for joint in drivable if joint.name not in driven]
+    without = [joint for joint in drivable if joint.name not in words and joint.name.casefold() not in driven]
     none = len(without) == len(drivable)
     is_few = 2 * len(without) <= len(drivable)
     # A description without simulator extensions is controlled elsewhere, if at all.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
@@ -106,8 +107,12 @@ def _check_unknown_joints(
         yield from _check_foreign_controllers(model, rule, config, elsewhere=elsewhere)
         return
     uses = _collect_unknown_joints(model, config.configuration.controllers, known=known, elsewhere=elsewhere)
-    # A joint that another controller of the file names is meant there.
+    if uses and config.named_at is None and _is_for_another_model(model, config):
+        return
+    # A joint that another controller of the file names is meant there, and two names do not mean one joint.
     unnamed = frozenset(model.joint_by_name) - config.configuration.joint_names
+    nearest = Counter(find_nearest_name(name, unnamed) for name in [*uses][:MOST_HINTS])
+    unnamed -= {near for near, times in nearest.items() if near is not None and times > 1}
     for index, (name, places) in enumerate(uses.items()):
         free = unnamed if index < MOST_HINTS else frozenset[str]()
         near = find_only_near_name(name, free)
@@ -120,6 +125,13 @@ def _check_unknown_joints(
             joint=name,
             near=format_name_hint(name, free),
         )
+
+
+def _is_for_another_model(model: Model, config: AssociatedConfiguration) -> bool:
+    """Whether every launch file that loads the configuration loads another model with it."""
+    from urdfcheck.source.launch.loaded_files import is_started_with_another  # loaded only if a name is unknown
+
+    return is_started_with_another(config.configuration.path, model.source.path, model.source.finder)
 
 
 def _collect_unknown_joints(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -55,12 +56,29 @@ def _check_values(
         if number is not None:
             values[key] = number, at
         elif interface.get("data_type", "double") == "double":
-            yield rule.finding("number", at=at, key=key, value=text, where=where)
+            yield rule.finding(
+                "number",
+                at=at,
+                key=key,
+                value=text,
+                where=where,
+                lost="a plugin cannot read the start" if key == _START else "ros2_control ignores the limit",
+                repair=_describe_number_repair(text, is_xacro=model.source.is_xacro),
+            )
     low, high = values.get("min"), values.get("max")
     if low is not None and high is not None and low[0] > high[0]:
         yield rule.finding("inverted", at=low[1], related=[high[1]], low=low[0], high=high[0], where=where)
     elif joint is not None and joint.position_range is not None and interface.get("name") == "position":
         yield from _check_positions(rule, interface, joint, values, joint.position_range, rel_tol=rel_tol)
+
+
+def _describe_number_repair(text: str, *, is_xacro: bool) -> str:
+    """Say what to write: the expression of xacro whose dollar sign is missing, or a number."""
+    expression = re.fullmatch(r"(-?)\s*\{([^{}$]+)\}", text)
+    if expression is None or not is_xacro:
+        return "write a number"
+    sign, inside = expression[1], expression[2].strip()
+    return f"write `${{{f'-({inside})' if sign else inside}}}`, with the dollar sign before the braces"
 
 
 def _check_positions(

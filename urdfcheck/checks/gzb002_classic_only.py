@@ -9,7 +9,7 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.simulation_use import starts_classic
+from urdfcheck.model.simulation_use import has_successor_branch, starts_classic
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -47,6 +47,9 @@ _REPLACEMENTS = {
 _SUCCEEDED = "gazebo_ros2_control"
 _ROS1_CONTROL = "gazebo_ros_control"
 _CONTROL = {"filename": "gz_ros2_control-system", "name": "gz_ros2_control::GazeboSimROS2ControlPlugin"}
+# The library of a system in a replacement, and the beginnings of its names in other releases.
+_SYSTEM = re.compile(r"gz[\w-]*-system")
+_RELEASES = re.compile(r"^(?:ignition-gazebo|gz-sim)\d*-|^ign_")
 # Packages of Gazebo Classic, and the beginnings of the names of those of its successor.
 _CLASSIC_PACKAGES = frozenset({
     "gazebo_dev", "gazebo_plugins", "gazebo_ros", "gazebo_ros_control", "gazebo_ros_pkgs", "gazebo_ros2_control",
@@ -66,14 +69,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for element in gazebo:
         filename = element.attributes.get("filename")
         match = _CLASSIC.match(filename.value.strip()) if element.tag == "plugin" and filename is not None else None
-        if match and filename is not None:
+        if match and filename is not None and not has_successor_branch(model, element):
             plugins.setdefault(match.group(1), []).append(filename)
     hardware = _list_hardware_plugins(model)
     if plugins:
         is_migrated = (_SUCCEEDED in plugins or _is_for_ros2(model)) and not _is_for_classic(model, plugins)
         # The hardware of gazebo_ros2_control is part of the same migration.
         related = [plugin for _, plugin in hardware] if _SUCCEEDED in plugins else []
-        yield _build_plugin_finding(rule, plugins, related=related, severity=None if is_migrated else Severity.INFO)
+        replacement = _describe_replacements(plugins, _list_new_systems(gazebo))
+        severity = None if is_migrated else Severity.INFO
+        yield _build_plugin_finding(rule, plugins, related=related, severity=severity, replacement=replacement)
     if _SUCCEEDED not in plugins:
         for control, plugin in hardware:
             yield rule.finding(
@@ -123,7 +128,12 @@ def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
 
 
 def _build_plugin_finding(
-    rule: Rule, plugins: Mapping[str, list[Attribute]], *, related: Iterable[Element], severity: Severity | None
+    rule: Rule,
+    plugins: Mapping[str, list[Attribute]],
+    *,
+    related: Iterable[Element],
+    severity: Severity | None,
+    replacement: str,
 ) -> Finding:
     """Report all libraries together: the robot was written for Classic."""
     places = list({use.span: use for uses in plugins.values() for use in uses}.values())
@@ -135,21 +145,38 @@ def _build_plugin_finding(
         which=format_count(len(places), "plugin is", "plugins are"),
         names=join_names(plugins, 3),
         libraries=join_names((uses[0].value.strip() for uses in plugins.values()), 3),
-        replacement=_describe_replacements(plugins),
+        replacement=replacement,
     )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
-def _describe_replacements(plugins: Mapping[str, Sequence[Attribute]]) -> str:
-    """Return ``replace a, b by X; c by Y``."""
+def _list_new_systems(gazebo: Iterable[Element]) -> dict[str, Element]:
+    """Return the plugins of the robot by the names of their libraries in the new Gazebo, whatever release they are for."""
+    systems: dict[str, Element] = {}
+    for plugin in (e for e in gazebo if e.tag == "plugin"):
+        name = plugin.get("filename").strip().removeprefix("lib").removesuffix(".so")
+        systems.setdefault(_RELEASES.sub(lambda old: "gz_" if old[0] == "ign_" else "gz-sim-", name), plugin)
+    return systems
+
+
+def _describe_replacements(plugins: Mapping[str, Sequence[Attribute]], present: Mapping[str, Element]) -> str:
+    """Return ``replace a, b by X; c by Y; delete d: Z is loaded in FILE:LINE``; ``present``: the systems that are loaded."""
     unknown = "a gz-sim system that does the same (none has this name)"
     libraries_by_replacement: dict[str, list[str]] = {}
+    deleted: list[str] = []
     for library, uses in plugins.items():
         replacement = _REPLACEMENTS.get(library) or (_SENSOR_SYSTEM if _SENSORS.search(library) else unknown)
+        system = None if replacement is _SENSOR_SYSTEM else _SYSTEM.search(replacement.format_map(_CONTROL))
+        loaded = None if system is None else present.get(system[0])
+        if system is not None and loaded is not None and loaded.span is not None:
+            place = f"{loaded.span.file}:{loaded.span.line}"
+            deleted.append(f"delete {library}: {system[0]} is loaded already ({place})")
+            continue
         if replacement is _SENSOR_SYSTEM and any(map(_is_on_cpu_lidar, uses)):
             replacement = _SENSOR_SYSTEM.replace("alone", 'alone, its type="ray" changed to "gpu_lidar"')
         libraries_by_replacement.setdefault(replacement.format_map(_CONTROL), []).append(library)
-    return "replace " + "; ".join(f"{', '.join(names)} by {how}" for how, names in libraries_by_replacement.items())
+    replaced = [f"{', '.join(names)} by {how}" for how, names in libraries_by_replacement.items()]
+    return "; ".join([*deleted, *(["replace " + "; ".join(replaced)] if replaced else [])])
 
 
 def _is_on_cpu_lidar(filename: Attribute) -> bool:
@@ -165,4 +192,5 @@ def _list_hardware_plugins(model: Model) -> list[tuple[Element, Element]]:
         for control in model.robot.find_children("ros2_control")
         for plugin in control.walk()
         if plugin.tag == "plugin" and plugin.text.strip().startswith("gazebo_ros2_control/")
+        if not has_successor_branch(model, plugin)
     ]

@@ -39,6 +39,8 @@ vision_msgs/Detection3D AnnotatedOriented3DBox; vision_msgs/Detection3DArray Ann
 """
 _PAIRS = {ros.replace("/", "/msg/"): tuple(others) for ros, *others in (entry.split() for entry in _BRIDGED.split(";"))}
 _GZ_TYPES = frozenset(name for names in _PAIRS.values() for name in names)
+# Nothing in Gazebo publishes it: image_transport makes it from the bridged image.
+_COMPRESSED = "sensor_msgs/msg/CompressedImage"
 _GZ_PREFIX = re.compile(r"^(?:gz|ignition)(?:\.msgs\.|::msgs::)")
 _DIRECTIONS = ("BIDIRECTIONAL", "GZ_TO_ROS", "ROS_TO_GZ")
 _KEYS = frozenset({
@@ -109,7 +111,9 @@ def _check_types(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
     if _TEMPLATE.search(ros.text + gz.text):
         return
     kind = _GZ_PREFIX.sub("", gz.text)
-    if ros.text not in _PAIRS:
+    if ros.text == _COMPRESSED:
+        yield rule.finding("compressed", at=ros, type=ros.text)
+    elif ros.text not in _PAIRS:
         whole = ros.text.replace("/", "/msg/") if "/msg/" not in ros.text else ros.text
         meant = whole if whole in _PAIRS else find_only_near_name(ros.text, _PAIRS)
         if meant is not None:  # a newer release may bridge any other type

@@ -37,8 +37,11 @@ _KINDS: tuple[tuple[str, Severity, Callable[[str, bool], bool]], ...] = (
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     named = [part for part in model.named_elements if "name" in part.element.attributes]
-    for message, severity, is_wrong in _KINDS:
+    for message, usual, is_wrong in _KINDS:
+        severity = usual
         wrong = [part for part in named if is_wrong(part.name, isinstance(part, Link))]
+        if message == "space" and not any(isinstance(part, Link) or part.is_movable for part in wrong):
+            severity = Severity.INFO  # no program commands a fixed joint by its name
         yield from _build_findings(rule, message, severity=severity, parts=wrong)
     roots = {link.name for link in model.links} - {joint.child for joint in model.joints}
     worlds = [p for p in named if p.name == "world" and (isinstance(p, Joint) or p.name not in roots)]

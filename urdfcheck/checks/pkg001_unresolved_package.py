@@ -17,8 +17,11 @@ from urdfcheck.source.reach import is_part_of_robot
 from urdfcheck.source.resources import (
     ResourceUse,
     describe_missing_uses,
+    describe_project_path,
     find_above,
+    find_in_project,
     format_path_from_model,
+    get_path_in_package,
     is_misspelt,
     list_resource_uses,
 )
@@ -87,7 +90,7 @@ def _build_finding(
         remedy=f"--package {shlex.quote(package)}=FOLDER" if package and kind == "expansion" else "",
         files=files,
         amount=format_count(len(files), "file"),
-        listed=join_names([_get_path_in_package(f, package) for f in files], 3),
+        listed=join_names([get_path_in_package(f, package) for f in files], 3),
         looked=source.finder.describe_search_places(),
         places="; ".join(source.finder.describe_search_places()),
         near=near,
@@ -113,17 +116,12 @@ def _explain_by_argument(
     return (f", named by argument {named[0]}", [named[0].location]) if len(named) == 1 else ("", [])
 
 
-def _get_path_in_package(text: str, package: str) -> str:
-    """Return the part of a path that follows the name of the package."""
-    return text.partition("://")[2].removeprefix(package).lstrip("/")
-
-
 def _find_package_with_files(uses: Sequence[ResourceUse], source: Source) -> list[str]:
     """Return the only known package that has all these files, or nothing.
 
     A path that names no package may name it behind too many slashes.
     """
-    inside = list(dict.fromkeys(_get_path_in_package(use.resource.text, use.resource.package or "") for use in uses))[
+    inside = list(dict.fromkeys(get_path_in_package(use.resource.text, use.resource.package or "") for use in uses))[
         :_MAX_FILES
     ]
     if not inside:
@@ -141,7 +139,7 @@ def _has_all_files(folder: Path, files: list[str], source: Source) -> bool:
 
 def _list_wanted_files(package: str, uses: Sequence[ResourceUse], at: Location, source: Source) -> set[str]:
     """Return the paths in a package that the model names, as far as they are typed."""
-    paths = {_get_path_in_package(use.resource.text, package) for use in uses} or {_read_path_behind(at, source)}
+    paths = {get_path_in_package(use.resource.text, package) for use in uses} or {_read_path_behind(at, source)}
     return set(filter(None, paths))
 
 
@@ -161,30 +159,23 @@ def _find_files_here(uses: Sequence[ResourceUse], source: Source) -> dict[str, P
         return {}
     found: dict[str, Path] = {}
     for use in uses:
-        path = find_above(use, source) or _find_in_project(use, source)
+        path = find_above(use, source) or find_in_project(use, source)
         if path is None:
             return {}
         found[use.resource.text] = path
     return found
 
 
-def _find_in_project(use: ResourceUse, source: Source) -> Path | None:
-    inside = _get_path_in_package(use.resource.text, use.resource.package or "")
-    paths = (folder / inside for folder in source.finder.list_parent_folders())
-    return next((path for path in paths if source.finder.can_open(path) and path.is_file()), None)
-
-
 def _has_rosbuild_name(here: Mapping[str, Path], package: str) -> bool:
     """Whether all files are in a package of rosbuild, whose folder has another name here."""
-    folders = {path.parents[_get_path_in_package(text, package).count("/")] for text, path in here.items()}
+    folders = {path.parents[get_path_in_package(text, package).count("/")] for text, path in here.items()}
     return bool(package) and len(folders) == 1 and all(map(is_rosbuild_package, folders))
 
 
 def _describe_repair(package: str, here: Mapping[str, Path], source: Source) -> str:
     """Say how the files are found."""
     if here:
-        own = format_path_from_model(next(iter(here.values())), source)
-        return f"write the path from this file, `{own}`, for programs without ROS; ROS needs a package.xml and its name"
+        return describe_project_path(here.values(), source)
     if not package:
         return "write `package://NAME/…`, with two slashes and the package name"
     if is_part_of_robot(package) and source.package is None:

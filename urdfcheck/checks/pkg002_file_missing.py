@@ -11,7 +11,7 @@ from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_choices, format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
-from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.similar_files import (
     FilesByName,
     describe_uninstalled_file,
@@ -31,7 +31,9 @@ from urdfcheck.source.path_arguments import (
 from urdfcheck.source.resources import (
     ResourceUse,
     describe_missing_uses,
+    describe_project_path,
     find_above,
+    find_in_project,
     find_missing_path,
     find_search_root,
     format_path_from_model,
@@ -148,12 +150,15 @@ def _build_finding(
     near = [format_path(one) for one in ([elsewhere] if elsewhere else similar_files)]
     argued, places = _explain_by_argument(gap, source)
     outside = {} if argued or elsewhere else _find_outside(gap, source)
+    here = {} if argued or elsewhere or similar_files or outside else _find_files_here(gap, source)
     own = format_path_from_model(next(iter(outside.values())), source) if outside else ""
     hint = argued or (
         _describe_place(outside, source)
         if outside
         else describe_uninstalled_file(elsewhere)
         if elsewhere
+        else _describe_other_package(package, here, source)
+        if package is not None and here
         else f" (did you mean {join_names(near, 2)}?)"
         if near
         else ""
@@ -165,7 +170,11 @@ def _build_finding(
         related=[*related.values(), *places],
         edits=_propose_edits(outside, source),
         consequences=describe_missing_uses(gap.uses, source),
-        repair=f"write `{own}`{'' if len(outside) == 1 else ', and the others likewise'}" if own else _REPAIRS[message],
+        repair=f"write `{own}`{'' if len(outside) == 1 else ', and the others likewise'}"
+        if own
+        else describe_project_path(here.values(), source)
+        if here
+        else _REPAIRS[message],
         files=list(gap.files.values()),
         amount=format_count(len(gap.files), "mesh file"),
         path=format_path(path),
@@ -176,6 +185,22 @@ def _build_finding(
         hint=hint,
         folder=format_path(gap.folder or path.parent),
     )
+
+
+def _find_files_here(gap: _MissingFiles, source: Source) -> dict[str, Path]:
+    """Return for each path the file that it means in the model's own project, where a package elsewhere has its name.
+
+    Empty unless all are there, or the model is in that package itself.
+    """
+    found = {use.resource.text: find_in_project(use, source) for use in gap.uses if use.resource.package}
+    here = {text: path for text, path in found.items() if path is not None}
+    return here if source.package is None and len(here) == len(gap.files) else {}
+
+
+def _describe_other_package(package: Package, here: Mapping[str, Path], source: Source) -> str:
+    folders = dict.fromkeys(format_path_from_model(path.parent, source) for path in here.values())
+    what = "the file" if len(here) == 1 else "the files"
+    return f"; the package {package.name} that is found is another project, and this one has {what} in {join_names(folders, 2)}"
 
 
 def _find_outside(gap: _MissingFiles, source: Source) -> dict[ResourceUse, Path]:

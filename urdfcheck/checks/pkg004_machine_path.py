@@ -134,13 +134,24 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
     if len(paths) == len(portable):
         others = ", and the others likewise" if len(set(paths)) > 1 else ""
         return f"write `{paths[0]}`{others}: {'the file is there' if source.package is None else 'the package has the file'}"
-    repair = "move the file into the model's package and write `package://PACKAGE/meshes/FILE`"
+    repair = f"move the file into the model's package and write `{_format_future_path(place.uses, source)}`"
     namesakes = _list_namesakes(place.uses, source)
     if namesakes and source.package is not None:
         others = ", and the others likewise" if len(namesakes) > 1 else ""
         own = f"package://{source.package.name}/{namesakes[0]}"
         repair = f"if {namesakes[0]} of the package is the file that is meant, write `{own}`{others}; else {repair}"
     return f"{repair}; if you trust the place, allow its folder: --allow-read DIR" if message == "unread" else repair
+
+
+def _format_future_path(uses: Sequence[ResourceUse], source: Source) -> str:
+    """Return the package path of a file once it is in the model's package: as the typed path has it behind the package's name."""
+    path, package = uses[0].resource.path, source.package
+    if path is None or package is None or len({use.resource.text for use in uses}) > 1:
+        return "package://PACKAGE/meshes/FILE"
+    parts = path.as_posix().replace("\\", "/").split("/")
+    before = [index for index, part in enumerate(parts[:-1]) if part == package.name]
+    inside = "/".join(parts[before[-1] + 1 :]) if before else f"meshes/{parts[-1]}"
+    return f"package://{package.name}/{inside}"
 
 
 def _propose_edits(place: _MachinePath, source: Source) -> list[Edit]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path, PurePosixPath
@@ -19,6 +19,7 @@ from urdfcheck.source.package.package_folders import read_manifest_name
 from urdfcheck.source.package.references import (
     PackageMention,
     iter_package_files,
+    iter_started_packages,
     mentions_package,
     read_package_contents,
 )
@@ -74,13 +75,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for mention in read_package_contents(package).mentions:
         if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
             undeclared.setdefault(mention.package, []).append(mention)
-    covered = _collect_dependencies(package, package.dependencies) if undeclared else set()
-    parts = tuple(prefix for name in package.dependencies for prefix in _PARTS_OF.get(name, (f"{name}_",)))
-    missing = {
-        name: uses
-        for name, uses in sorted(undeclared.items())
-        if name not in covered and not name.startswith(parts) and _needs_declaration(name, uses, package)
-    }
+    missing = _select_missing(package, undeclared) if undeclared else {}
     _drop_stray_uses(package, missing)
     homes = {name: _find_home(package, name, uses) for name, uses in missing.items()}
     for name, home in homes.items():
@@ -108,8 +103,43 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
             package, rule, root, file, message="alternatives", missing={name: missing.pop(name) for name in chosen}
         )
     if missing:
+        missing |= _select_missing(package, _collect_started(package, declared | homes.keys()))
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
+
+
+def _select_missing(
+    package: Package, undeclared: Mapping[str, list[PackageMention]]
+) -> dict[str, list[PackageMention]]:
+    """Return the undeclared packages that no declared one brings and that must be declared."""
+    covered = _collect_dependencies(package, package.dependencies)
+    parts = tuple(prefix for name in package.dependencies for prefix in _PARTS_OF.get(name, (f"{name}_",)))
+    return {
+        name: uses
+        for name, uses in sorted(undeclared.items())
+        if name not in covered and not name.startswith(parts) and _needs_declaration(name, uses, package)
+    }
+
+
+def _collect_started(package: Package, declared: Collection[str]) -> dict[str, list[PackageMention]]:
+    """Return the known packages of programs that launch files start: a list of what is missing has them too.
+
+    By themselves they are not reported: many packages of robots leave them to the user.
+    """
+    started: dict[str, list[PackageMention]] = {}
+    for mention in iter_started_packages(package):
+        if mention.package not in declared and not _is_aside(mention, package):
+            started.setdefault(mention.package, []).append(mention)
+    return {name: uses for name, uses in started.items() if _is_known(package, name) and not _is_above(package, name)}
+
+
+def _is_above(package: Package, name: str) -> bool:
+    """Whether another package needs this one, or is named as if it did."""
+    return (
+        package.name in _collect_dependencies(package, [name])
+        or _uses_files_of(package, name)
+        or _is_probably_above(package, name)
+    )
 
 
 def _build_finding(

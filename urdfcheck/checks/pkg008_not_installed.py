@@ -14,6 +14,7 @@ from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.package.installed_files import InstalledFiles
 from urdfcheck.source.package.installed_folders import read_install_rules
+from urdfcheck.source.package.package_folders import list_subfolders
 from urdfcheck.source.package.references import PackageMention, iter_package_files, iter_package_mentions
 
 # The launch files of ROS 1.
@@ -42,9 +43,36 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         folders=folders,
         listed=join_names(folders),
         spaced=" ".join(folders),
+        repair=_describe_python_repair(package, folders),
         example=f"{folders[0]}{missing[folders[0]][0].subpath.lstrip('/')[len(folders[0]) :]}",
     )
     yield replace(finding, subjects=tuple(f"package[{package.name}]/install[{name}]" for name in folders))
+
+
+def _describe_python_repair(package: Package, folders: Iterable[str]) -> str:
+    """Return what to write in setup.py for folders of data, and how to start what is in a folder with a Python package.
+
+    ``glob('X/*')`` would name folders in X too, with which ``data_files`` stops the build.
+    """
+    modules = [name for name in folders if (package.path / name / "__init__.py").is_file()]
+    data = [name for name in folders if name not in modules]
+    repairs = []
+    if data:
+        folder = package.path / data[0]
+        below = [inner for inner in list_subfolders(folder) if inner.name != "__pycache__"]
+        # Python makes a folder in one with modules as soon as it runs them.
+        is_deep = bool(below) or any(folder.glob("*.py"))
+        files = f"glob('{data[0]}/*{'.*' if is_deep else ''}')"
+        each = " a line for each folder" if len(data) > 1 else ""
+        others = ", and a line for each of its subfolders that is read" if below else ""
+        repairs.append(
+            f"add to data_files{each}: `(os.path.join('share', package_name, '{data[0]}'), {files})`{others}"
+        )
+    if modules:
+        repairs.append(
+            f"start what is in {join_names(modules)} by its name in console_scripts: a Python package is not in share"
+        )
+    return "; ".join(repairs)
 
 
 def _collect_missing_folders(package: Package, installed: InstalledFiles) -> dict[str, list[PackageMention]]:

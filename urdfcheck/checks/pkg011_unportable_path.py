@@ -88,7 +88,7 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         at=at,
         related=[use for use in others if use.attribute.span != at.attribute.span],
         edits={edit.span: edit for edit in edits}.values(),
-        severity=Severity.ERROR if lost else None,
+        severity=Severity.ERROR if lost else _get_severity(problem),
         file=files[0],
         files=files,
         part=problem.part,
@@ -99,6 +99,12 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         more=f", and {join_names(files[1:], 2)}" if len(files) > 1 else "",
         lost="; the file exists but is not found under this name" if exists else "",
     )
+
+
+def _get_severity(problem: _PathProblem) -> Severity | None:
+    """Return the severity of paths that are found or may be: letters of a file that is found are a note about other machines."""
+    is_found = all(use.resource.exists for use in problem.uses)
+    return Severity.INFO if problem.message == "letters" and is_found else None
 
 
 def _propose_edits(use: ResourceUse) -> tuple[Edit, ...]:

@@ -33,6 +33,7 @@ from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.usage import (
+    ARGUMENT,
     Condition,
     collect_called_macros,
     collect_macros,
@@ -49,6 +50,7 @@ _LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
 # So many files that define the macro that is called are named in place of a missing one.
 _MOST_PROPOSED = 3
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
+_CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
 # What is proposed for a missing file if nothing explains it.
 _PATH_REPAIR = "correct the path; a relative path starts at the folder of the file that contains it"
 
@@ -328,7 +330,10 @@ def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
     near = find_nearest_name(path.name, beside)
     if defining and near not in defining:
         return f" (did you mean {' or '.join(map(repr, defining[:_MOST_PROPOSED]))}?)"
-    return f" (did you mean {near!r}?)" if near and (near in defining or not unknown or not defined.get(near)) else ""
+    if near and (near in defining or not unknown or not defined.get(near)):
+        return f" (did you mean {near!r}?)"
+    alike = [name for name in beside if Path(name).suffix == path.suffix and not defined.get(name)]
+    return f" (the only other {path.suffix} file there is {alike[0]!r})" if path.suffix and len(alike) == 1 else ""
 
 
 def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _FailureReport | None:
@@ -390,7 +395,19 @@ def _explain_missing_key(failure: _ExpansionFailure, match: re.Match[str]) -> _F
 
 
 def _explain_bad_condition(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
-    return _build_report(failure, "condition", typed=match.group(1), value=match.group(2))
+    typed, value = match.groups()
+    data: dict[str, Any] = {"typed": typed, "value": value}
+    named = ARGUMENT.fullmatch(typed.strip())
+    if named is None:
+        return _build_report(failure, "condition", repair=_CONDITION_REPAIR, **data)
+    # The condition is as conditions are: what the argument has is neither.
+    declared = [e for e in iter_elements_by_tag(failure.source.trees, "xacro:arg") if e.get("name") == named[1]]
+    defaults = tuple(e.attributes["default"].location for e in declared if e.get("default") == value)
+    repair = f"give {named[1]} the value true or false"
+    if defaults:
+        lines = " and ".join(str(place.span.line) for place in defaults if place.span is not None)
+        repair = f"write true or false as the default of {named[1]} (line {lines})"
+    return _build_report(failure, "condition", extra=defaults, repair=f"{repair}, or compare it here", **data)
 
 
 def _explain_environment(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:

@@ -9,7 +9,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.uses_elsewhere import collect_outside_mentions, has_unseen_includes
-from urdfcheck.source.xacro.usage import Macro, collect_called_macros, collect_macros
+from urdfcheck.source.xacro.usage import Macro, collect_called_macros, collect_macros, find_unprefixed_tags
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -35,7 +35,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _find_uncalled_macros(source: Source) -> list[Macro]:
     """Return the macros that no file calls; nothing if a file computes the name of the macro that it calls."""
-    called = collect_called_macros(source.trees)
+    # A call that only lacks its prefix is meant as one (XAC007).
+    unprefixed = {call.tag for call in find_unprefixed_tags(source.trees, only_calls=True)}
+    called = collect_called_macros(source.trees) | unprefixed
     uncalled = [m for name, m in collect_macros(select_own_trees(source)).items() if name and name not in called]
     if not uncalled or any("$" in name for name in called):
         return []

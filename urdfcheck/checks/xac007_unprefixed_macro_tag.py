@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.core.text import format_repetition, join_names
+from urdfcheck.core.text import format_count, format_repetition, join_names
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls
 from urdfcheck.source.text.xml import Element, SourceFile
-from urdfcheck.source.xacro.usage import collect_uncalled_links, find_unprefixed_tags
+from urdfcheck.source.xacro.usage import (
+    collect_macros,
+    collect_read_arguments,
+    collect_uncalled_links,
+    find_unprefixed_tags,
+    iter_elements_by_tag,
+)
 
 # At most so many tags of one file are listed, and renamed by one fix.
 _MAX_EDITED = 500
@@ -23,45 +30,119 @@ WITHOUT_LINKS = {
     "mujoco": "creates an empty model",
     "drake": "creates an empty model",
 }
+# What programs do with an <inertial> that has a call in the place of its <inertia>.
+WITHOUT_INERTIA = {
+    "urdfdom": "drops the inertial, and with it every visual and collision of the link",
+    "mujoco": "refuses the file: an <inertial> lacks its <inertia>",
+}
+
+
+# Tags that only give a name a value.
+_VALUE_TAGS = frozenset({"property", "arg"})
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     own_trees = select_own_trees(source)
     left_over = _find_places_in_robot(source)
-    # The links of a robot without links are in the macros that it does not call.
-    explained = [f"KIN007 {source.root.subject}"] if source.root and has_unprefixed_calls(source, source.root) else []
-    explained += _list_joints_to_uncalled_links(source)
     by_file: dict[str, list[Element]] = {}
     for element in find_unprefixed_tags(source.trees):
         span = element.span
         if span is not None and (span.file in own_trees or (span.file, span.start) in left_over):
             by_file.setdefault(span.file, []).append(element)
-    for name, elements in by_file.items():
-        tags = list(dict.fromkeys(e.tag for e in elements))
+    explained = _list_explained(source) if by_file and source.is_xacro else []
+    for name, found in by_file.items():
+        message, severity = _find_message(source, found)
+        elements = _sort_by_weight(source, found)
+        tags = Counter(e.tag for e in elements)
         finding = rule.finding(
-            "unprefixed" if source.is_xacro else "plain",
+            message,
             at=elements[0],
             related=elements[1:_MAX_EDITED],
             edits=_propose_edits(elements, source.trees[name], source.files[name]) if source.is_xacro else [],
-            severity=None if source.is_xacro else Severity.WARNING,
+            severity=severity,
             tag=elements[0].tag,
-            tags=tags,
-            listed=join_names(f"<{tag}>" for tag in tags),
-            times=format_repetition(len(elements)),
+            tags=list(tags),
+            others="" if len(tags) == 1 else f" and {format_count(len(tags) - 1, 'other tag')}",
+            lack="lacks" if len(tags) == 1 else "lack",
+            listed=join_names(f"<{tag}>{format_repetition(times)}" for tag, times in tags.items()),
+            times=format_repetition(len(elements)) if len(tags) == 1 else "",
             explains=explained,
-            consequences=WITHOUT_LINKS if explained and source.root and not source.root.find_children("link") else {},
+            consequences=_describe_consequences(source, elements),
         )
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
 
 
-def _list_joints_to_uncalled_links(source: Source) -> list[str]:
-    """Return the joints of which all missing links are those that the calls would make, as claims of what explains KIN002."""
-    if source.root is None or not source.is_xacro:
+def _find_message(source: Source, elements: Sequence[Element]) -> tuple[str, Severity | None]:
+    """Return the message about the tags of a file, and its severity where that is not the rule's.
+
+    A model that is expanded has every value that it reads: a value that lacks the prefix takes no link from it.
+    """
+    if not source.is_xacro:
+        return "plain", Severity.WARNING
+    if source.root is None:
+        return "halted", None
+    if any(e.tag not in _VALUE_TAGS for e in elements):
+        return "unprefixed", None
+    is_dead = all(_is_dead(source, element) for element in elements)
+    return ("dead", Severity.INFO) if is_dead else ("value", Severity.WARNING)
+
+
+def _is_dead(source: Source, element: Element) -> bool:
+    """Whether a value without the prefix changes nothing: nothing reads the name, or it has that value from elsewhere."""
+    name, key = element.get("name"), "value" if element.tag == "property" else "default"
+    read = collect_read_arguments(source.trees)
+    others = [e for e in iter_elements_by_tag(source.trees, f"xacro:{element.tag}") if e.get("name") == name]
+    return name not in read or (bool(others) and all(e.get(key) == element.get(key) for e in others))
+
+
+def _sort_by_weight(source: Source, elements: Sequence[Element]) -> list[Element]:
+    """Return elements in the order of what the robot misses: calls that make links or joints, what else makes something,
+    values."""
+    macros = collect_macros(source.trees)
+
+    def weigh(element: Element) -> int:
+        macro = macros.get(element.tag)
+        if macro is not None and any(made.tag in {"link", "joint"} for made in macro.element.walk()):
+            return 0
+        return 2 if element.tag in _VALUE_TAGS else 1
+
+    return sorted(elements, key=weigh)
+
+
+def _describe_consequences(source: Source, elements: Sequence[Element]) -> dict[str, str]:
+    """Return what programs do with the robot, where that is not what they do with an element that they do not know."""
+    root = source.root
+    if root is None:
+        return {}
+    if has_unprefixed_calls(source, root) and not root.find_children("link"):
+        return WITHOUT_LINKS
+    places = {(e.span.file, e.span.start) for e in elements if e.span is not None}
+    without = (e for e in root.walk() if e.tag == "inertial" and e.find_child("inertia") is None)
+    if any(c.span is not None and (c.span.file, c.span.start) in places for e in without for c in e.children):
+        return WITHOUT_INERTIA
+    return {}
+
+
+def _list_explained(source: Source) -> list[str]:
+    """Return what follows from the tags, as claims of the findings that they explain."""
+    root = source.root
+    if root is None:
         return []
-    made = collect_uncalled_links(source.trees, source.root)
-    links = {link.get("name") for link in source.root.find_children("link")}
+    # The links of a robot without links are in the macros that it does not call, and so is its mass.
+    explained = [
+        f"{code} {root.subject}" for code in ("KIN007", "INR015", "INR001") if has_unprefixed_calls(source, root)
+    ]
+    made = collect_uncalled_links(source.trees, root)
+    explained += _list_joints_to(made, root)
+    blocks = (block for block in root.find_children("gazebo") if block.get("reference") in made)
+    return explained + [f"GZB001 {block.subject}" for block in blocks]
+
+
+def _list_joints_to(made: set[str], root: Element) -> list[str]:
+    """Return the joints of which all missing links are those that the calls would make, as claims of what explains KIN002."""
+    links = {link.get("name") for link in root.find_children("link")}
     explained: list[str] = []
-    for joint in source.root.find_children("joint") if made else ():
+    for joint in root.find_children("joint") if made else ():
         ends = (joint.find_child(tag) for tag in ("parent", "child"))
         missing = {end.get("link") for end in ends if end is not None} - links
         if missing and missing <= made:

@@ -78,7 +78,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             if _is_unknown_element(parent.tag, child):
                 unknown.setdefault((parent.tag, child.tag), []).append(child)
     for (parent_tag, tag), places in unknown.items():
-        verdict = _classify_element(parent_tag, places)
+        verdict = _classify_element(parent_tag, places, model)
         if verdict is None:
             continue
         message, severity, data = verdict
@@ -231,7 +231,7 @@ def _is_unknown_element(parent: str, child: Element) -> bool:
     return child.tag not in known and ":" not in child.tag and child.tag not in _XACRO
 
 
-def _classify_element(parent: str, places: list[Element]) -> tuple[str, Severity, dict[str, Any]] | None:
+def _classify_element(parent: str, places: list[Element], model: Model) -> tuple[str, Severity, dict[str, Any]] | None:
     """Return the message, its severity and its data for an unknown element, or None for an extension."""
     child = places[0]
     near = guess_element_tag(parent, child)
@@ -245,6 +245,8 @@ def _classify_element(parent: str, places: list[Element]) -> tuple[str, Severity
             repair = "delete it: it is empty"
         elif held and all(_has_in_all(place.parent, held, child.tag) for place in places):
             repair = f"delete it: {_list_tags(held)} beside it {_AGREE[len(held) > 1]} own"
+        elif parent == "link" and all(_repeats_joint(place, model) for place in places):
+            repair = "delete it: the joint that places the link has the same"
         else:
             repair = f"move it into {listed}"
         return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
@@ -269,6 +271,20 @@ def _has_in_all(around: Element | None, homes: list[str], tag: str) -> bool:
     """Whether an element holds each of these homes, and each has a child of this tag."""
     found = [[] if around is None else around.find_children(home) for home in homes]
     return all(inner and all(one.find_child(tag) is not None for one in inner) for inner in found)
+
+
+def _repeats_joint(place: Element, model: Model) -> bool:
+    """Whether an element in a link has the numbers of that of its tag in the joint above the link: it was typed twice."""
+    above = [j for j in model.joints if place.parent is not None and j.child == place.parent.get("name")]
+    others = [other for joint in above for other in joint.element.find_children(place.tag)]
+    return any(_read_numbers(other) == _read_numbers(place) for other in others)
+
+
+def _read_numbers(element: Element) -> dict[str, list[float | None]]:
+    """Return the numbers of each attribute; those of an origin that it lacks are zeros."""
+    missing = {"xyz": "0 0 0", "rpy": "0 0 0"} if element.tag == "origin" else {}
+    typed = {name: attribute.value for name, attribute in element.attributes.items()}
+    return {name: [parse_number(word) for word in value.split()] for name, value in (missing | typed).items()}
 
 
 def _describe_sdf_repair(parent: str, places: list[Element]) -> str:

@@ -28,8 +28,10 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
     is_rest_empty = not _is_empty(first) and all(map(_is_empty, same[1:]))
     message = "identical" if identical else "empty" if is_rest_empty else "repeated"
     message = "shapes" if element.tag == "geometry" else message
-    # urdfdom reads only the first: deleting the others changes nothing there.
-    removed = same[1:] if message == "empty" or identical else []
+    # urdfdom reads only the first: deleting the others changes nothing there. Of equal ones the innermost macro's is kept, for
+    # other calls may have no other.
+    kept = max(same, key=lambda one: len(one.via)) if identical else first
+    removed = [one for one in same if one is not kept] if message == "empty" or identical else []
     edits = [edit for other in removed for edit in build_removal_edits(other, model.source.files)]
     return rule.finding(
         message,

@@ -229,7 +229,12 @@ def _join_fixes(ordered: Sequence[Finding]) -> Fix | None:
     if _has_overlap(edits):
         return fixes[0]
     title = fixes[0].title
-    if len({fix.title for fix in fixes}) > 1:
+    firsts: dict[str, str] = {}
+    for fix in fixes:  # `move it …` is not `delete it …`
+        firsts.setdefault(fix.title.partition(" ")[0], fix.title)
+    if len(firsts) > 1:
+        title = "; elsewhere ".join(firsts.values())
+    elif len({fix.title for fix in fixes}) > 1:
         title += (
             "; the other place likewise" if len(ordered) == 2 else f"; the other {len(ordered) - 1} places likewise"
         )

@@ -67,16 +67,24 @@ def _describe_new_finding(previous: Run, current: Run, fixed: Sequence[Finding])
     )
     new_models = (_list_readable(current) & _list_unread(previous)) | (current.unit_ids - previous.unit_ids)
     uncovered = _list_uncovered(previous, current, fixed)
+    grown = _list_grown(previous, current, fixed)
     for finding in iter_occurrences(current.findings):
         if finding.suppressed or finding.is_about_urdfcheck or finding.severity <= Severity.INFO:
             continue
         for model in finding.subjects_by_model:
             key = model, finding.code, finding.message_id
-            if model in new_models or key[:2] in uncovered:
+            if model in new_models or key[:2] in uncovered or (model in grown and finding.severity < Severity.ERROR):
                 continue
             if after[key] > before[key] - gone[key]:
                 return f"it would bring {finding.code} for {finding.subjects[0]}: {finding.message}"
     return ""
+
+
+def _list_grown(previous: Run, current: Run, fixed: Iterable[Finding]) -> set[str]:
+    """Return the models that gained links or joints by the fix of an error: what is wrong with these was not seen before."""
+    sizes = {model.id: model.links + model.joints for model in previous.models}
+    mended = {model for finding in fixed if finding.severity is Severity.ERROR for model in finding.subjects_by_model}
+    return {m.id for m in current.models if m.id in mended and m.links + m.joints > sizes.get(m.id, 0)}
 
 
 def _list_uncovered(previous: Run, current: Run, fixed: Iterable[Finding]) -> set[tuple[str, str]]:

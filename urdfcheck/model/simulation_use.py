@@ -13,6 +13,7 @@ from urdfcheck.model.robot import Model
 from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names
 
 # Elements of a robot that only simulators read.
 _ELEMENTS = ("gazebo", "mujoco")
@@ -27,6 +28,8 @@ _SIMULATOR = re.compile(
 # How launch files, scripts and manifests name Gazebo Classic, and its successor.
 _CLASSIC = re.compile(r"\bgazebo_ros\b|\bgzserver\b")
 _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control)")
+# The names of plugins and of hardware of the new Gazebo.
+_NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
 _REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
 
 
@@ -73,6 +76,40 @@ def starts_classic(model: Model) -> bool:
     names its successor."""
     texts = [_drop_comments(text) for text in _read_project_texts(model)]
     return any(map(_CLASSIC.search, texts)) and not any(map(_SUCCESSOR.search, texts))
+
+
+def has_successor_branch(model: Model, element: Element) -> bool:
+    """Whether other arguments of the model load a plugin of the new Gazebo instead of an element, which is of Classic.
+
+    Both are under conditions that read one name, and this robot lacks the plugin.
+    """
+    read = _collect_condition_names(model, element)
+    here = {_get_place(other) for other in model.robot.walk() if other.tag == "plugin"} if read else set()
+    others = (e for tree in model.source.trees.values() for e in tree.walk() if e.tag == "plugin")
+    return bool(read) and any(
+        _NEW_PLUGIN.match(other.get("filename") or other.text.strip()) is not None
+        and _get_place(other) not in here
+        and bool(read & _collect_condition_names(model, other))
+        for other in others
+    )
+
+
+def _collect_condition_names(model: Model, element: Element) -> set[str]:
+    """Collect what the conditions around an element read, where it is typed."""
+    place = _get_place(element)
+    tree = None if place is None else model.source.trees.get(place[0])
+    typed = None if tree is None else next((e for e in tree.walk() if _get_place(e) == place), None)
+    names: set[str] = set()
+    while typed is not None:
+        if typed.tag in {"xacro:if", "xacro:unless"}:
+            value = typed.get("value")
+            names |= find_expression_names(value) | {*ARGUMENT.findall(value)}
+        typed = typed.parent
+    return names
+
+
+def _get_place(element: Element) -> tuple[str, int] | None:
+    return None if element.span is None else (element.span.file, element.span.start)
 
 
 def _read_project_texts(model: Model) -> Iterator[str]:

@@ -36,13 +36,14 @@ class CheckClient:
         self.options = options
         self.process: asyncio.subprocess.Process | None = None
         self.deaths = 0
+        self.is_ended = False
         self.can_be_interrupted = False
         self._lock = asyncio.Lock()
 
     @property
     def can_start(self) -> bool:
         """Whether the next job starts a process again if this one has died."""
-        return self.deaths < _MOST_DEATHS
+        return self.deaths < _MOST_DEATHS and not self.is_ended
 
     async def start(self) -> None:
         """Start the process, which loads its libraries while there is nothing to do."""
@@ -98,6 +99,11 @@ class CheckClient:
         if self.process is not None and self.process.returncode is None and self.can_be_interrupted:
             with contextlib.suppress(ProcessLookupError):
                 self.process.send_signal(signal.SIGINT)
+
+    async def end(self) -> None:
+        """End the process, and start no other."""
+        self.is_ended = True
+        await self.stop()
 
     async def stop(self) -> None:
         """End the process."""

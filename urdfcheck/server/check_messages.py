@@ -29,6 +29,8 @@ class CheckJob:
     """Real path → content of each open document."""
     tier: str | None = None
     """How much is computed; None: the configuration decides."""
+    index: bool = False
+    """Whether the indexes of the models are wanted, which takes a fifth of the time of the source tier."""
     forgets: bool = False
     """Whether files appeared or disappeared, so that nothing of earlier runs may be reused."""
     fixes: bool = False

@@ -22,6 +22,7 @@ from pathlib import Path
 from types import FrameType
 from typing import BinaryIO
 
+from urdfcheck.api import ask_engines
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.fix.fixer import compute_fixes
 from urdfcheck.rules import load_rules
@@ -149,6 +150,8 @@ class _CheckProcess:
         outcome = audited.outcome
         if outcome.partial:
             raise KeyboardInterrupt
+        if job.tier is None:
+            outcome = ask_engines(audited)
         self.kept[folder, job.tier] = audited
         for oldest in list(self.kept)[:-_MOST_KEPT]:
             del self.kept[oldest]
@@ -177,7 +180,7 @@ class _CheckProcess:
 
     def _make_request(self, paths: tuple[str, ...], job: CheckJob, *, tier: str | None) -> Request:
         request, _ = make_request(replace(self.options, paths=paths, tier=tier or self.options.tier))
-        return replace(request, options=replace(request.options, texts=job.texts, index=not job.fixes))
+        return replace(request, options=replace(request.options, texts=job.texts, index=job.index))
 
 
 def _group_by_project(paths: tuple[str, ...]) -> Mapping[str, tuple[str, ...]]:

@@ -50,6 +50,7 @@ class CheckSchedule:
         self._waiting: set[str | None] = set()
         self._running: str | None = ""  # the tier; empty where nothing runs
         self._forgets = False
+        self._indexed: Mapping[str, str] = {}  # the texts of the indexes, by real path
         self._tasks: set[asyncio.Task[None]] = set()
         self._answered = asyncio.Event()
         self._at_rest = asyncio.Event()
@@ -82,9 +83,9 @@ class CheckSchedule:
         await self._at_rest.wait()
 
     async def wait_until_known(self, document: OpenDocument) -> None:
-        """Wait until a document was checked once, but not for ever: an editor that has just opened it asks only once."""
+        """Wait until a document was indexed once, but not for ever: an editor that has just opened it asks only once."""
         with contextlib.suppress(asyncio.TimeoutError):
-            while self.latest is None or document.real not in self.latest.texts:
+            while not self.problem and document.real not in self._indexed:
                 await asyncio.wait_for(self._answered.wait(), PATIENCE)
 
     async def find_fixes(self, only: OpenDocument) -> CheckAnswer:
@@ -128,34 +129,53 @@ class CheckSchedule:
 
     async def _run(self, tier: str | None) -> None:
         texts = {document.real: document.text for document in self.documents.by_uri.values()}
+        # While one types, the places of the last index are moved with the text; a new document has none yet.
+        has_index = tier is None or not self._indexed.keys() >= texts.keys()
+        job = self._make_job(tier, list_checked_paths(self.documents), has_index=has_index)
         try:
-            answer = await self.client.run_job(self._make_job(tier, list_checked_paths(self.documents)))
+            answer = await self.client.run_job(job)
         except CheckProcessError as error:
+            if self.client.is_ended:
+                return
             self.problem = str(error)
+            self._note_answer()
             self.on_change()
             if self.client.can_start:
                 self._waiting.add(tier)
         else:
             self.problem = ""
-            self._take_answer(answer, tier, texts)
+            self._take_answer(answer, job, texts)
         finally:
             self._running = ""
             self._start_next()
 
-    def _take_answer(self, answer: CheckAnswer, tier: str | None, texts: Mapping[str, str]) -> None:
+    def _take_answer(self, answer: CheckAnswer, job: CheckJob, texts: Mapping[str, str]) -> None:
         if answer.is_cancelled:
-            if tier not in self._timers:  # the interrupt was meant for the job before it
-                self._waiting.add(tier)
+            if job.tier not in self._timers:  # the interrupt was meant for the job before it
+                self._waiting.add(job.tier)
             return
         self.latest = CheckedState(answer=answer, texts=texts)
-        self.indexes.take_answer(answer, texts)
-        self._answered.set()
-        self._answered = asyncio.Event()
-        if tier is None:
+        if job.tier is None:
             self.complete = self.latest
+        if job.index:
+            self._indexed = texts
+            self.indexes.take_answer(answer, texts)
+            self._note_answer()
+        self.documents.sources = {
+            os.path.realpath(name): text
+            for state in reversed(self.states)
+            for project in state.answer.projects
+            for name, text in project.sources.items()
+        }
         self.on_change()
 
-    def _make_job(self, tier: str | None, paths: list[str], *, fixes: bool = False) -> CheckJob:
+    def _note_answer(self) -> None:
+        self._answered.set()
+        self._answered = asyncio.Event()
+
+    def _make_job(
+        self, tier: str | None, paths: list[str], *, has_index: bool = False, fixes: bool = False
+    ) -> CheckJob:
         self._numbers += 1
         forgets, self._forgets = self._forgets, False
         return CheckJob(
@@ -164,6 +184,7 @@ class CheckSchedule:
             paths=tuple(paths),
             texts={document.real: document.encode() for document in self.documents.by_uri.values()},
             tier=tier,
+            index=has_index,
             forgets=forgets,
             fixes=fixes,
         )

@@ -80,7 +80,7 @@ def _build_edits(fix: Fix, state: CheckedState, documents: DocumentStore) -> lis
     for edit in fix.edits:
         positions = documents.find_text(edit.span.file)
         place = state.move_span(edit.span)
-        if place is None or positions.text[place[0] : place[1]] != edit.expected:
+        if positions is None or place is None or positions.text[place[0] : place[1]] != edit.expected:
             return None
         try:
             editable.ensure_editable(Path(edit.span.file))
@@ -118,7 +118,7 @@ def make_fix_all(answer: CheckAnswer, documents: DocumentStore) -> types.CodeAct
     for path, (before, after) in answer.changes.items():
         positions = documents.find_text(path)
         old, new = _decode(path, before), _decode(path, after)
-        if positions.text != old:  # it was edited meanwhile
+        if positions is None or positions.text != old:  # it was edited meanwhile
             return None
         edits += [(path, edit) for edit in _iter_differences(positions, new)]
     if not edits:

@@ -74,7 +74,7 @@ def show_findings(states: Iterable[CheckedState], documents: DocumentStore) -> d
     seen: set[tuple[str, str, str, int, int]] = set()
     for age, state in enumerate(states):
         state.renew_shifts(documents)
-        positions: dict[str, TextPositions] = {}
+        positions: dict[str, TextPositions | None] = {}
         for project in state.answer.projects:
             for finding in iter_occurrences(project.findings):
                 if age and finding.code not in state.answer.deep_codes:
@@ -84,7 +84,7 @@ def show_findings(states: Iterable[CheckedState], documents: DocumentStore) -> d
                     continue
                 if name not in positions:
                     positions[name] = documents.find_text(name)
-                range_ = positions[name].make_range(*offsets)
+                range_ = _make_range(finding.location.span, offsets, positions[name], documents)
                 uri = documents.find_uri(name)
                 diagnostic = _make_diagnostic(finding, range_, documents)
                 key = (uri, finding.code, diagnostic.message, *offsets)
@@ -94,6 +94,15 @@ def show_findings(states: Iterable[CheckedState], documents: DocumentStore) -> d
                         ShownFinding(finding=finding, range=range_, diagnostic=diagnostic, state=state)
                     )
     return shown
+
+
+def _make_range(
+    span: Span | None, offsets: tuple[int, int], positions: TextPositions | None, documents: DocumentStore
+) -> types.Range:
+    if positions is not None:
+        return positions.make_range(*offsets)
+    nowhere = types.Position(0, 0)
+    return types.Range(nowhere, nowhere) if span is None else documents.locate(span).range
 
 
 def _find_place(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from bisect import bisect_right
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from lsprotocol import types
 from pygls import uris
 
 from urdfcheck.core import NEWLINE, Span
+from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.xml import SourceFile, XmlError
 
 UTF_8, UTF_16 = types.PositionEncodingKind.Utf8, types.PositionEncodingKind.Utf16
@@ -140,10 +142,14 @@ class OpenDocument:
 class DocumentStore:
     """The open documents, and the texts of other files that answers point into."""
 
-    def __init__(self) -> None:
+    def __init__(self, folders: Iterable[Path] = ()) -> None:
+        """``folders``: those that the command line names, whose files may be read."""
         self.encoding: types.PositionEncodingKind | str = UTF_16
         self.has_versioned_edits = False
         self.by_uri: dict[str, OpenDocument] = {}
+        self.sources: Mapping[str, str] = {}
+        """Real path → text of the files with findings, as they were checked."""
+        self._folders = tuple(folders)
         self._files: dict[str, tuple[tuple[int, int] | None, TextPositions]] = {}
 
     def open(self, uri: str, text: str, version: int | None) -> OpenDocument | None:
@@ -168,28 +174,42 @@ class DocumentStore:
         document = self.find_open(name)
         return uris.from_fs_path(os.path.abspath(name)) or "" if document is None else document.uri
 
-    def find_text(self, name: str) -> TextPositions:
-        """Return the present text of a file: the editor's, or that on the disk; an empty one if it cannot be read."""
+    def find_text(self, name: str) -> TextPositions | None:
+        """Return the present text of a file: the editor's, or that on the disk; None if it cannot or must not be read."""
         document = self.find_open(name)
         if document is not None:
             return TextPositions(document.text, self.encoding)
+        real = os.path.realpath(name)
+        if real in self.sources:
+            return self._keep(real, None, self.sources[real])
         try:
-            status = os.stat(name)
+            status = os.stat(real)
             stamp = status.st_size, status.st_mtime_ns
-        except OSError:
-            return TextPositions("", self.encoding)
-        known = self._files.get(name)
-        if known is not None and known[0] == stamp:
-            return known[1]
-        try:
-            text = SourceFile.read(Path(name), name).text
+            known = self._files.get(real)
+            if known is not None and known[0] == stamp:
+                return known[1]
+            reach = FileReach.from_paths([Path(open_one.path) for open_one in self.by_uri.values()], self._folders)
+            return (
+                self._keep(real, stamp, SourceFile.read(Path(real), name).text) if reach.can_open(Path(real)) else None
+            )
         except (OSError, XmlError):
-            text = ""
+            return None
+
+    def _keep(self, real: str, stamp: tuple[int, int] | None, text: str) -> TextPositions:
+        known = self._files.get(real)
+        if known is not None and known[0] == stamp and known[1].text is text:
+            return known[1]
         while len(self._files) >= _MOST_FILES:
             del self._files[next(iter(self._files))]
-        self._files[name] = stamp, TextPositions(text, self.encoding)
-        return self._files[name][1]
+        self._files[real] = stamp, TextPositions(text, self.encoding)
+        return self._files[real][1]
 
     def locate(self, span: Span) -> types.Location:
-        """Return the place of a span in the present text of its file."""
-        return types.Location(self.find_uri(span.file), self.find_text(span.file).make_line_range(span))
+        """Return the place of a span in the present text of its file; of a text that is not known, by its code points."""
+        positions = self.find_text(span.file)
+        if positions is not None:
+            return types.Location(self.find_uri(span.file), positions.make_line_range(span))
+        start, end = (
+            types.Position(line - 1, col - 1) for line, col in ((span.line, span.col), (span.end_line, span.end_col))
+        )
+        return types.Location(self.find_uri(span.file), types.Range(start, end))

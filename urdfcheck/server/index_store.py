@@ -91,10 +91,9 @@ class IndexStore:
                 yield IndexView(model, document, shift)
 
 
-def locate_present(span: Span, model: IndexedModel, documents: DocumentStore) -> tuple[str, int, int] | None:
-    """Return the file of a span, as findings name it, and its offsets in the present text; None where that was edited."""
+def locate_present(span: Span, model: IndexedModel, documents: DocumentStore) -> tuple[int, int] | None:
+    """Return the offsets of a span in the present text of its file; None where that was edited."""
     document = documents.find_open(span.file)
     if document is None or document.real not in model.texts:
-        return span.file, span.start, span.end
-    moved = TextShift(model.texts[document.real], document.text).move(span.start, span.end)
-    return None if moved is None else (span.file, *moved)
+        return span.start, span.end
+    return TextShift(model.texts[document.real], document.text).move(span.start, span.end)

@@ -7,6 +7,7 @@ import logging
 import os
 import re
 import sys
+from pathlib import Path
 from typing import Any
 
 from lsprotocol import types
@@ -40,7 +41,8 @@ class UrdfcheckServer(LanguageServer):
 
     def __init__(self, options: RunOptions) -> None:
         super().__init__(SOURCE, f"v{__version__}", text_document_sync_kind=types.TextDocumentSyncKind.Full)
-        self.documents = DocumentStore()
+        named = (*options.packages.values(), *options.package_paths, *options.allow_read)
+        self.documents = DocumentStore(map(Path, named))
         self.client = CheckClient(options)
         self.schedule = CheckSchedule(self.client, self.documents, self.publish)
         self._published: dict[str, list[types.Diagnostic]] = {}
@@ -109,7 +111,7 @@ def _add_lifecycle(server: UrdfcheckServer) -> None:
 
     @server.feature(types.SHUTDOWN)
     async def end(*_: Any) -> None:
-        await server.client.stop()
+        await server.client.end()
 
 
 def _add_questions(server: UrdfcheckServer) -> None:

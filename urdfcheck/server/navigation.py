@@ -79,9 +79,11 @@ def _iter_definitions(model: IndexedModel, name: NamePlace) -> Iterator[Span]:
 def _locate_all(spans: Iterable[Span], model: IndexedModel, documents: DocumentStore) -> Iterator[types.Location]:
     for span in spans:
         place = locate_present(span, model, documents)
-        if place is not None:
-            name, start, end = place
-            yield types.Location(documents.find_uri(name), documents.find_text(name).make_range(start, end))
+        positions = documents.find_text(span.file)
+        if place is not None and positions is not None:
+            yield types.Location(documents.find_uri(span.file), positions.make_range(*place))
+        elif place is not None:
+            yield documents.locate(span)
 
 
 def _drop_repeated(found: Iterable[types.Location]) -> list[types.Location]:

@@ -128,6 +128,24 @@ def find_search_root(use: ResourceUse, source: Source) -> Path:
     return source.path.parent if source.package is None else source.package.path
 
 
+def get_path_in_package(text: str, package: str) -> str:
+    """Return the part of a path that follows the name of the package."""
+    return text.partition("://")[2].removeprefix(package).lstrip("/")
+
+
+def find_in_project(use: ResourceUse, source: Source) -> Path | None:
+    """Return the file that a path in a package means in the model's own project, whatever package has the name."""
+    inside = get_path_in_package(use.resource.text, use.resource.package or "")
+    paths = (folder / inside for folder in source.finder.list_parent_folders())
+    return next((path for path in paths if source.finder.can_open(path) and path.is_file()), None)
+
+
+def describe_project_path(files: Iterable[Path], source: Source) -> str:
+    """Say how programs find the files of a project that is not a package; the first of ``files`` is the example."""
+    own = format_path_from_model(next(iter(files)), source)
+    return f"write the path from this file, `{own}`, for programs without ROS; ROS needs a package.xml and its name"
+
+
 def find_above(use: ResourceUse, source: Source) -> Path | None:
     """Return the file that a path without its scheme names in the model's folder or the nearest one above it that has it.
 

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from urdfcheck.core import Span
-from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, MACRO, MATERIAL, PARAMETER, PROPERTY, NamePlace
+from urdfcheck.export.index.source_index import (
+    ARGUMENT,
+    FILE,
+    JOINT,
+    LINK,
+    MACRO,
+    MATERIAL,
+    PARAMETER,
+    PROPERTY,
+    NamePlace,
+)
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.xml import Attribute, Definition, Element
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
 from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
-from urdfcheck.source.xacro.usage import strip_namespace
+from urdfcheck.source.xacro.usage import iter_elements_by_tag, strip_namespace
 
 # The attributes that name a link or joint elsewhere.
 _REFERENCES = {
@@ -25,6 +35,8 @@ _NAMING = frozenset({"transmission", "ros2_control"})
 _WORD = re.compile(r"(?<![\w.'\"])[^\W\d]\w*")
 _STRING = re.compile(r"'[^']*'|\"[^\"]*\"")
 _ARGUMENT = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
+# What stands before the last literal part of a path.
+_BEFORE_PATH = re.compile(r".*[)}]", re.DOTALL)
 _BREAK = re.compile(r"[\r\n\t]")
 
 
@@ -32,7 +44,7 @@ def list_name_places(source: Source) -> tuple[NamePlace, ...]:
     """Return the places of all names in a model's files, each once, in no particular order."""
     places = dict.fromkeys(_iter_robot_names(source))
     if source.is_xacro:
-        places.update(dict.fromkeys(_XacroNames(source).iter_places()))
+        places.update(dict.fromkeys((*_XacroNames(source).iter_places(), *_iter_includes(source))))
     return tuple(places)
 
 
@@ -66,6 +78,16 @@ def _classify(element: Element, attribute: Attribute, names: Mapping[str, set[st
         if parent.tag in _NAMING:
             return tag, False
     return None
+
+
+def _iter_includes(source: Source) -> Iterator[NamePlace]:
+    """Yield the names of included files, where only one file that was read ends as the name does."""
+    for element in iter_elements_by_tag(source.trees, "xacro:include"):
+        filename = element.attributes.get("filename")
+        tail = "" if filename is None else _BEFORE_PATH.sub("", filename.value).lstrip("./")
+        meant = [file for name, file in source.files.items() if tail and f"/{name}".endswith(f"/{tail}")]
+        if filename is not None and filename.span is not None and len(meant) == 1:
+            yield NamePlace(FILE, meant[0].name, filename.span, False, (meant[0].make_span(0, 0),))
 
 
 class _XacroNames:
@@ -166,20 +188,22 @@ def _collect_reads(source: Source) -> Mapping[tuple[Span, str], tuple[Span, ...]
     names = {a.span: n.span for tree in source.trees.values() for a, n in _iter_property_values(tree)}
     found: dict[tuple[Span, str], dict[Span, None]] = {}
     seen: set[int] = set()
-
-    def note(place: Span | None, reads: Iterable[Definition]) -> None:
+    elements = () if source.root is None else source.root.walk()
+    waiting: list[tuple[Span | None, Sequence[Definition]]] = [
+        (attribute.span, attribute.reads)
+        for element in elements
+        for attribute in element.attributes.values()
+        if attribute.reads
+    ]
+    while waiting:
+        place, reads = waiting.pop()
         for definition in reads:
             name = names.get(definition.span)
             if place is not None and definition.kind == PROPERTY and name is not None:
                 found.setdefault((place, definition.name), {})[name] = None
             if id(definition) not in seen:
                 seen.add(id(definition))
-                note(definition.span, definition.reads)
-
-    for element in () if source.root is None else source.root.walk():
-        for attribute in element.attributes.values():
-            if attribute.reads:
-                note(attribute.span, attribute.reads)
+                waiting.append((definition.span, definition.reads))
     return {key: tuple(spans) for key, spans in found.items()}
 
 

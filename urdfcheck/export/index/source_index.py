@@ -8,6 +8,7 @@ from urdfcheck.core.findings import Span
 
 LINK, JOINT, MATERIAL = "link", "joint", "material"
 PROPERTY, PARAMETER, ARGUMENT, MACRO = "property", "parameter", "argument", "macro"
+FILE = "file"
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,7 +16,7 @@ class NamePlace:
     """A place at which a name is defined or used."""
 
     kind: str
-    """link | joint | material | property | parameter | argument | macro."""
+    """link | joint | material | property | parameter | argument | macro | file, which is an included one."""
     name: str
     span: Span
     is_definition: bool

@@ -10,13 +10,13 @@ import json
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
+from urdfcheck.facts.mesh.convex_hull import MeshHull, compute_convex_hull
 from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.mesh.topology import (
@@ -48,8 +48,6 @@ __all__ = [
     "Boundary",
     "MeshError",
     "MeshFacts",
-    "MeshHull",
-    "compute_convex_hull",
     "compute_mesh_solid",
     "measure_mesh",
     "restore_mesh_facts",
@@ -60,20 +58,10 @@ __all__ = [
 # a metre where transforms came between (a part of 0.1 m that was placed 1 m from the origin when single precision rounded
 # its corners: 1.2e-6), which is still far below any feature of a part.
 _NOISE = (1e-9, 6e-8, 1e-6, 5e-6)
+# Points processed at a time: what is computed of them stays in the processor's cache.
+_BLOCK = 4096
 # Single precision ends at 3.4028e38: programs that load meshes in it read anything beyond as infinite.
 _INFINITE = 3.4e38
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MeshHull:
-    """A convex hull; for a flat or straight mesh its bounding box, with the volume 0."""
-
-    vertices: Array
-    """(K, 3), the corners."""
-    faces: Indices
-    """(F, 3), triangles that face outwards."""
-    volume: float
-    area: float
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -217,33 +205,45 @@ class MeshFacts:
 
     @cached_property
     def _edges(self) -> Edges:
-        return classify_edges(self.faces, self.n_vertices)
+        return classify_edges(self._surface["faces"], self.n_vertices)
 
     @property
     def duplicate_faces(self) -> int:
         """Number of stored triangles with the corners of an earlier one, in either order."""
 
         def count_repeated() -> Mapping[str, NDArray[Any]]:
-            return {"count": find_repeated_faces(self.faces).sum()}
+            return {"count": find_repeated_faces(self._surface["faces"]).sum()}
 
         return self.dropped_duplicates + int(self._get_part("duplicates", count_repeated)["count"])
 
     @property
     def components(self) -> Indices:
         """Number of faces of each piece that is connected by vertices, largest first."""
-        return self._get_part("components", lambda: {"sizes": count_component_faces(self.faces, self.n_vertices)})[
-            "sizes"
-        ]
+
+        def count_faces() -> Mapping[str, NDArray[Any]]:
+            return {"sizes": count_component_faces(self._surface["faces"], self.n_vertices)}
+
+        return self._get_part("components", count_faces)["sizes"]
 
     @cached_property
     def hull(self) -> MeshHull:
+        """Exact for ordinary meshes: see `urdfcheck.facts.mesh.convex_hull.MOST_EXACT`."""
+
         def compute_hull() -> Mapping[str, NDArray[Any]]:
             hull = compute_convex_hull(self.vertices)
-            return {"vertices": hull.vertices, "faces": hull.faces, "sizes": np.array((hull.volume, hull.area))}
+            sizes = np.array((hull.volume, hull.area, hull.excess))
+            return {"vertices": hull.vertices, "faces": hull.faces, "sizes": sizes}
 
         part = self._get_part("hull", compute_hull)
-        volume, area = map(float, part["sizes"])
-        return MeshHull(vertices=part["vertices"], faces=part["faces"], volume=volume, area=area)
+        volume, area, excess = map(float, part["sizes"])
+        return MeshHull(part["vertices"], part["faces"], volume=volume, area=area, excess=excess)
+
+    def compute_reach(self, directions: Array) -> Array:
+        """Compute how far the mesh reaches (n,) from the origin in each direction (n, 3); exact, also where the hull is not."""
+        points = self.vertices if self.hull.excess else self.hull.vertices
+        blocks = (points[start : start + _BLOCK] for start in range(0, len(points), _BLOCK))
+        reach: Array = np.max([(block @ directions.T).max(axis=0) for block in blocks], axis=0)
+        return reach
 
     def _get_part(self, name: str, compute: Callable[[], Mapping[str, NDArray[Any]]]) -> Mapping[str, NDArray[Any]]:
         if name not in self.parts:
@@ -304,8 +304,10 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
     narrow = vertices.astype(np.float32)
     parts["surface"] = {
         "vertices": _freeze_array(narrow if np.array_equal(narrow, vertices) else vertices),
-        "faces": _freeze_array(faces.astype(np.int32)),
+        "faces": _freeze_array(faces.astype(np.int32, copy=False)),
     }
+    if edges.distinct_faces:
+        parts["duplicates"] = {"count": np.array(0)}
     if raw.colors and raw.faces is not None:
         parts["colors"] = _collect_face_colors(raw, raw.faces, surface)
     fields: dict[str, Any] = {
@@ -341,7 +343,7 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
     frozen: dict[str, Any] = {k: _freeze_array(v) if isinstance(v, np.ndarray) else v for k, v in fields.items()}
     facts = MeshFacts(**frozen, parts=parts)
     # These are in memory already, and more precise than those in ``parts``.
-    facts.__dict__.update(vertices=_freeze_array(vertices), faces=_freeze_array(faces), _edges=edges)
+    facts.__dict__.update(vertices=_freeze_array(vertices), _edges=edges)
     return facts
 
 
@@ -363,11 +365,10 @@ def _collect_face_colors(raw: RawMesh, faces: Indices, surface: Surface) -> dict
 
 def _weld_finite_triangles(raw: RawMesh) -> tuple[Surface, int]:
     """Return the surface of the triangles with finite corners, equal corners merged, and how many corners are not finite."""
-    finite = np.abs(raw.vertices) < _INFINITE
-    if finite.all():
+    if raw.vertices.min() > -_INFINITE and raw.vertices.max() < _INFINITE:
         points, faces, non_finite = raw.vertices, raw.faces, 0
     else:
-        usable = finite.all(axis=1)
+        usable = (np.abs(raw.vertices) < _INFINITE).all(axis=1)
         non_finite = int((~usable).sum())
         corners = np.arange(len(raw.vertices)).reshape(-1, 3) if raw.faces is None else raw.faces
         points, faces = raw.vertices, corners[usable[corners].all(axis=1)]
@@ -419,28 +420,6 @@ def _deduplicate_faces(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
         return surface, edges
     met = classify_edges(single.faces, len(single.vertices))
     return (single, met) if not edges.closed or len(met.open) else (surface, edges)
-
-
-def compute_convex_hull(points: Array) -> MeshHull:
-    """Compute the convex hull of ``points`` (n, 3)."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        hull = ConvexHull(points)
-    except (QhullError, ValueError):
-        corners = np.array(list(product(*zip(points.min(axis=0), points.max(axis=0), strict=True))))
-        quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-        faces = np.array([(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads])
-        area = float(compute_mesh_moments(corners, faces).area)
-        return MeshHull(vertices=corners, faces=faces, volume=0.0, area=area)
-    number = np.zeros(len(points), dtype=np.int64)
-    number[hull.vertices] = np.arange(len(hull.vertices))
-    faces = number[hull.simplices]
-    vertices: Array = points[hull.vertices]
-    a, b, c = (vertices[column] for column in faces.T)
-    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
-    faces[inward] = faces[inward][:, ::-1]
-    return MeshHull(vertices=vertices, faces=faces, volume=float(hull.volume), area=float(hull.area))
 
 
 def compute_mesh_solid(facts: MeshFacts, scale: Sequence[float], rotation: ArrayLike, translation: ArrayLike) -> Solid:

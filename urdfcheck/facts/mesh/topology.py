@@ -7,8 +7,9 @@ takes twenty.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -75,6 +76,8 @@ class Edges:
     """See `urdfcheck.facts.mesh.measure.MeshFacts`."""
     closed: bool
     """See `urdfcheck.facts.mesh.measure.MeshFacts`."""
+    distinct_faces: bool = False
+    """Whether it is known that no two faces have the same corners."""
 
 
 def compute_bounds(points: Array) -> Array:
@@ -89,32 +92,40 @@ def weld_exact(points: NDArray[Any], faces: Indices | None) -> Surface:
     """
     if faces is not None:
         points, faces = _drop_unused_points(points, faces)
-    points = points + points.dtype.type(0)  # -0 is 0
     # A corner of a closed mesh is stored about six times, where each triangle stores its own.
     first = _find_first_equal_rows(points, len(points) // 4 if faces is None else 4 * len(points))
-    is_first = first == np.arange(len(first))
-    number = np.cumsum(is_first) - 1
-    group = np.take(number, first)
-    corners = group.reshape(-1, 3) if faces is None else np.take(group, faces)
-    return drop_collapsed_faces(Surface(points[is_first].astype(np.float64), corners))
+    is_first = first == np.arange(len(first), dtype=first.dtype)
+    number = np.cumsum(is_first, dtype=first.dtype)
+    number -= 1
+    for chunk in _iter_chunks(len(first)):
+        first[chunk] = np.take(number, first[chunk])
+    corners = first.reshape(-1, 3) if faces is None else np.take(first, faces)
+    return drop_collapsed_faces(Surface(points[is_first].astype(np.float64) + 0.0, corners))  # -0 is 0
 
 
 def _find_first_equal_rows(rows: NDArray[Any], slots: int) -> Indices:
-    """Find the index of the first row that equals each row of ``rows`` (n, 3), any numbers of 4 or 8 bytes without -0.
+    """Find the index of the first row that equals each row of ``rows`` (n, 3), any numbers of 4 or 8 bytes.
 
     Rows are distinguished by a hash; if two unequal rows share it, all are sorted instead. ``slots``: about the table's size.
     """
     keys = _hash_rows(rows)
     bits = max(4, slots.bit_length())
-    first = _find_first_equal_keys(keys, (keys >> np.uint64(64 - bits)).view(np.int64), 1 << bits)
-    return first if np.array_equal(np.take(rows, first, axis=0), rows) else _find_equal_rows_by_sorting(rows)
+    first = _find_first_equal_keys(keys, partial(_take_high_bits, bits=bits), 1 << bits)
+    are_equal = (np.array_equal(np.take(rows, first[chunk], axis=0), rows[chunk]) for chunk in _iter_chunks(len(rows)))
+    return first if all(are_equal) else _find_equal_rows_by_sorting(rows)
+
+
+def _iter_chunks(count: int) -> Iterator[slice]:
+    """Yield slices of ``count`` items, few at a time."""
+    return (slice(start, min(start + _CHUNK, count)) for start in range(0, count, _CHUNK))
 
 
 def _hash_rows(rows: NDArray[Any]) -> NDArray[np.uint64]:
-    words = np.ascontiguousarray(rows).view(np.uint32 if rows.itemsize == 4 else np.uint64)
     keys = np.empty(len(rows), dtype=np.uint64)
-    for start in range(0, len(rows), _CHUNK):
-        chunk, key = words[start : start + _CHUNK], keys[start : start + _CHUNK]
+    for part in _iter_chunks(len(rows)):
+        # -0 is 0
+        chunk = np.add(rows[part], 0, dtype=rows.dtype, order="C").view(np.uint32 if rows.itemsize == 4 else np.uint64)
+        key = keys[part]
         if chunk.itemsize == 8:  # a product keeps the low bits of its factors, and round numbers have theirs high up
             chunk = chunk ^ (chunk >> np.uint64(32))
         np.multiply(chunk[:, 0], _MIX[0], out=key)
@@ -125,17 +136,27 @@ def _hash_rows(rows: NDArray[Any]) -> NDArray[np.uint64]:
     return keys
 
 
-def _find_first_equal_keys(keys: NDArray[np.uint64], slot: Indices, size: int) -> Indices:
-    """Find the index of the first of ``keys`` (n,) that equals each one. ``slot`` (n,), below ``size``: equal for equal keys."""
-    indices = np.arange(len(keys))
-    first = _find_first_in_slots(slot, size, indices)
-    left = np.flatnonzero(np.take(keys, first) != keys)
+def _take_high_bits(keys: NDArray[np.uint64], bits: int) -> Indices:
+    """Return the slots of hashes in a table of ``2 ** bits``."""
+    slots: Indices = (keys >> np.uint64(64 - bits)).view(np.int64)
+    return slots
+
+
+def _find_first_equal_keys(
+    keys: NDArray[np.uint64], find_slots: Callable[[NDArray[np.uint64]], Indices], size: int
+) -> Indices:
+    """Find the index of the first of ``keys`` (n,) that equals each one. ``find_slots`` returns a slot below ``size`` for each of
+    some keys, one for equal keys."""
+    first = _find_first_in_slots(keys, find_slots, size)
+    left = np.concatenate(
+        [c.start + np.flatnonzero(np.take(keys, first[c]) != keys[c]) for c in _iter_chunks(len(keys))]
+    )
     for turn in range(_ROUNDS):
         if not len(left):
             return first
         some = np.take(keys, left)
         bits = (4 * len(left)).bit_length()
-        other = _find_first_in_slots(((some * _MIX[turn % 3]) >> np.uint64(64 - bits)).view(np.int64), 1 << bits, left)
+        other = np.take(left, _find_first_in_slots(some, partial(_mix_to_slots, bits=bits, turn=turn), 1 << bits))
         first[left] = other
         left = left[np.take(keys, other) != some]
     _, where, group = np.unique(keys[left], return_index=True, return_inverse=True)
@@ -143,11 +164,23 @@ def _find_first_equal_keys(keys: NDArray[np.uint64], slot: Indices, size: int) -
     return first
 
 
-def _find_first_in_slots(slot: Indices, size: int, indices: Indices) -> Indices:
-    """Find the lowest of the ascending ``indices`` that has the same slot as each one."""
-    table = np.empty(size, dtype=np.int32 if indices[-1] < 2**31 else np.int64)
-    table[slot[::-1]] = indices[::-1]  # the last to write, which is the first in order, stays
-    return np.take(table, slot).astype(np.int64)
+def _mix_to_slots(keys: NDArray[np.uint64], bits: int, turn: int) -> Indices:
+    """Return other slots of hashes in a table of ``2 ** bits`` at each turn."""
+    return _take_high_bits(keys * _MIX[turn % 3], bits)
+
+
+def _find_first_in_slots(
+    keys: NDArray[np.uint64], find_slots: Callable[[NDArray[np.uint64]], Indices], size: int
+) -> Indices:
+    """Find the lowest index of a key that has the same slot as each one."""
+    kind: Any = np.int32 if len(keys) < 2**31 else np.int64  # half the memory
+    table, first = np.empty(size, dtype=kind), np.empty(len(keys), dtype=kind)
+    for chunk in reversed([*_iter_chunks(len(keys))]):
+        indices = np.arange(chunk.start, chunk.stop, dtype=kind)
+        table[find_slots(keys[chunk])[::-1]] = indices[::-1]  # the last to write, which is the first in order, stays
+    for chunk in _iter_chunks(len(keys)):
+        first[chunk] = np.take(table, find_slots(keys[chunk]))
+    return first
 
 
 def _find_equal_rows_by_sorting(rows: NDArray[Any]) -> Indices:
@@ -205,7 +238,7 @@ def find_fin_faces(faces: Indices, n_vertices: int) -> Bools:
     paired = (count == 2) & (np.bincount(group, weights=sign, minlength=len(faces))[group] == 0)
     if not paired.any() or paired.all():
         return np.zeros(len(faces), dtype=bool)
-    keys, _, backward = _build_half_edges(faces, n_vertices)
+    keys, backward = _build_half_edges(faces)
     of_pair = np.tile(paired, 3)
     edges, inverse = np.unique(keys, return_inverse=True)
     direction = np.where(of_pair, 0.0, np.where(backward, -1.0, 1.0))
@@ -234,7 +267,7 @@ def find_face_origins(points: NDArray[Any], faces: Indices, surface: Surface) ->
     moved corner."""
     count, total = len(surface.vertices), len(faces)
     number = _find_first_equal_rows(
-        np.concatenate((surface.vertices, points.astype(np.float64))) + 0.0, 4 * (count + len(points))
+        np.concatenate((surface.vertices, points.astype(np.float64))), 4 * (count + len(points))
     )
     corners = np.concatenate((np.take(number[count:], faces), surface.faces))
     first = _find_first_equal_rows(np.sort(corners, axis=1), 4 * len(corners))[total:]
@@ -250,7 +283,7 @@ def find_points_near_rim(surface: Surface, rim: Indices, distance: float) -> Ind
     points = _scale_to_cells(surface.vertices, distance)
     some, near = np.unique(rim), np.zeros(len(points), dtype=bool)
     for shift in _SHIFTS:
-        near |= _match_cells(np.floor(points + shift) + 0.0, some)
+        near |= _match_cells(np.floor(points + shift), some)
     return np.flatnonzero(near)
 
 
@@ -262,7 +295,7 @@ def weld_near(surface: Surface, candidates: Indices, distance: float) -> Surface
     while changed:
         before = label
         for shift in _SHIFTS:
-            cell = _find_first_equal_rows(np.floor(points + shift) + 0.0, 4 * len(points))
+            cell = _find_first_equal_rows(np.floor(points + shift), 4 * len(points))
             lowest = np.full(len(points), len(points))
             np.minimum.at(lowest, cell, label)
             label = lowest[cell]
@@ -294,17 +327,25 @@ def _match_cells(cells: NDArray[Any], some: Indices) -> Bools:
 
 def classify_edges(faces: Indices, n_vertices: int) -> Edges:
     """Classify the edges where the faces (F, 3), at least one, meet."""
-    keys, slot, backward = _build_half_edges(faces, n_vertices)
-    first = _find_first_equal_keys(keys, slot, n_vertices << 2)
-    if _is_closed_manifold(first, backward):
+    keys, backward = _build_half_edges(faces)
+    first = _find_first_equal_keys(keys, _spread_edges, n_vertices << 2)
+    pairs = _pair_half_edges(first, backward)
+    if pairs is not None:
         none = np.empty((0, 2), dtype=np.int64)
-        return Edges(open=none, non_manifold=none, flipped=none, watertight=True, winding_consistent=True, closed=True)
+        return Edges(
+            open=none,
+            non_manifold=none,
+            flipped=none,
+            watertight=True,
+            winding_consistent=True,
+            closed=True,
+            distinct_faces=not _have_equal_corners(faces, *pairs),
+        )
     count = np.bincount(first)
     balance = np.bincount(first, weights=np.where(backward, -1.0, 1.0))
     edge = np.flatnonzero(count)
     count, balance = count[edge], balance[edge]
-    low, high = np.divmod(keys[edge].view(np.int64), n_vertices)
-    ends = np.stack((low, high), axis=1)
+    ends = np.stack((keys[edge] >> np.uint64(32), keys[edge] & np.uint64(0xFFFFFFFF)), axis=1).astype(np.int64)
     single = count == 1
     return Edges(
         open=np.where((balance < 0)[:, None], ends[:, ::-1], ends)[single],
@@ -316,78 +357,106 @@ def classify_edges(faces: Indices, n_vertices: int) -> Edges:
     )
 
 
-def _build_half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint64], Indices, Bools]:
-    """Return each face's three edges (all first ones, all second, all third) as ``low * n_vertices + high``; a slot for each that
-    is near those of its neighbours, for locality of memory; and whether it goes from high to low."""
-    corners = np.ascontiguousarray(faces.T)
+def _build_half_edges(faces: Indices) -> tuple[NDArray[np.uint64], Bools]:
+    """Return each face's three edges (all first ones, all second, all third) as ``low << 32 | high``, and whether it goes from
+    high to low."""
     keys = np.empty((3, len(faces)), dtype=np.uint64)
-    slot = np.empty((3, len(faces)), dtype=np.int64)
     backward = np.empty((3, len(faces)), dtype=bool)
-    for start in range(0, len(faces), _CHUNK):
-        chunk = slice(start, start + _CHUNK)
+    for chunk in _iter_chunks(len(faces)):
+        corners = np.ascontiguousarray(faces[chunk].T).astype(np.uint64)
         for row in range(3):
-            a, b = corners[row, chunk], corners[(row + 1) % 3, chunk]
-            low, high = np.minimum(a, b), np.maximum(a, b).view(np.uint64)
-            keys[row, chunk] = low * n_vertices
-            keys[row, chunk] += high
-            slot[row, chunk] = (low << 2) + ((high * _MIX[0]) >> np.uint64(62)).view(np.int64)
+            a, b = corners[row], corners[(row + 1) % 3]
+            np.left_shift(np.minimum(a, b), np.uint64(32), out=keys[row, chunk])
+            keys[row, chunk] |= np.maximum(a, b)
             backward[row, chunk] = a > b
-    return keys.reshape(-1), slot.reshape(-1), backward.reshape(-1)
+    return keys.reshape(-1), backward.reshape(-1)
 
 
-def _is_closed_manifold(first: Indices, backward: Bools) -> bool:
-    """Whether every edge belongs to two faces with opposite directions along it."""
-    second = np.flatnonzero(first != np.arange(len(first)))
+def _spread_edges(keys: NDArray[np.uint64]) -> Indices:
+    """Return a slot for each edge that is near those of its neighbours, for locality of memory."""
+    slots = keys >> np.uint64(32)
+    slots <<= np.uint64(2)
+    slots |= (keys * _MIX[0]) >> np.uint64(62)
+    return np.asarray(slots.view(np.int64))
+
+
+def _pair_half_edges(first: Indices, backward: Bools) -> tuple[Indices, Indices] | None:
+    """Return the two half edges (n,) of each edge, if every edge has two, with opposite directions along it."""
+    second = np.concatenate(
+        [c.start + np.flatnonzero(first[c] != np.arange(c.start, c.stop)) for c in _iter_chunks(len(first))]
+    )
     if 2 * len(second) != len(first):
-        return False
+        return None
     partner = np.take(first, second)
     taken = np.zeros(len(first), dtype=bool)
     taken[partner] = True
-    if np.count_nonzero(taken) != len(second):
-        return False
-    return bool((np.take(backward, second) != np.take(backward, partner)).all())
+    if np.count_nonzero(taken) != len(second) or not (np.take(backward, second) != np.take(backward, partner)).all():
+        return None
+    return second, partner
+
+
+def _have_equal_corners(faces: Indices, ones: Indices, others: Indices) -> bool:
+    """Whether the faces (F, 3) of some pair of half edges, which have two corners in common, have the third in common too."""
+    sums = faces.sum(axis=1, dtype=np.int64)
+    # Of a half edge's number, what is left of division by the number of faces is that of its face: so it wraps around.
+    return any(
+        (np.take(sums, ones[chunk], mode="wrap") == np.take(sums, others[chunk], mode="wrap")).any()
+        for chunk in _iter_chunks(len(ones))
+    )
 
 
 def count_component_faces(faces: Indices, n_vertices: int) -> Indices:
     """Count the faces of each piece that is connected by vertices, largest first."""
-    sizes: Indices = np.sort(np.bincount(label_components(faces, n_vertices)))[::-1]
+    counts = np.bincount(np.take(_find_lowest_connected(faces, n_vertices), faces[:, 0]))
+    sizes: Indices = np.sort(counts[counts > 0])[::-1]
     return sizes
 
 
 def label_components(faces: Indices, n_vertices: int) -> Indices:
     """Number the pieces that are connected by vertices, from 0, and return that of each face."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    a, b, c = faces.T
-    start, end = np.concatenate((a, b)), np.concatenate((b, c))
-    graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(n_vertices, n_vertices))
-    _, label = connected_components(graph, directed=False)
-    # Vertices without a face are separate pieces in this graph: renumber those with faces.
-    _, numbers = np.unique(label[a], return_inverse=True)
-    labels: Indices = numbers.astype(np.int64)
+    lowest = np.take(_find_lowest_connected(faces, n_vertices), faces[:, 0])
+    labels: Indices = np.unique(lowest, return_inverse=True)[1].astype(np.int64)
     return labels
+
+
+def _find_lowest_connected(groups: Indices, count: int) -> Indices:
+    """Find the lowest of ``count`` items that is connected with each one: ``groups`` (n, k) are k items that are connected.
+
+    Each item is led to the lowest of its groups, and that to its own, until it is the lowest (Shiloach and Vishkin, *An
+    O(log n) parallel connectivity algorithm*, 1982). What is then still apart goes on with the lowest ones.
+    """
+    lowest = np.arange(count, dtype=groups.dtype)
+    while len(groups):
+        aim = groups.min(axis=1)
+        for column in groups.T:
+            np.minimum.at(lowest, column, aim)
+        while not np.array_equal(following := np.take(lowest, lowest), lowest):
+            lowest = following
+        groups = np.take(lowest, groups)
+        groups = groups[(groups[:, 1:] != groups[:, :1]).any(axis=1)]
+    return lowest
 
 
 def label_bodies(faces: Indices, n_vertices: int) -> Indices:
     """Number the closed bodies of a closed surface, from 0, and return that of each face: bodies of an assembly that only touch
     have corners in common, and are connected where two faces share an edge. Where a piece of these is open, the pieces are those
     of `label_components`."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    keys, _, backward = _build_half_edges(faces, n_vertices)
-    edges, inverse = np.unique(keys, return_inverse=True)
-    owner, by_edge = np.tile(np.arange(len(faces)), 3), np.argsort(inverse, kind="stable")
-    counts = np.bincount(inverse, minlength=len(edges))
-    first = (np.cumsum(counts) - counts)[counts == 2]
-    pairs = owner[by_edge[first]], owner[by_edge[first + 1]]
-    graph = coo_array((np.ones(len(first), dtype=bool), pairs), shape=(len(faces), len(faces)))
-    pieces, labels = connected_components(graph, directed=False)
+    keys, backward = _build_half_edges(faces)
+    edge = _find_first_equal_keys(keys, _spread_edges, n_vertices << 2)
+    of_two = np.take(np.bincount(edge), edge) == 2
+    second = np.flatnonzero(of_two & (edge != np.arange(len(edge))))
+    first = np.take(edge, second)
+    lowest = _find_lowest_connected(np.stack((first, second), axis=1) % len(faces), len(faces))
+    pieces, labels = np.unique(lowest, return_inverse=True)
     # Of each edge of a piece there are as many half edges in either direction.
-    sides, of_piece = np.unique(inverse * pieces + labels[owner], return_inverse=True)
-    uneven = np.bincount(of_piece, weights=np.where(backward, -1.0, 1.0), minlength=len(sides))
-    return label_components(faces, n_vertices) if uneven.any() else labels.astype(np.int64)
+    others = np.flatnonzero(~of_two)
+    sides, of_piece = np.unique(
+        edge[others].astype(np.int64) * len(pieces) + labels[others % len(faces)], return_inverse=True
+    )
+    uneven = np.bincount(of_piece, weights=np.where(backward[others], -1.0, 1.0), minlength=len(sides))
+    if uneven.any() or (np.take(backward, first) == np.take(backward, second)).any():
+        return label_components(faces, n_vertices)
+    return labels.astype(np.int64)
 
 
 def find_boundaries(vertices: Array, open_edges: Indices) -> tuple[Boundary, ...]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Span
 from urdfcheck.facts.arrays import Array, Indices
+from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.facts.mesh.measure import MeshFacts
 from urdfcheck.facts.mesh.primitive_fit import FittedPrimitive, fit_primitives
 from urdfcheck.fix.repair.mesh_writing import decimate, split_convex, write_stl
@@ -207,7 +208,7 @@ def _propose_convex_parts(model: Model, collision: _Collision, options: RepairOp
             return _keep("kept: the name of its mesh is typed elsewhere")
         files[str(collision.path.with_suffix("")) + ending] = write_stl(points * unit, sides)
         texts.append(text if index == 0 else _drop_name(text))
-        volume += _compute_hull_volume(points) * abs(math.prod(collision.scale))
+        volume += compute_convex_hull(points).volume * abs(math.prod(collision.scale))
     words = f"{len(parts)} convex part{'s' if len(parts) != 1 else ''} instead of {facts.n_triangles} triangles"
     count = sum(len(sides) for _, sides in parts)
     after = {"shapes": float(len(parts)), "triangles": float(count), "volume": volume}
@@ -222,15 +223,6 @@ def _split_mesh(model: Model, path: Path, triangles: int) -> tuple[tuple[Array, 
     return tuple(split_convex(vertices, faces))
 
 
-def _compute_hull_volume(points: Array) -> float:
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        return float(ConvexHull(points).volume)
-    except QhullError:
-        return 0.0
-
-
 def _propose_decimated(model: Model, collision: _Collision, options: RepairOptions) -> _Proposal:
     facts = collision.facts
     if facts.n_triangles <= options.triangles:
@@ -242,7 +234,7 @@ def _propose_decimated(model: Model, collision: _Collision, options: RepairOptio
     text = _write_mesh_element(model, collision, ending)
     if text is None:
         return _keep("kept: the name of its mesh is typed elsewhere")
-    old, new = facts.hull.volume, _compute_hull_volume(points)
+    old, new = facts.hull.volume, compute_convex_hull(points).volume
     change = 0.0 if not old > 0.0 else new / old - 1.0
     words = f"{len(faces)} instead of {facts.n_triangles} triangles; the hull has {change:+.1%} volume"
     name = str(collision.path.with_suffix("")) + ending

@@ -162,7 +162,7 @@ def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float)
     outlines = []
     for pose in (one.pose, other.pose):
         turn, place = pose[:3, :3], pose[:3, 3]
-        reach = ((facts.hull.vertices * factors) @ (directions @ turn).T).max(axis=0) + directions @ place
+        reach = facts.compute_reach((directions @ turn) * factors) + directions @ place
         spread = turn @ (facts.surface_covariance * np.outer(factors, factors)) @ turn.T
         outlines.append((reach, turn @ (factors * facts.surface_centroid) + place, spread))
     (reach, centroid, spread), (reach_2, centroid_2, spread_2) = outlines

@@ -69,7 +69,7 @@ def find_passed_arguments(
     folders = [folder for folder in (inner, outer) if folder is not None and finder.can_open(folder)]
     found: dict[str, PassedArgument] = {}
     visited: set[str] = set()
-    for files in (launches, *(_iter_launch_files(folder, finder) for folder in folders)):
+    for files in (launches, *(iter_launch_files(folder, finder) for folder in folders)):
         known: dict[str, PassedArgument] = {}
         for launch in files:
             place = os.path.realpath(launch)
@@ -111,13 +111,13 @@ def find_replaced_texts(model: Path, finder: PackageFinder) -> dict[str, Locatio
     found: dict[str, Location] = {}
     if package is None or not finder.can_open(package.path):
         return found
-    for launch in itertools.islice(_iter_launch_files(package.path, finder), MOST_LAUNCHES):
+    for launch in itertools.islice(iter_launch_files(package.path, finder), MOST_LAUNCHES):
         for text, location in _read_replacements(launch, model.name, finder) if launch.suffix == ".py" else ():
             found.setdefault(text, location)
     return found
 
 
-def _iter_launch_files(folder: Path, finder: PackageFinder, *, with_unnamed: bool = False) -> Iterator[Path]:
+def iter_launch_files(folder: Path, finder: PackageFinder, *, with_unnamed: bool = False) -> Iterator[Path]:
     """Yield the launch files below a folder, in the order of their paths.
 
     ``with_unnamed``: also the Python files in folders named launch, whatever their own names.
@@ -136,7 +136,7 @@ def is_handed_to_xacro(model: Path, finder: PackageFinder) -> bool:
     package, real = finder.find_package_of(model.absolute()), os.path.realpath(model)
     if package is None or not finder.can_open(package.path):
         return False
-    launches = itertools.islice(_iter_launch_files(package.path, finder, with_unnamed=True), MOST_LAUNCHES)
+    launches = itertools.islice(iter_launch_files(package.path, finder, with_unnamed=True), MOST_LAUNCHES)
     ways = {is_expanded for launch in launches for is_expanded in _list_ways(launch, model.name, real, finder)}
     return ways == {True}
 

@@ -7,7 +7,7 @@ import os
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from urdfcheck.source.package.finder import PackageFinder
 
@@ -33,7 +33,7 @@ class DeclaredArgument:
 class PythonTexts:
     """Evaluates the expressions of one syntax tree that consist of literals, names assigned once and packages' folders.
 
-    ``arguments``: values of launch arguments; without them ``LaunchConfiguration`` has no value.
+    A name counts in its function. ``arguments``: values of launch arguments; without them ``LaunchConfiguration`` has no value.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class PythonTexts:
         if isinstance(node, ast.Constant):
             return node.value if isinstance(node.value, str) else None
         if isinstance(node, ast.Name):
-            return self.evaluate(self.assigned[node.id]) if node.id in self.assigned else None
+            return self.evaluate(self.assigned[id(node)]) if id(node) in self.assigned else None
         if isinstance(node, ast.JoinedStr):
             return self.evaluate_all(node.values, "".join)
         if isinstance(node, ast.FormattedValue):
@@ -121,9 +121,9 @@ class PythonTexts:
     def follow_name(self, node: ast.expr | None) -> ast.expr | None:
         """Return the value of a name that is assigned once; anything else as it is."""
         for _ in range(8):
-            if not isinstance(node, ast.Name) or node.id not in self.assigned:
+            if not isinstance(node, ast.Name) or id(node) not in self.assigned:
                 break
-            node = self.assigned[node.id]
+            node = self.assigned[id(node)]
         return node
 
     def list_elements(self, node: ast.expr | None) -> Sequence[ast.expr]:
@@ -180,14 +180,52 @@ def join_paths(parts: list[str]) -> str:
     return os.path.normpath(os.path.join(*parts))
 
 
-def _find_single_assignments(nodes: Sequence[ast.AST]) -> dict[str, ast.expr]:
-    """Return the value of each name that is assigned in one place only."""
-    times = Counter(n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
-    times.update(n.arg for n in nodes if isinstance(n, ast.arg))
-    return {
-        target.id: node.value
-        for node in nodes
-        if isinstance(node, ast.Assign) and len(node.targets) == 1
-        for target in node.targets
-        if isinstance(target, ast.Name) and times[target.id] == 1
-    }
+@dataclass(slots=True, eq=False)
+class _Scope:
+    """The names that a function, or the file around them, gives values."""
+
+    around: _Scope | None
+    times: Counter[str] = field(default_factory=Counter)
+    """How often each name gets one."""
+    values: dict[str, ast.expr] = field(default_factory=dict)
+    """The value of each name in its last plain assignment."""
+
+    def find_value(self, name: str) -> ast.expr | None:
+        """Return the value of a name that is assigned in one place only of the innermost function that assigns it."""
+        scope: _Scope | None = self
+        while scope is not None and not scope.times[name]:
+            scope = scope.around
+        return scope.values.get(name) if scope is not None and scope.times[name] == 1 else None
+
+
+def _find_single_assignments(nodes: Sequence[ast.AST]) -> dict[int, ast.expr]:
+    """Return by the id of each node that reads a name the value of the name, where one place assigns it.
+
+    ``nodes``: those of one tree, its root first.
+    """
+    reads: list[tuple[ast.Name, _Scope]] = []
+    waiting: list[tuple[ast.AST, _Scope]] = [(nodes[0], _Scope(None))] if nodes else []
+    while waiting:
+        node, scope = waiting.pop()
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            scope = _Scope(scope)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
+            reads.append((node, scope))
+        elif isinstance(node, ast.Name):
+            scope.times[node.id] += 1
+        elif isinstance(node, ast.arg):
+            scope.times[node.arg] += 1
+        elif isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
+            scope.values[node.targets[0].id] = node.value
+        elif isinstance(node, (ast.Global, ast.Nonlocal)):
+            _forget_names(scope, node.names)
+        waiting += [(child, scope) for child in ast.iter_child_nodes(node)]
+    found = ((node, scope.find_value(node.id)) for node, scope in reads)
+    return {id(node): value for node, value in found if value is not None}
+
+
+def _forget_names(scope: _Scope | None, names: Sequence[str]) -> None:
+    """Let names that a function shares with those around it have no known value in any of them."""
+    while scope is not None:
+        scope.times.update(2 * [*names])
+        scope = scope.around

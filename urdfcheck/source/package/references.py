@@ -44,6 +44,11 @@ _MENTION = re.compile(
     rf"|(?:FindPackageShare|get_package_share_directory|get_package_share_path)\(\s*(?:package\s*=\s*)?"
     rf"(?:['\"]{_PACKAGE}['\"]|([A-Za-z_]\w*)(?=\s*[,)]))"
 )
+# The package of a program that a launch file starts.
+_STARTED = re.compile(
+    rf"<node\b[^<>]*?\bpkg\s*=\s*['\"]{_PACKAGE}['\"]|\bNode\([^()]*?\bpackage\s*=\s*['\"]{_PACKAGE}['\"]"
+)
+_LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py")
 # The first path that Python joins to a package's folder, and the name that it assigns the folder to before.
 _JOINED = r"""\s*(?:,|/|\+)\s*f?['"]/?([^'"{}]*)['"]"""
 _AT_ONCE = re.compile(rf"\s*\)(?:\.find\([^()]*\))?{_JOINED}")
@@ -95,6 +100,19 @@ def read_package_contents(package: Package) -> PackageContents:
         elif suffix in _NAMING_SUFFIXES and path.name not in {"package.xml", "setup.py"}:
             mentions += _iter_mentions(path)
     return PackageContents(tuple(mentions), tuple(meshes), complete)
+
+
+def iter_started_packages(package: Package) -> Iterator[PackageMention]:
+    """Yield the packages of the programs that a package's launch files start, without its own."""
+    for path in islice(iter_package_files(package, package.path), _MOST_FILES):
+        if path.name.endswith(_LAUNCH_SUFFIXES):
+            text = _read_text(path)
+            file = SourceFile(path, format_path(path), text=text)
+            for match in _STARTED.finditer(_remove_comments(text, path.suffix)):
+                name = match[1] or match[2]
+                if name != package.name:
+                    span = file.make_span(*match.span(1 if match[1] else 2))
+                    yield PackageMention(name, "", Location(f"package[{name}]", span))
 
 
 def mentions_package(package: Package, name: str) -> bool:

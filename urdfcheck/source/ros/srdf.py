@@ -13,7 +13,7 @@ from pathlib import Path
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import SRDF_SUFFIXES, is_model, is_xacro
-from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
+from urdfcheck.source.package.finder import Package, PackageFinder, format_path, load_package
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.ros.yaml_files import read_located_yaml
 from urdfcheck.source.text.problems import Problem
@@ -130,7 +130,8 @@ class Srdf:
 def load_srdfs(source: Source, robot: str) -> tuple[Srdf, ...]:
     """Load the semantic descriptions in reach whose robot has this name; a ``.srdf.xacro`` with the model's arguments.
 
-    They are beside the model, in its package, and in packages that depend on it or are called ``*_moveit_config``.
+    They are beside the model, in its package, in packages that depend on it, and in those called ``*_moveit_config`` that do not
+    depend on another package with models.
     """
     if not robot:
         return ()
@@ -275,14 +276,29 @@ def _find_srdf_files(source: Source) -> Iterator[Path]:
     package = source.package
     if package is not None:
         yield from _find_srdfs_below(package.path)
-    for name, folder in sorted(source.finder.list_workspace_packages().items()):
+    packages = source.finder.list_workspace_packages()
+    for name, folder in sorted(packages.items()):
         if package is None or folder != package.path:
             files = [file for inner in SRDF_FOLDERS for file in _list_srdfs(folder / inner)]
-            if files and (
-                name.endswith("_moveit_config") or (package is not None and has_dependency(folder, package.name))
+            is_dependent = bool(files) and package is not None and has_dependency(folder, package.name)
+            if is_dependent or (
+                files and name.endswith("_moveit_config") and not _configures_another(folder, packages, package)
             ):
                 source.finder.find(name)  # then it counts as found, and its files are in reach
                 yield from files
+
+
+def _configures_another(folder: Path, packages: Mapping[str, Path], package: Package | None) -> bool:
+    """Whether the MoveIt configuration at a folder depends on another package of the workspace that has models."""
+    config = load_package(folder)
+    own = None if package is None else package.path
+    names = () if config is None else sorted(packages.keys() & config.dependencies)
+    return any(packages[name] not in {own, folder} and _has_models(packages[name]) for name in names)
+
+
+def _has_models(folder: Path) -> bool:
+    """Whether a package has models at its top or in one of its folders."""
+    return any(is_model(Path(name)) for place in (folder, *list_subfolders(folder)) for name in _list_names(place))
 
 
 def has_dependency(folder: Path, name: str) -> bool:

@@ -42,7 +42,9 @@ def compare_at_rest(setup: CollisionSetup) -> Arrays:
     ``met`` holds the indices of the pairs that meet, ``contacts`` (C,) those of them that are not ``fixed``; ``shapes`` (C, 2),
     ``depth`` (C,), ``normal`` (C, 3), ``point`` (C, 3) and ``size`` (C,) describe these, see `Contact`.
     """
-    met = np.flatnonzero(setup.colliders.detect_collisions(setup.rest_placements[None], setup.pairs)[:, 0])
+    met = np.zeros(0, dtype=np.int64)
+    if len(setup.pairs):  # one link alone needs neither coal nor its geometry
+        met = np.flatnonzero(setup.colliders.detect_collisions(setup.rest_placements[None], setup.pairs)[:, 0])
     contacts, overlaps = [], []
     for index in met.tolist():
         relation, _ = setup.relations[index]

@@ -1,0 +1,239 @@
+"""Convex hulls of points: exact of some, and of many from as few of them as leave no other far outside.
+
+How far a point is outside is measured by the gauge of the hull about a centre inside it: the factor by which the hull must grow
+about the centre to reach the point, 1 on its surface. The gauge is the greatest of linear functions, one for each face of the
+hull, and therefore convex: between directions for which it is known it is at most what is interpolated linearly. That settles
+most points at once. The rest is compared with every face.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.facts.mesh.moments import compute_mesh_moments
+from urdfcheck.system.qhull import load_qhull
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.spatial import ConvexHull
+
+    from urdfcheck.facts.arrays import Array, Indices, Mat3, Vec3
+
+    Floats = NDArray[np.float32]
+
+# More points than the largest of 1,355 meshes of published robots has. To take them all costs half a second if each is on the
+# hull, and no longer pays.
+MOST_EXACT = 50_000
+# How much larger the hull of many points may be than that of the chosen ones. The least margin of a rule is 2 %.
+MOST_EXCESS = 1e-3
+# Squares along an edge of the cube onto which points are seen from the centre: to choose the outermost point in each, and to
+# interpolate the gauge. A finer grid leaves fewer points to compare with every face, and takes longer itself.
+_CHOOSING, _BOUNDING = 32, 64
+# Rounds in which the farthest point outside of each face is added. A few are enough; what is left after these is added whole.
+_ROUNDS = 20
+# Items processed at a time: their temporaries stay in the processor's cache. More products at once are shared among threads by
+# OpenBLAS outside of workers, where these take longer to wait for each other than to multiply.
+_CHUNK, _MOST_PRODUCTS = 16384, 1 << 17
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeshHull:
+    """A convex hull; for a flat or straight mesh its bounding box, with the volume 0."""
+
+    vertices: Array
+    """(K, 3), the corners."""
+    faces: Indices
+    """(F, 3), triangles that face outwards."""
+    volume: float
+    area: float
+    excess: float = 0.0
+    """The hull of all points is within this one, grown by this share of its size about a point inside. 0 where it is exact; the
+    bounding box always is."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _CentredPoints:
+    """Points as seen from a centre among them, in coordinates in which they spread equally far in all directions."""
+
+    centre: Vec3
+    to_points: Mat3
+    """``point - centre = to_points @ ray``."""
+    rays: Floats
+    """(3, n)"""
+
+
+def compute_convex_hull(points: Array) -> MeshHull:
+    """Compute the convex hull of ``points`` (n, 3); of more than `MOST_EXACT`, within `MOST_EXCESS`."""
+    qhull = load_qhull()
+    try:
+        bounded = _bound_hull(points) if len(points) > MOST_EXACT else None
+        hull = bounded or qhull.ConvexHull(points)
+    except (qhull.QhullError, ValueError):
+        return _make_flat_hull(points)
+    corners = hull.points
+    number = np.zeros(len(corners), dtype=np.int64)
+    number[hull.vertices] = np.arange(len(hull.vertices))
+    faces = number[hull.simplices]
+    vertices: Array = corners[hull.vertices]
+    a, b, c = (vertices[column] for column in faces.T)
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
+    faces[inward] = faces[inward][:, ::-1]
+    excess = 0.0 if bounded is None else MOST_EXCESS
+    return MeshHull(vertices, faces, volume=float(hull.volume), area=float(hull.area), excess=excess)
+
+
+def _make_flat_hull(points: Array) -> MeshHull:
+    corners = np.array(list(product(*zip(points.min(axis=0), points.max(axis=0), strict=True))))
+    quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    faces = np.array([(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads])
+    area = float(compute_mesh_moments(corners, faces).area)
+    return MeshHull(vertices=corners, faces=faces, volume=0.0, area=area)
+
+
+def _bound_hull(points: Array) -> ConvexHull | None:
+    """Compute the hull of so many of the points (n, 3) that none is outside by more than `MOST_EXCESS`; None where they are in a
+    plane, and where their mean is not inside.
+
+    The first are the outermost in many directions. Of the points outside, the farthest from each face follow, as in quickhull
+    (Barber, Dobkin and Huhdanpaa, *The quickhull algorithm for convex hulls*, 1996), until there are none.
+    """
+    qhull = load_qhull()
+    seen = _centre_points(points)
+    if seen is None:
+        return None
+    longest = float(np.linalg.norm([np.abs(column).max() for column in seen.rays]))  # or somewhat more
+    extremes = [place for column in points.T for place in (column.argmin(), column.argmax())]
+    chosen = np.concatenate((_select_outermost(seen.rays), extremes))
+    left = np.zeros(0, dtype=np.int64)
+    for turn in range(_ROUNDS):
+        chosen = np.unique(chosen)
+        hull = qhull.ConvexHull(points[chosen])
+        chosen = chosen[hull.vertices]
+        slopes = _compute_slopes(hull.equations, seen)
+        if slopes is None:
+            return None
+        # What single precision makes of a product of a slope and a ray, and of the interpolation.
+        rounding = 16.0 * float(np.finfo(np.float32).eps) * longest * float(np.linalg.norm(slopes, axis=1).max())
+        limit = 1.0 + MOST_EXCESS - rounding
+        if turn == 0:
+            left = _find_doubtful(seen.rays, slopes, limit)
+        gauge, face = _measure_gauge(seen.rays[:, left].T, slopes)
+        is_outside = gauge > limit
+        left, gauge, face = left[is_outside], gauge[is_outside], face[is_outside]
+        if not len(left):
+            return hull
+        farthest, order = np.full(len(slopes), -1), np.argsort(gauge)
+        farthest[face[order]] = left[order]  # the last to write, which is the farthest, stays
+        chosen = np.concatenate((chosen, farthest[farthest >= 0]))
+    return qhull.ConvexHull(points[np.concatenate((chosen, left))])
+
+
+def _centre_points(points: Array) -> _CentredPoints | None:
+    """Take the points (n, 3) relative to their mean. None if they are in a plane, or too far apart for their squares."""
+    centre = points.mean(axis=0)
+    with np.errstate(all="ignore"):
+        covariance = sum(
+            np.einsum("ni,nj->ij", part, part)
+            for start in range(0, len(points), _CHUNK)
+            for part in (points[start : start + _CHUNK] - centre,)
+        ) / len(points)
+    if not np.isfinite(covariance).all():
+        return None
+    variances, axes = np.linalg.eigh(covariance)
+    if not variances[0] > 1e-12 * variances[2]:
+        return None
+    spreads = np.sqrt(variances)
+    rays = np.empty((3, len(points)), dtype=np.float32)
+    for start in range(0, len(points), _CHUNK):
+        rays[:, start : start + _CHUNK] = ((points[start : start + _CHUNK] - centre) @ (axes / spreads)).T
+    return _CentredPoints(centre, axes * spreads, rays)
+
+
+def _compute_slopes(planes: Array, seen: _CentredPoints) -> Floats | None:
+    """Compute the linear functions (F, 3) of rays whose greatest is the gauge, from the ``planes`` (F, 4) of a hull's faces. None
+    if the centre is not inside."""
+    heights = -(planes[:, :3] @ seen.centre + planes[:, 3])
+    if not heights.min() > 0.0:
+        return None
+    slopes: Floats = (planes[:, :3] @ seen.to_points / heights[:, None]).astype(np.float32)
+    return slopes
+
+
+def _measure_gauge(rays: NDArray[Any], slopes: Floats) -> tuple[Floats, Indices]:
+    """Measure the gauge (n,) of rays (n, 3), and say on which face it is."""
+    gauge, face = np.empty(len(rays), dtype=np.float32), np.empty(len(rays), dtype=np.int64)
+    rows = max(1, _MOST_PRODUCTS // len(slopes))
+    products, across = np.empty((rows, len(slopes)), dtype=np.float32), np.ascontiguousarray(slopes.T)
+    for start in range(0, len(rays), rows):
+        some = np.matmul(rays[start : start + rows], across, out=products[: min(rows, len(rays) - start)])
+        face[start : start + rows] = some.argmax(axis=1)
+        gauge[start : start + rows] = some[np.arange(len(some)), face[start : start + rows]]
+    return gauge, face
+
+
+def _find_doubtful(rays: Floats, slopes: Floats, limit: float) -> Indices:
+    """Find the rays whose gauge may be above the limit: where what is interpolated between the three corners of a grid is."""
+    count = _BOUNDING + 1
+    gauge = _measure_gauge(_make_grid(np.linspace(-1.0, 1.0, count)), slopes)[0]
+    doubtful = []
+    for start in range(0, rays.shape[1], _CHUNK):
+        side, places, height = _project(rays[:, start : start + _CHUNK])
+        places *= _BOUNDING
+        square = np.minimum(places.astype(np.int32), _BOUNDING - 1)
+        across, along = places - square
+        corner = (side * count + square[0]) * count + square[1]
+        # Each square is cut along its diagonal from the lowest to the highest corner.
+        lowest, highest = gauge[corner], gauge[corner + count + 1]
+        third = gauge[corner + np.where(across > along, count, 1)]
+        far, near = np.maximum(across, along), np.minimum(across, along)
+        bound = height * (lowest + (third - lowest) * far + (highest - third) * near)
+        doubtful.append(start + np.flatnonzero(bound > limit))
+    return np.concatenate(doubtful)
+
+
+def _select_outermost(rays: Floats) -> Indices:
+    """Find the ray that reaches farthest in the direction of each square of a grid."""
+    middles = _make_grid((np.arange(_CHOOSING) + 0.5) / _CHOOSING * 2.0 - 1.0)
+    middles /= np.linalg.norm(middles, axis=1)[:, None]
+    columns = np.ascontiguousarray(middles.T)
+    squares, reach = np.empty(rays.shape[1], dtype=np.int32), np.empty(rays.shape[1], dtype=np.float32)
+    for start in range(0, rays.shape[1], _CHUNK):
+        chunk = slice(start, start + _CHUNK)
+        side, places, _ = _project(rays[:, chunk])
+        across, along = np.minimum((places * _CHOOSING).astype(np.int32), _CHOOSING - 1)
+        squares[chunk] = (side * _CHOOSING + across) * _CHOOSING + along
+        x, y, z = rays[:, chunk]
+        reach[chunk] = sum(
+            ray * np.take(column, squares[chunk]) for ray, column in zip((x, y, z), columns, strict=True)
+        )
+    farthest = np.full(len(middles), -np.inf, dtype=np.float32)
+    np.maximum.at(farthest, squares, reach)
+    outermost = np.full(len(middles), -1)
+    at_reach = np.flatnonzero(reach == np.take(farthest, squares))
+    outermost[squares[at_reach]] = at_reach
+    return outermost[outermost >= 0]
+
+
+def _project(rays: Floats) -> tuple[Indices, Floats, Floats]:
+    """Project rays (3, n) onto a cube of edge 2 about the centre: return the number (n,) of its side, the places (2, n) on that,
+    from 0 to 1, and how many times as far the rays reach (n,)."""
+    axis, place = np.abs(rays).argmax(axis=0), np.arange(rays.shape[1])
+    reach = rays[axis, place]
+    height = np.maximum(np.abs(reach), np.finfo(np.float32).tiny)
+    places = np.stack((rays[(axis + 1) % 3, place], rays[(axis + 2) % 3, place]))
+    return 2 * axis + (reach < 0.0), (places / height + np.float32(1.0)) * np.float32(0.5), height
+
+
+def _make_grid(places: Array) -> Floats:
+    """Make the points (6 k k, 3) of a grid on the cube, in the order of `_project`; ``places`` (k,) along edges, from -1 to 1."""
+    sides = np.empty((6, len(places), len(places), 3), dtype=np.float32)
+    for side in range(6):
+        axis = side // 2
+        sides[side, :, :, axis] = (1.0, -1.0)[side % 2]
+        sides[side, :, :, (axis + 1) % 3] = places[:, None]
+        sides[side, :, :, (axis + 2) % 3] = places[None, :]
+    return sides.reshape(-1, 3)

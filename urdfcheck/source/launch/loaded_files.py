@@ -1,0 +1,40 @@
+"""Which model the launch files that load a file start with it."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from pathlib import Path
+
+from urdfcheck.source.launch.passed_arguments import MOST_LAUNCHES, iter_launch_files
+from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.system.files import read_regular
+
+_COMMENT = re.compile(r"<!--.*?-->|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
+# The name of a model's file, as far as it is typed: `.urdf.xacro` alone ends a computed name.
+_MODEL_NAME = re.compile(r"[\w.-]*\.(?:urdf|xacro)\b")
+
+
+def is_started_with_another(path: Path, model: Path, finder: PackageFinder) -> bool:
+    """Whether launch files of the package of a file load it, and all of these name other models' files, not this model's."""
+    package = finder.find_package_of(path.absolute())
+    if package is None or not finder.can_open(package.path):
+        return False
+    is_loaded = False
+    for launch in itertools.islice(iter_launch_files(package.path, finder), MOST_LAUNCHES):
+        text = _read_text(launch)
+        if path.name in text:
+            names = set(_MODEL_NAME.findall(text))
+            if not names or model.name in names or any(name.startswith(".") for name in names):
+                return False
+            is_loaded = True
+    return is_loaded
+
+
+def _read_text(launch: Path) -> str:
+    """Return the text of a launch file without its comments; empty if it cannot be read."""
+    try:
+        return _COMMENT.sub("", read_regular(launch, MAX_PYTHON).decode("utf-8", "replace"))
+    except OSError:
+        return ""
