@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from urdfcheck.core import FactUnavailableError, Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
-from urdfcheck.facts.inertials.placeholders import describe_unknown_mass
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
 
@@ -105,7 +104,7 @@ def _build_finding(model: Model, rule: Rule, message: str, *, worst_first: list[
         parent_body=_describe_body(model, worst.joint.parent, worst.parent_mass),
         child_mass=worst.child_mass,
         parent_mass=worst.parent_mass,
-        repair=_describe_repair(model, worst.joint, worst.child_mass if message == "light" else worst.parent_mass),
+        suspects=_describe_suspects(model, worst.joint),
         times=max(worst.ratio, 1 / worst.ratio),
         also=f" (also {join_names(others)})" if others else "",
     )
@@ -117,11 +116,6 @@ def _describe_body(model: Model, link: str, mass: float) -> str:
     own = compute_body_mass(model, (link,)) or 0.0
     name = link if own > _MOST * mass else f"{link} and what is fixed to it"
     return f"{name} ({f'{mass:,.0f}' if mass >= _LARGE else f'{mass:.3g}'} kg)"
-
-
-def _describe_repair(model: Model, joint: Joint, mass: float) -> str:
-    """Say what to do about the ``mass`` (kg) of the lighter body."""
-    return describe_unknown_mass(mass) or f"check the unit of the mass of {_describe_suspects(model, joint)}"
 
 
 def _describe_suspects(model: Model, joint: Joint) -> str:
