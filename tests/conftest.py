@@ -32,6 +32,7 @@ from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.run.preload import preload_modules
 from urdfcheck.source.package.finder import LEVELS_UP
 from urdfcheck.system import process_pool, sandbox
+from urdfcheck.system.plain_pickle import load_plain
 
 REPOSITORY = Path(__file__).parent.parent
 FIXTURES = REPOSITORY / "fixtures"
@@ -259,7 +260,7 @@ def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     ) -> Iterator[tuple[int, Any]]:
         for index, job in enumerate(jobs):
             called, words = pickle.loads(pickle.dumps((function, job)))
-            yield index, process_pool._PlainUnpickler(io.BytesIO(pickle.dumps(called(*words)))).load()
+            yield index, load_plain(io.BytesIO(pickle.dumps(called(*words))))
 
     monkeypatch.setattr(process_pool, "FORKS", False)
     for module in ("run.pipeline", "changes.compare_versions", "fix.repair.repair_model"):

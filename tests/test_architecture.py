@@ -37,7 +37,7 @@ HEAVY = {
 }
 
 # Beside the rooms: what truly belongs to all of them.
-LOOSE = {"__init__", "__main__", "api", "rules", "version"}
+LOOSE = {"__init__", "__main__", "api", "rule_pages", "rules", "version"}
 # A folder that holds one module per rule.
 CATALOGUE = {"checks"}
 # Beginnings of function names; those of booleans too.

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from urdfcheck.core import Run, UrdfcheckError
-from urdfcheck.core.model_diff import Diff
 from urdfcheck.policy.consumers import ASKED_ENGINES
 from urdfcheck.run.jobs import SAMPLES, Request
 from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit
@@ -21,6 +20,8 @@ from urdfcheck.system.process_pool import WORKER_VARIABLES
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack  # of typing since Python 3.11
+
+    from urdfcheck.core.model_diff import Diff
 
 Words = str | Iterable[str]
 Paths = AnyPath | Iterable[AnyPath]
@@ -292,7 +293,7 @@ def _run(options: RunOptions, *, scene: bool) -> Run:
         raise UrdfcheckError(f"samples {options.samples}: at least 1")
     request, _ = make_request(options, scene=scene)
     with prepare_worker_surroundings():
-        warm_worker = start_warm_worker()
+        warm_worker = start_warm_worker(options.tier)
         try:
             outcome = run_and_ask(request, Execution(warm_worker=warm_worker))
         finally:

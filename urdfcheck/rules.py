@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
@@ -18,7 +17,11 @@ from typing import Any
 
 import tomli
 
+from urdfcheck import rule_pages
 from urdfcheck.core import Applicability, Confidence, Rule, RuleFamily, RuleOption, Severity, UrdfcheckError
+from urdfcheck.rule_pages import TITLE, list_pages, split_page
+from urdfcheck.rule_pages import find_page as find_page
+from urdfcheck.rule_pages import find_pages_folder as find_pages_folder
 
 Check = Callable[..., Iterable[Any]]
 
@@ -49,13 +52,6 @@ _KEYS = {
 }
 # What the report shows of a robot for a finding whose family and page ask for nothing else.
 _PLAIN = ("visual",)
-_TITLE = re.compile(r"# ([A-Z]{3}\d{3}) ([a-z0-9]+(?:-[a-z0-9]+)*)\n")
-
-
-def find_pages_folder() -> Path:
-    """Return the folder of the pages: in the installed package, or in the source tree beside it."""
-    installed = Path(__file__).parent / "_rules"
-    return installed if installed.is_dir() else Path(__file__).parent.parent / "rules"
 
 
 @cache
@@ -77,15 +73,8 @@ def load_families() -> Mapping[str, RuleFamily]:
 @cache
 def load_rules() -> Mapping[str, Rule]:
     """Return all rules by code, in the order of their codes."""
-    pages = sorted(find_pages_folder().glob("[A-Z][A-Z][A-Z][0-9][0-9][0-9]-*.md"))
-    loaded = [load_page(page) for page in pages]
+    loaded = [load_page(page) for page in list_pages()]
     return MappingProxyType({rule.code: rule for rule in loaded})
-
-
-@cache
-def find_page(code: str) -> Path | None:
-    """Return the file of a rule's page."""
-    return next(find_pages_folder().glob(f"{code}-*.md"), None)
 
 
 def load_page(path: Path) -> Rule:
@@ -94,7 +83,7 @@ def load_page(path: Path) -> Rule:
     :raises UrdfcheckError: if the file is not a rule page; the message names the page and what is missing.
     """
     text = path.read_text(encoding="utf-8")
-    title, header = _TITLE.match(text), split_page(text)[0]
+    title, header = TITLE.match(text), split_page(text)[0]
     if not title or not header:
         raise UrdfcheckError(f"{path}: a rule page begins with '# CODE name' and a toml block")
     code, name = title.groups()
@@ -175,56 +164,12 @@ def _parse_pedantic(value: Mapping[str, Any], messages: Iterable[str]) -> Mappin
 
 def describe_on_request(rule: Rule) -> str:
     """Say which notes of a rule are reported on request only; empty if all are always reported."""
-    if not rule.on_request:
-        return ""
-    ways = "-v, --pedantic, --select, a severity or a target that they concern"
-    return f"{_name_notes(rule, rule.on_request)} only on request ({ways})"
+    return rule_pages.describe_on_request(rule.messages, rule.on_request)
 
 
 def describe_pedantic(rule: Rule) -> str:
     """Say which notes of a rule are warnings with ``--pedantic``, and for which targets they are; empty if none is."""
-    messages_by_targets: dict[tuple[str, ...], set[str]] = {}
-    for message, targets in rule.pedantic.items():
-        messages_by_targets.setdefault(targets, set()).add(message)
-    return "; ".join(
-        f"{_name_notes(rule, frozenset(ids))} are warnings with "
-        + " or ".join(("--pedantic", *(f"target {target}" for target in targets)))
-        for targets, ids in sorted(messages_by_targets.items())
-    )
-
-
-def _name_notes(rule: Rule, ids: frozenset[str]) -> str:
-    return "notes" if ids == set(rule.messages) else f"notes {', '.join(sorted(ids))}"
-
-
-def split_page(page: str) -> tuple[str, str]:
-    """Return the header of a page, which is empty where it has none, and the rest of the page without it."""
-    before, _, rest = page.partition("\n```toml\n")
-    header, end, body = rest.partition("\n```\n")
-    return (header, before + body) if end else ("", page)
-
-
-def explain_rule(rule: Rule) -> str:
-    """Return a rule's page for a reader: its header in words instead of TOML, then its sections unchanged."""
-    facts = [
-        f"{rule.severity}, {rule.confidence}",
-        f"since {rule.since} ({rule.status})",
-        f"tags: {', '.join(rule.tags)}",
-    ]
-    if rule.hidden_by:
-        facts.append(f"gives way to {', '.join(rule.hidden_by)} on the same element")
-    if rule.concerns:
-        facts.append(f"concerns {', '.join(rule.concerns)} only")
-    facts += filter(None, (describe_on_request(rule), describe_pedantic(rule)))
-    parts = [f"# {rule.code} {rule.name}", " · ".join(facts)]
-    body = split_page(_TITLE.sub("", rule.page))[1].strip()
-    parts.append(body)
-    if rule.options:
-        options = [
-            f"* `{o.name}` = {o.default} {'' if o.unit == '1' else o.unit}: {o.doc}" for o in rule.options.values()
-        ]
-        parts.append("## Options\n\n" + "\n".join(options))
-    return "\n\n".join(parts)
+    return rule_pages.describe_pedantic(rule.messages, rule.pedantic)
 
 
 def has_check(rule: Rule) -> bool:

@@ -427,12 +427,12 @@ def test_every_command_takes_the_options_of_the_table() -> None:
 
     from urdfcheck.cli import options
 
-    for option in options._OPTIONS:
+    for option, commands, _ in options._OPTIONS:
         for command in options._ALL:
             parser = cli.load_command(command).build_parser()
-            known = option.name in parser._option_string_actions
-            assert known or command not in option.commands, f"{command} {option.name}"
-    assert {name for option in options._OPTIONS for name in option.commands} == set(options._ALL)
+            known = option in parser._option_string_actions
+            assert known or command not in commands, f"{command} {option}"
+    assert {name for _, commands, _ in options._OPTIONS for name in commands} == set(options._ALL)
 
 
 @pytest.mark.parametrize("command", ["srdf", "engines", "drop"])

@@ -35,6 +35,12 @@ def write_robot(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.fixture(autouse=True)
+def _without_whole_reports(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is kept of a rule is used where something else in the report has changed."""
+    monkeypatch.setattr("urdfcheck.run.pipeline.enable_replay", lambda settings: settings)
+
+
 @pytest.fixture
 def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The codes of the rules that were really asked."""

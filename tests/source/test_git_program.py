@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source import folder_index
 from urdfcheck.source.discover import discover_targets
+from urdfcheck.system import git
 from urdfcheck.system.programs import find_program
 
 URDF = '<robot name="r"><link name="base"/></robot>'
@@ -60,6 +60,6 @@ def test_without_git_nothing_is_ignored(workspace: Path, monkeypatch: pytest.Mon
 def test_git_waits_a_short_time_for_a_pipe(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     os.mkfifo(workspace / "pipe")
     subprocess.run(["git", "config", "core.excludesFile", str(workspace / "pipe")], check=True)
-    assert folder_index._GIT_PATIENCE <= 5
-    monkeypatch.setattr(folder_index, "_GIT_PATIENCE", 0.2)
+    assert git._LISTING_PATIENCE <= 5
+    monkeypatch.setattr(git, "_LISTING_PATIENCE", 0.2)
     assert list_models(Path()) == ["a.urdf", "b.urdf"]

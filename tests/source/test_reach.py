@@ -10,7 +10,8 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.reach import FileReach, find_project_folder, list_project_folders
+from urdfcheck.source.project_folders import find_project_folder, list_project_folders
+from urdfcheck.source.reach import FileReach
 
 BOX = '<robot name="r"><link name="l"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
 

@@ -14,7 +14,8 @@ from conftest import FIXTURES
 from urdfcheck.cli import main
 from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.facts.mesh.measure import measure_mesh, restore_mesh_facts
-from urdfcheck.system.array_cache import ArrayCache, find_default_folder
+from urdfcheck.system.array_cache import ArrayCache
+from urdfcheck.system.cache_folder import find_default_folder
 
 pytestmark = pytest.mark.slow
 

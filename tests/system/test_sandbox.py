@@ -289,8 +289,8 @@ def test_every_report_is_data(tmp_path: Path) -> None:
 
     from conftest import FIXTURES, check
 
-    from urdfcheck.system.process_pool import _PlainUnpickler
+    from urdfcheck.system.plain_pickle import PlainUnpickler
 
     run = check(FIXTURES / "car-3", scene=True)
-    back = _PlainUnpickler(io.BytesIO(pickle.dumps((run.findings, run.models, run.scenes, run.skipped)))).load()
+    back = PlainUnpickler(io.BytesIO(pickle.dumps((run.findings, run.models, run.scenes, run.skipped)))).load()
     assert back == (run.findings, run.models, run.scenes, run.skipped)

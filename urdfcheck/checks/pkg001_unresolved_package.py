@@ -13,7 +13,7 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.path_arguments import list_path_arguments
-from urdfcheck.source.reach import is_part_of_robot
+from urdfcheck.source.project_folders import is_part_of_robot
 from urdfcheck.source.resources import (
     ResourceUse,
     describe_missing_uses,

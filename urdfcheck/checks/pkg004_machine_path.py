@@ -20,6 +20,7 @@ from urdfcheck.source.resources import (
 )
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
+from urdfcheck.system.observing.questions import note_content
 
 
 @dataclass(slots=True, eq=False)
@@ -112,8 +113,14 @@ def _find_by_ending(use: ResourceUse, path: Path, source: Source) -> Path | None
         for folder in source.finder.list_parent_folders():
             place = folder.joinpath(*parts[start:])
             if source.finder.can_open(place) and os.path.isfile(place):
-                return place if not use.resource.exists or os.path.samefile(place, path) else None
+                return place if not use.resource.exists or _is_same_file(place, path) else None
     return None
+
+
+def _is_same_file(first: Path, second: Path) -> bool:
+    for path in (first, second):
+        note_content(path, path.stat())  # whose inode decides
+    return os.path.samefile(first, second)
 
 
 def _list_namesakes(uses: Iterable[ResourceUse], source: Source) -> list[str]:

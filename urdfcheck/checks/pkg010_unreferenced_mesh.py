@@ -17,6 +17,7 @@ from urdfcheck.source.package.references import (
     list_other_folders,
     read_package_contents,
 )
+from urdfcheck.system.observing.questions import note_content
 
 _SUFFIX = re.compile(rf"(?:{'|'.join(map(re.escape, MESH_SUFFIXES))})\b", re.IGNORECASE)
 # A path ends at one of these, not at a blank, and has at most so many characters.
@@ -57,7 +58,11 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
 
 
 def _get_file_size(path: Path) -> int:
-    return path.stat().st_size if path.is_file() else 0
+    if not path.is_file():
+        return 0
+    status = path.stat()
+    note_content(path, status)
+    return status.st_size
 
 
 def _find_unreferenced_meshes(meshes: Iterable[Path], package: Package) -> list[Path]:

@@ -126,7 +126,7 @@ def _report_planted_modules(folders: Sequence[str], words: Sequence[str]) -> Non
     """
     from pathlib import Path
 
-    from urdfcheck.source.reach import find_project_folder
+    from urdfcheck.source.project_folders import find_project_folder
     from urdfcheck.system.python_path import find_planted_modules
 
     paths = [word for word in words if not word.startswith("-") and os.path.lexists(word)]

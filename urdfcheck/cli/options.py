@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
 
-from urdfcheck.cli.terminal import say
+from urdfcheck.cli.terminal import get_columns, say
 from urdfcheck.core.errors import UrdfcheckError
 
+# Type checkers take it for typing's, whose import takes a fifth of the time of --help.
+TYPE_CHECKING = False
+
 if TYPE_CHECKING:
+    from typing import Any, NoReturn
+
     from urdfcheck.policy.config import Config
     from urdfcheck.policy.policy import Policy
     from urdfcheck.run.jobs import Request
@@ -35,6 +37,15 @@ urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
 class CommandParser(argparse.ArgumentParser):
     """Escapes its error messages, because a word of the command line may be an untrusted file name."""
 
+    def __init__(
+        self, *, formatter_class: type[argparse.HelpFormatter] = argparse.HelpFormatter, **settings: Any
+    ) -> None:
+        def make_formatter(prog: str) -> argparse.HelpFormatter:
+            # It would ask shutil for the width, which loads all that packs archives.
+            return formatter_class(prog, width=get_columns() - 2)
+
+        super().__init__(formatter_class=make_formatter, **settings)
+
     def error(self, message: str) -> NoReturn:
         from urdfcheck.output.shared.escaping import escape_for_log
 
@@ -42,6 +53,8 @@ class CommandParser(argparse.ArgumentParser):
 
     def _suggest(self, message: str) -> str:
         """Return the options that resemble those that are unknown."""
+        import difflib
+
         _, is_unknown, words = message.partition("unrecognized arguments: ")
         found = []
         for word in words.split() if is_unknown else ():
@@ -51,18 +64,9 @@ class CommandParser(argparse.ArgumentParser):
         return f" (did you mean {', '.join(found)}?)" if found else ""
 
 
-@dataclass(frozen=True, slots=True)
-class _Option:
-    """An option of several commands."""
-
-    name: str
-    commands: frozenset[str]
-    settings: Mapping[str, Any]
-    """What `argparse.ArgumentParser.add_argument` takes."""
-
-
-def _make_option(name: str, commands: Iterable[str], **settings: Any) -> _Option:
-    return _Option(name, frozenset(commands), settings)
+def _make_option(name: str, commands: Iterable[str], **settings: Any) -> tuple[str, frozenset[str], Mapping[str, Any]]:
+    """Return an option of several commands, and what `argparse.ArgumentParser.add_argument` takes for it."""
+    return name, frozenset(commands), settings
 
 
 _CHECKING = ("check", "audit", "baseline", "config")
@@ -156,9 +160,9 @@ _OPTIONS = (
 
 def add_options(p: argparse.ArgumentParser, command: str) -> None:
     """Add the options that a command shares with others."""
-    for option in _OPTIONS:
-        if command in option.commands:
-            p.add_argument(option.name, **option.settings)
+    for name, commands, settings in _OPTIONS:
+        if command in commands:
+            p.add_argument(name, **settings)
 
 
 def ensure_paths(options: argparse.Namespace) -> None:
@@ -235,12 +239,14 @@ def build_access_request(options: argparse.Namespace, path: str, codes: frozense
 
 def _drop_unusable_cache(request: Request) -> Request:
     """Return the request without a cache that cannot be read, and say so."""
-    from urdfcheck.system.array_cache import explain_unusable_folder
+    from urdfcheck.system.cache_folder import explain_unusable_folder
 
     reason = None if request.cache is None else explain_unusable_folder(request.cache)
     if reason is None:
         return request
     say(f"urdfcheck: {request.cache} is not used as a cache: {reason}", sys.stderr)
+    from dataclasses import replace
+
     return replace(request, cache=None)
 
 

@@ -108,6 +108,10 @@ class Span:
     start: int
     end: int
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the fields for the constructor: a run sends and keeps thousands, and dataclasses restores fields one by one."""
+        return Span, (self.file, self.line, self.col, self.end_line, self.end_col, self.start, self.end)
+
 
 @dataclass(frozen=True, slots=True)
 class Location:
@@ -119,6 +123,10 @@ class Location:
     subject: str
     span: Span | None
     via: tuple[Span, ...] = ()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Do the same as that of `Span`."""
+        return Location, (self.subject, self.span, self.via)
 
     @property
     def file(self) -> str:

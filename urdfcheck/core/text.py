@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
-import shlex
 from collections.abc import Collection, Iterable, Mapping
 
 # A name this much like another is a slip of it. `leftThumbMotorRoll` may mean `leftThumbRoll`, which is worth a question, but
@@ -34,6 +32,8 @@ def _find_similar_name(name: str, known: Iterable[str], likeness: float) -> str 
     """Return the name with most letters in common, on whatever side, or None."""
     letters = _DIGITS.sub("", name)
     candidates = sorted(other for other in set(known) - {""} if _DIGITS.sub("", other) != letters)
+    import difflib  # few names are misspelt
+
     close = difflib.get_close_matches(name, candidates, n=1, cutoff=likeness)
     return close[0] if close else None
 
@@ -123,6 +123,8 @@ def format_choices(values: Collection[str], most: int = 6) -> str:
 
 def format_argument_option(name: str, value: str | None = None) -> str:
     """Return ``--arg name:=value`` quoted for a shell, as names and values are a stranger's; ``…`` is to be filled in."""
+    import shlex
+
     return f"--arg {shlex.quote(name)}:={TO_FILL_IN}" if value is None else f"--arg {shlex.quote(f'{name}:={value}')}"
 
 

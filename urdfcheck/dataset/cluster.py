@@ -177,7 +177,7 @@ def _iter_reports(output: bytes) -> Iterator[tuple[int, UnitReport]]:
     """Yield the reports that the program wrote before it ended, or before anything else: this process is not confined."""
     import io
 
-    from urdfcheck.system.process_pool import load_plain
+    from urdfcheck.system.plain_pickle import load_plain
 
     stream = io.BytesIO(output)
     while True:

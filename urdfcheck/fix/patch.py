@@ -14,7 +14,8 @@ from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Edit, UrdfcheckError
 from urdfcheck.source.package.finder import format_path
-from urdfcheck.source.reach import find_project_folder, is_below, resolve_real_path
+from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.source.reach import is_below, resolve_real_path
 from urdfcheck.source.text.xml import SourceFile, XmlError
 from urdfcheck.system.files import overlay_files, read_regular
 from urdfcheck.system.process_pool import block_ending_signals

@@ -19,7 +19,8 @@ from urdfcheck.mcp.computed_values import describe_computed
 from urdfcheck.mcp.robot_summary import summarize_robot
 from urdfcheck.output import changes, render_picture
 from urdfcheck.output.agent import MOST_CHARACTERS, name_finding, render_findings
-from urdfcheck.rules import explain_rule, load_rules, select_rules
+from urdfcheck.rule_pages import explain_page
+from urdfcheck.rules import load_rules, select_rules
 from urdfcheck.run.pipeline import audit_single_model
 from urdfcheck.run.request import RunOptions, make_request
 
@@ -40,7 +41,7 @@ class Workspace:
 
     def explain(self, rule: str) -> str:
         """Return the page of a rule: what it checks, why it matters, how to fix it, with examples."""
-        pages = [explain_rule(load_rules()[code]) for code in sorted(select_rules([rule]))]
+        pages = [explain_page(load_rules()[code].page) for code in sorted(select_rules([rule]))]
         return _cut("\n\n".join(pages), "ask for one rule by its code")
 
     def fix(self, paths: Sequence[str], ids: Sequence[str], *, write: bool = False) -> str:

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
-import json
+import io
+import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import asdict
-from functools import cache
-from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Applicability, Cause, Confidence, Edit, Finding, Fix, Location, Rule, Severity, Span
+from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.rules import find_pages_folder
-from urdfcheck.system.array_cache import find_library_origin
-
-# Libraries that compute the findings, beside urdfcheck itself.
-_LIBRARIES = ("numpy", "scipy", "trimesh", "collada", "pinocchio")
-_HERE = Path(__file__).parent.parent
+from urdfcheck.system.installation import compute_installation_stamp
+from urdfcheck.system.plain_pickle import load_plain
 
 
 class FindingsCache:
@@ -28,10 +23,9 @@ class FindingsCache:
 
         self._entry = model.cache.entry("findings", _compute_digest(model))
         self._new = False
-        try:
-            self._stored: dict[str, Any] = json.loads(self._entry["all"]["text"].tobytes())
-        except KeyError:
-            self._stored = {}
+        self._stored: dict[str, list[Finding]] = {}
+        with contextlib.suppress(Exception):  # there is none; pickle raises many kinds for a damaged one
+            self._stored = load_plain(io.BytesIO(self._entry["all"]["pickle"].tobytes()))
         self._array = np.frombuffer
 
     def recall_findings(
@@ -40,19 +34,15 @@ class FindingsCache:
         """Return what ``find`` returns, or returned earlier; only for rules of which `is_cacheable` is true."""
         key = f"{rule.code} {sorted(options.items())}"
         if key in self._stored:
-            return [_restore_finding(plain) for plain in self._stored[key]]
-        found = list(find())
-        try:
-            self._stored[key] = json.loads(json.dumps([asdict(finding) for finding in found]))
-        except TypeError:  # a numpy number, which JSON does not know: not cached
-            return found
+            return self._stored[key]
+        self._stored[key] = found = list(find())
         self._new = True
         return found
 
     def save(self) -> None:
         """Write what is new to the cache."""
         if self._new:
-            self._entry["all"] = {"text": self._array(json.dumps(self._stored).encode(), dtype="u1")}
+            self._entry["all"] = {"pickle": self._array(pickle.dumps(self._stored), dtype="u1")}
 
 
 def is_cacheable(rule: Rule) -> bool:
@@ -68,7 +58,7 @@ def _compute_digest(model: Model) -> str:
 
 
 def _iter_digest_parts(model: Model) -> Iterator[str]:
-    yield _stamp_sources()
+    yield compute_installation_stamp()
     yield f"{model.tier} {model.samples} {model.targets} {sorted(model.source.arguments.items())} {model.source.path}"
     for name, file in sorted(model.source.files.items()):
         yield name
@@ -87,42 +77,3 @@ def _iter_digest_parts(model: Model) -> Iterator[str]:
         if path is not None:
             yield str(model.meshes.compute_content_key(path))
             yield str(model.meshes.errors.get(path))
-
-
-@cache
-def _stamp_sources() -> str:
-    """Return what changes whenever urdfcheck or a library does: sizes and times of its files."""
-    files = sorted((*_HERE.rglob("*.py"), *find_pages_folder().glob("*.md")))
-    stamps = [f"{path} {status.st_size} {status.st_mtime_ns}" for path in files for status in (path.stat(),)]
-    return "\n".join((*stamps, *(str(find_library_origin(library)) for library in _LIBRARIES)))
-
-
-def _restore_finding(plain: Mapping[str, Any]) -> Finding:
-    fix, cause = plain["fix"], plain["cause"]
-    return Finding(
-        **{
-            **plain,
-            "severity": Severity(plain["severity"]),
-            "confidence": Confidence(plain["confidence"]),
-            "location": _restore_location(plain["location"]),
-            "subjects": tuple(plain["subjects"]),
-            "occurrences": (),  # findings are merged later
-            "related": tuple(_restore_location(place) for place in plain["related"]),
-            "cause": None if cause is None else Cause(**cause),
-            "fix": None
-            if fix is None
-            else Fix(fix["title"], Applicability(fix["applicability"]), _restore_edits(fix["edits"])),
-        }
-    )
-
-
-def _restore_location(plain: Mapping[str, Any]) -> Location:
-    return Location(plain["subject"], _restore_span(plain["span"]), tuple(Span(**span) for span in plain["via"]))
-
-
-def _restore_span(plain: Mapping[str, Any] | None) -> Span | None:
-    return None if plain is None else Span(**plain)
-
-
-def _restore_edits(plain: list[Mapping[str, Any]]) -> tuple[Edit, ...]:
-    return tuple(Edit(Span(**edit["span"]), edit["expected"], edit["replacement"]) for edit in plain)

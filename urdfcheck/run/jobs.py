@@ -16,6 +16,7 @@ from urdfcheck.source.model_role import MODEL, ModelRole
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import FileReach
 from urdfcheck.system.files import Stamp
+from urdfcheck.system.observing.observations import Observations
 
 if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest
@@ -185,6 +186,8 @@ class AuditSettings:
     """The folders of each package that the search for models came across, by its name."""
     visible_folders: tuple[str, ...] = ()
     """Folders that the worker process must see."""
+    replay_key: str = ""
+    """What decides about every report beside its unit, as a digest; empty where reports are not kept."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,6 +217,8 @@ class UnitReport:
     """Failures of urdfcheck itself: they make the exit code 2."""
     reads: Mapping[str, Stamp] = field(default_factory=dict)
     """The files that the findings depend on, as they were."""
+    observations: Observations | None = None
+    """All that the report depends on; None where that is not known, or has been put together for the run."""
     comments: tuple[CommentUsage, ...] = ()
     """Comments that suppress findings, or would."""
     files: tuple[str, ...] = ()

@@ -25,6 +25,7 @@ from urdfcheck.policy.config import Config
 from urdfcheck.rules import find_pages_folder
 from urdfcheck.run.assemble_run import build_run
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, UnitReport
+from urdfcheck.run.replay.reports import KnownReports, enable_replay
 from urdfcheck.run.report_sizes import ReportSizes
 from urdfcheck.run.source_texts import SourceTexts
 from urdfcheck.run.unit_audit import audit_unit
@@ -44,6 +45,9 @@ from urdfcheck.source.reach import FileReach
 from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_stamp
+from urdfcheck.system.installation import list_own_files
+from urdfcheck.system.observing.observations import Observations, observe
+from urdfcheck.system.observing.questions import add_observations, read_folders, read_variable
 from urdfcheck.system.process_pool import SpareWorkers, Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 # The search for all models may take so many times longer than the check of one, and at least so many seconds: a model takes
@@ -106,11 +110,17 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     texts, sizes = SourceTexts(), ReportSizes()
 
     def bound(report: UnitReport, unit: Unit) -> UnitReport:
-        return sizes.limit_report(texts.share(report, unit.id), unit.id)
+        add_observations(report.observations)
+        return sizes.limit_report(texts.share(replace(report, observations=None), unit.id), unit.id)
 
     reports = {index: bound(report, units[index]) for index, report in reports.items()}
-    with audit_session(request, units, plan, in_process=execution.audit is not None) as settings:
+    with audit_session(request, units, plan, in_process=execution.audit is not None) as session:
+        settings = session if request.cache is None else enable_replay(session)
+        known = KnownReports(settings)
         while missing := list_next_units(units, reports):
+            recalled = {index: report for index in missing if (report := known.recall(units[index])) is not None}
+            reports.update((index, bound(report, units[index])) for index, report in recalled.items())
+            missing = [index for index in missing if index not in recalled]
             total = len(reports) + len(missing)
             stream = stream_reports(
                 [units[index] for index in missing], settings, jobs=request.jobs, execution=execution
@@ -139,7 +149,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
         count = len(units) - len(spared)
         reason = f"interrupted after {len(reports)} of {count} models and files: the rest was not checked"
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
-    outcome = strip_volatile_values(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
+    outcome = strip_volatile_values(outcome) if read_variable("SOURCE_DATE_EPOCH") is not None else outcome
     return AuditedRun(request=request, plan=plan, units=units, reports=reports, outcome=outcome)
 
 
@@ -237,26 +247,32 @@ def plan_units(
     killed = longest and longest + limits.seconds + sandbox.PATIENCE
     work = (limits.memory, longest or 0.0, limits.seconds, texts, search)
     spare = None if spare_workers is None else spare_workers.get_list(limits.memory)
-    ((_, plan),) = map_in_processes(_discover_bounded, [work], 1, timeout=killed, spare_workers=spare)
-    if isinstance(plan, WorkerTimeoutError):
+    ((_, answer),) = map_in_processes(_discover_bounded, [work], 1, timeout=killed, spare_workers=spare)
+    if isinstance(answer, WorkerTimeoutError):
         raise UrdfcheckError(f"looking for models took more than {longest:g} s (--timeout)")
-    if isinstance(plan, WorkerDiedError):
-        raise UrdfcheckError(f"the process that looks for models {_describe_exit(plan.exit_code)}")
-    if isinstance(plan, MemoryError):
+    if isinstance(answer, WorkerDiedError):
+        raise UrdfcheckError(f"the process that looks for models {_describe_exit(answer.exit_code)}")
+    if isinstance(answer, MemoryError):
         raise UrdfcheckError(f"looking for models takes more than {limits.memory} MiB (--memory)")
+    plan, observations = answer
+    add_observations(observations)
     return plan, _build_units(plan, request)
 
 
 def _discover_bounded(
     memory: int, seconds: float, seconds_per_file: float, texts: Mapping[str, bytes], search: Mapping[str, Any]
-) -> Plan | MemoryError:
-    """Do the search of `plan_units` with at most ``memory`` MiB; ``search``: arguments of `discover_targets`."""
+) -> tuple[Plan, Observations] | MemoryError:
+    """Do the search of `plan_units` with at most ``memory`` MiB; also return what it depends on.
+
+    ``search``: arguments of `discover_targets`.
+    """
     sandbox.limit_memory(memory)
     try:
-        with overlay_files(texts):
-            return discover_targets(**search, budget=PlanningBudget(seconds, seconds_per_file))
+        with overlay_files(texts), observe(apart=list_own_files()) as observations:
+            plan = discover_targets(**search, budget=PlanningBudget(seconds, seconds_per_file))
     except MemoryError as error:
         return error.with_traceback(None)
+    return plan, observations
 
 
 @contextlib.contextmanager
@@ -292,7 +308,7 @@ def _list_visible_folders(reach: FileReach, units: Sequence[Unit]) -> tuple[str,
                 dict.fromkeys(os.path.realpath(level) for level in PackageFinder(start).list_parent_folders()[-1:])
             )
     for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
-        folders.update(dict.fromkeys(filter(None, os.environ.get(variable, "").split(os.pathsep))))
+        folders.update(dict.fromkeys(read_folders(variable)))
     return tuple(folders)
 
 

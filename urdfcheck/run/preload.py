@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+from functools import partial
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -19,8 +20,10 @@ PARENT_MODULES = ("urdfcheck.run.pipeline", "urdfcheck.run.unit_audit")
 _CHECKED_ALWAYS = frozenset({"file", "model", "package"})
 
 
-def start_warm_worker() -> Worker | None:
+def start_warm_worker(tier: str | None = None) -> Worker | None:
     """Start a worker that loads what an audit needs; None where processes cannot be forked.
+
+    ``tier``: how much is computed, where the command says it.
 
     :raises UrdfcheckError: if a rule page is malformed.
     """
@@ -34,19 +37,22 @@ def start_warm_worker() -> Worker | None:
     for module in PARENT_MODULES:
         importlib.import_module(module)
     load_rules()
-    return process_pool.Worker.start(preload_modules)
+    return process_pool.Worker.start(partial(preload_modules, tier))
 
 
-def preload_modules() -> None:
+def preload_modules(tier: str | None = None) -> None:
     """Import what the audit of most models needs: no checks whose findings may be in the cache, and none of launch files."""
+    from urdfcheck.policy.policy import TIERS
     from urdfcheck.rules import get_check_module, has_check, load_rules
     from urdfcheck.run.findings_cache import is_cacheable
+    from urdfcheck.run.unit_audit import find_missing_tier
     from urdfcheck.system import libraries
 
     libraries.prefer_own_folders()
     importlib.import_module("numpy")
     for rule in load_rules().values():
-        if _CHECKED_ALWAYS.intersection(rule.scopes) and has_check(rule) and not is_cacheable(rule):
+        runs = _CHECKED_ALWAYS.intersection(rule.scopes) and not find_missing_tier(rule.needs, tier or TIERS[-1])
+        if runs and has_check(rule) and not is_cacheable(rule):
             importlib.import_module(get_check_module(rule))
     with contextlib.suppress(ImportError):  # it is optional
         importlib.import_module("py_landlock")

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import SkippedCheck
-from urdfcheck.core.mechanism import RobotMechanism
-from urdfcheck.core.scene import Scene
 from urdfcheck.policy.report_limits import limit_size, measure_size
 from urdfcheck.run.findings import explain_left_out
 from urdfcheck.run.jobs import UnitReport
+
+if TYPE_CHECKING:
+    from urdfcheck.core.mechanism import RobotMechanism
+    from urdfcheck.core.scene import Scene
 
 # The rule about what is too large.
 RULE = "URC905"

@@ -174,7 +174,7 @@ def make_access_request(options: RunOptions, config: Config, codes: frozenset[st
 
     :raises UrdfcheckError: for an option with an error.
     """
-    from urdfcheck.system.array_cache import find_default_folder
+    from urdfcheck.system.cache_folder import find_default_folder
 
     return Request(
         paths=tuple(map(Path, options.paths)),

@@ -5,13 +5,14 @@ Only plain data leaves: findings, skips, the model's line in the report and, whe
 
 from __future__ import annotations
 
+import contextlib
 import itertools
+import operator
 import os
 import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,9 +27,7 @@ from urdfcheck.core import (
     Span,
 )
 from urdfcheck.core.errors import ModelTimeout
-from urdfcheck.export.link_pairs import LinkPairs, compute_link_pairs
 from urdfcheck.export.outline import ModelOutline, build_outline
-from urdfcheck.export.seam_builder import list_launch_seams, list_model_seams, list_package_seams
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.policy.fix_safety import withdraw_shared_edits
@@ -39,6 +38,7 @@ from urdfcheck.run.comment_usage import assess_comments
 from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.replay.reports import keep_report
 from urdfcheck.run.report_sizes import limit_mechanism, limit_scene
 from urdfcheck.run.shown_paths import PathShortener
 from urdfcheck.run.source_texts import RULE as TEXTS_RULE
@@ -54,6 +54,9 @@ from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
+from urdfcheck.system.installation import list_own_files
+from urdfcheck.system.observing.observations import Observations, observe
+from urdfcheck.system.observing.questions import read_folders
 
 if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest
@@ -61,6 +64,7 @@ if TYPE_CHECKING:
     from urdfcheck.core.scene import Scene
     from urdfcheck.core.seams import SeamFact
     from urdfcheck.export.index.source_index import SourceIndex
+    from urdfcheck.export.link_pairs import LinkPairs
     from urdfcheck.source.launch.launch_file import Launch
 
 _TIER_OF_NEED = {
@@ -72,12 +76,18 @@ _TIER_OF_NEED = {
 
 def audit_unit(unit: Unit, settings: AuditSettings) -> UnitReport:
     """Audit one unit. A check that crashes is reported as a failure and as finding URC900; the others still run."""
+
     import numpy as np
 
     start = time.perf_counter()
     audit = _UnitAudit(unit, settings)
     # Numbers that overflow are findings, not warnings of numpy.
-    with record_reads() as reads, overlay_files(settings.options.texts), np.errstate(all="ignore"):
+    with (
+        _observe(settings) as observations,
+        record_reads() as reads,
+        overlay_files(settings.options.texts),
+        np.errstate(all="ignore"),
+    ):
         try:
             if unit.kind == "package":
                 audit.audit_package()
@@ -90,7 +100,21 @@ def audit_unit(unit: Unit, settings: AuditSettings) -> UnitReport:
             audit.stop_audit("time")
         except MemoryError:
             audit.stop_audit("memory")
-    return replace(audit.build_report(time.perf_counter() - start), reads=reads)
+        report = replace(audit.build_report(time.perf_counter() - start), reads=reads)
+    if observations is None:
+        return report
+    keep_report(unit, settings, report, observations)
+    return replace(report, observations=observations)
+
+
+@contextlib.contextmanager
+def _observe(settings: AuditSettings) -> Iterator[Observations | None]:
+    """Observe what a report depends on that may be kept."""
+    if settings.cache is None or not settings.replay_key:
+        yield None
+        return
+    with observe(apart=(settings.cache, *list_own_files())) as observations:
+        yield observations
 
 
 class _UnitAudit:
@@ -138,11 +162,11 @@ class _UnitAudit:
     def list_machine_folders(self) -> set[str]:
         """Return the folders of the unit's files, as absolute and as real paths."""
         given = (*self.packages.by_name.values(), *self.packages.search_path, Path(self.unit.path).parent, Path())
-        variables = (os.environ.get(name, "").split(os.pathsep) for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"))
+        variables = map(read_folders, ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"))
         folders = {
             *(self.settings.reach or ()),
             *map(os.path.abspath, given),
-            *filter(None, itertools.chain(*variables)),
+            *itertools.chain(*variables),
         }
         return folders | set(map(os.path.realpath, folders))
 
@@ -273,12 +297,14 @@ class _UnitAudit:
                 "scene", lambda: build_scene(model, self.unit.id, launches=self.loaded_launches, findings=self.findings)
             )
         if self.options.pairs:
+            from urdfcheck.export.link_pairs import compute_link_pairs  # only an SRDF is made of them
+
             self.pairs = self.run_guarded("srdf", lambda: compute_link_pairs(model))
         if self.options.mechanism:
             from urdfcheck.export.mechanism_builder import build_mechanism  # only a comparison pays for it
 
             self.mechanism = self.run_guarded("diff", lambda: build_mechanism(model, self.unit.id))
-            self.collect_seams(lambda: list_model_seams(model))
+            self.collect_seams(operator.methodcaller("list_model_seams", model))
         if self.options.drop:
             self.drop = self.run_guarded("drop", lambda: self.run_drop_test(model))
 
@@ -299,10 +325,12 @@ class _UnitAudit:
         except FactUnavailableError:  # DYN005 reports why
             return None
 
-    def collect_seams(self, list_seams: Callable[[], Iterable[SeamFact]]) -> None:
+    def collect_seams(self, list_seams: Callable[[Any], Iterable[SeamFact]]) -> None:
         """Keep what files around the models say, where versions are compared."""
         if self.options.mechanism:
-            self.seams += self.run_guarded("diff", list_seams) or ()
+            from urdfcheck.export import seam_builder
+
+            self.seams += self.run_guarded("diff", lambda: list_seams(seam_builder)) or ()
 
     def audit_launches(self, model: Model | None) -> None:
         """Check the launch files of the unit with the model that they lead to."""
@@ -316,7 +344,7 @@ class _UnitAudit:
             self.loaded_launches.append(launch)
             self.texts.update({name: file.text for name, file in launch.files.items()})
             self.run_checks("launch", LaunchContext(launch, model, is_explicit=self.unit.is_explicit))
-            self.collect_seams(partial(list_launch_seams, launch))
+            self.collect_seams(operator.methodcaller("list_launch_seams", launch))
 
     def audit_package(self) -> None:
         """Check a package."""
@@ -326,7 +354,7 @@ class _UnitAudit:
             return
         if package.file is not None:
             self.texts[package.file.name] = package.file.text
-        self.collect_seams(partial(list_package_seams, package))
+        self.collect_seams(operator.methodcaller("list_package_seams", package))
         self.run_checks(
             "package", replace(package, finder=self.make_finder(folder), is_fully_checked=self.unit.is_explicit)
         )
@@ -338,7 +366,7 @@ class _UnitAudit:
         for rule in self.rules.values():
             if scope not in rule.scopes:
                 continue
-            missing = _find_missing_tier(rule.needs, self.policy.tier)
+            missing = find_missing_tier(rule.needs, self.policy.tier)
             if missing:
                 self.add_skip(rule.code, f"{SkippedCheck.TIER_REASON}{missing}")
                 continue
@@ -388,7 +416,7 @@ class _UnitAudit:
             number = "a mesh" if len(files) == 1 else f"{len(files)} meshes"
             reason = f"nothing is known of {number} in package {package}, which is not installed here"
             for rule in self.rules.values():
-                if "mesh" in rule.needs and not _find_missing_tier(rule.needs, self.policy.tier):
+                if "mesh" in rule.needs and not find_missing_tier(rule.needs, self.policy.tier):
                     self.add_skip(rule.code, reason, is_partial=True)
 
     def skip_scope(self, scope: str, reason: str) -> None:
@@ -503,6 +531,8 @@ def _find_undeclared_arguments(source: Source) -> dict[str, str] | None:
         return None
     elements = iter_elements_by_tag(source.trees, "xacro:arg") if source.is_xacro else ()
     declared = {name for element in elements if (name := element.get("name")) is not None}
+    from difflib import get_close_matches
+
     similar = {name: get_close_matches(name, declared, n=1) for name in source.arguments if name not in declared}
     return {
         name: found[0] if found else ""
@@ -512,7 +542,7 @@ def _find_undeclared_arguments(source: Source) -> dict[str, str] | None:
 
 
 @cache  # each unit asks about each rule
-def _find_missing_tier(needs: tuple[str, ...], tier: str) -> str | None:
+def find_missing_tier(needs: tuple[str, ...], tier: str) -> str | None:
     """Return the tier that the ``needs`` of a rule ask for, if more than ``tier``."""
     wanted = max((TIERS.index(_TIER_OF_NEED[need]) for need in needs), default=0)
     return TIERS[wanted] if wanted > TIERS.index(tier) else None

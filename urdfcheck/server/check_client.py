@@ -12,7 +12,7 @@ import sys
 
 from urdfcheck.run.request import RunOptions
 from urdfcheck.server.check_messages import HEADER, CheckAnswer, CheckJob
-from urdfcheck.system.process_pool import load_plain
+from urdfcheck.system.plain_pickle import load_plain
 
 # The path of modules is that of this process, and not the working directory: its files are checked.
 _PROGRAM = (

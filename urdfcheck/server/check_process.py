@@ -31,7 +31,7 @@ from urdfcheck.run.pipeline import AuditedRun, Execution, keep_valid_reports, ru
 from urdfcheck.run.preload import preload_modules
 from urdfcheck.run.request import RunOptions, make_request
 from urdfcheck.server.check_messages import HEADER, CheckAnswer, CheckJob, ProjectAnswer
-from urdfcheck.source.reach import find_project_folder
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system import libraries
 from urdfcheck.system.process_pool import SpareWorkers, end_with_parent, limit_threads
 

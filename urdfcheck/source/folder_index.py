@@ -21,16 +21,12 @@ from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS
-from urdfcheck.source.reach import find_project_folder
-from urdfcheck.system import git as git_program
-from urdfcheck.system.programs import find_program, make_program_environment
+from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.system.git import list_ignored
 
 # Limit on the file names that are compared with the patterns of includes: beyond it a file counts as not included, and is
 # checked as a model.
 MAX_COMPARED = 500_000
-# Seconds for git to list what it ignores: a pipe in the place of one of its files keeps it waiting. It takes 0.3 s for 80,000
-# files.
-_GIT_PATIENCE = 5.0
 _SKIPPED = BUILD_FOLDERS | {"node_modules", "__pycache__"}
 # A file that a variable of the environment names, and the one that is included if it is not set.
 _OPTIONAL = re.compile(r"^\$\(optenv\s+\S+\s+([^)]*)\)(.*)$", re.DOTALL)
@@ -357,7 +353,7 @@ def _iter_files(
     models that cannot be read, and what cannot even be told to be a file or a folder, and to ``marked`` the folders that build
     tools are told to leave out.
     """
-    ignored = _list_git_ignored(root)
+    ignored = list_ignored(str(root), outside=str(find_project_folder(root)))
     visited: set[str] = set()
     below = [(str(root), os.path.realpath(root))]
     while below:  # not os.walk, which calls itself for each level
@@ -426,43 +422,3 @@ def _list_folder(folder: str) -> tuple[list[str], list[str]]:
     # entry.is_dir() raises for a circular link, os.path.isdir does not.
     folders = {name for name in names if os.path.isdir(os.path.join(folder, name))}
     return [name for name in names if name in folders], [name for name in names if name not in folders]
-
-
-def _may_be_in_work_tree(root: Path) -> bool:
-    """Whether a repository is around a folder, or the environment names one elsewhere."""
-    real = Path(os.path.realpath(root))
-    return "GIT_DIR" in os.environ or any(os.path.lexists(folder / ".git") for folder in (real, *real.parents))
-
-
-def _list_git_ignored(root: Path) -> set[str]:
-    """Return the files and folders below ``root`` that git ignores; none outside a work tree or without git."""
-    if not _may_be_in_work_tree(root):  # git would look for it in the same places, in a process of its own
-        return set()
-    import subprocess
-
-    # The folder may be a stranger's: git itself is this machine's, and whatever the folder's own git configuration would start is
-    # switched off. In a clone that lacks an object, git would fetch it with any command that this configuration names.
-    git = find_program("git", outside=[find_project_folder(root)])
-    if git is None:
-        return set()
-    safe = [word for setting in git_program.SETTINGS for word in ("-c", setting)]
-    alone = make_program_environment(**git_program.VARIABLES)
-    listing = ["ls-files", "-z", "--others", "--ignored", "--exclude-standard", "--directory"]
-    try:
-        done = subprocess.run(
-            [git, *safe, "-C", os.path.abspath(root), *listing],
-            cwd=os.path.dirname(git),
-            env=alone,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=_GIT_PATIENCE,
-            check=True,
-        )
-    except (OSError, subprocess.SubprocessError):
-        return set()
-    names = [os.fsdecode(n) for n in done.stdout.split(b"\0") if n]
-    if "./" in names:  # git ignores the given folder itself, but the user asked for it
-        return set()
-    # A link counts by its own place, not by its target.
-    places = [os.path.split(os.path.join(root, name.rstrip("/"))) for name in names]
-    return {os.path.join(os.path.realpath(folder), name) for folder, name in places}

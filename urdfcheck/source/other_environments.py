@@ -6,7 +6,6 @@ They are expanded to see whether they differ; what differs is another robot, of 
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Mapping
 
 from urdfcheck.source.load import Source
@@ -15,6 +14,7 @@ from urdfcheck.source.xacro.expand import expand_xacro
 from urdfcheck.source.xacro.expressions.varying_values import SET_ORDERS
 from urdfcheck.source.xacro.outside_access import HASH_SEED
 from urdfcheck.source.xacro.ros_variables import FIRST_GENERATION, KNOWN_VARIABLES, VARIABLE
+from urdfcheck.system.observing.questions import read_variable
 
 
 def find_other_environments(source: Source) -> list[dict[str, str]]:
@@ -58,7 +58,7 @@ def depends_on_set_order(source: Source) -> bool:
 
 def get_variable(source: Source, name: str) -> str:
     """Return the value of a variable of ROS with which a xacro was expanded; empty if it is not set."""
-    return source.arguments.get(f"{VARIABLE}{name}") or os.environ.get(name, "")
+    return source.arguments.get(f"{VARIABLE}{name}") or read_variable(name) or ""
 
 
 def _expand_again(source: Source, more: Mapping[str, str]) -> Element | None:

@@ -7,7 +7,6 @@ folder that cannot be written is not an error: missing results are computed agai
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import io
 import os
 import re
@@ -19,7 +18,10 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from urdfcheck.system.cache_folder import write_atomically
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_regular
+from urdfcheck.system.observing.observations import SETTLED_NS
+from urdfcheck.system.observing.questions import compute_sha256, note_content
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,14 +29,8 @@ if TYPE_CHECKING:
     Arrays = Mapping[str, NDArray[Any]]
     Entry = MutableMapping[str, Arrays]
 
-FOLDER_VARIABLE = "URDFCHECK_CACHE_DIR"
-# Everything is kept in a subfolder of this name, because the folder that the user names may hold other files.
-NAME = "urdfcheck-results"
 # Bytes above which the least recently used entries are dropped.
 LARGEST = 2 * 1024**3
-# A file that was modified this recently may be modified again without a change of its timestamp (git's index has the same
-# precaution).
-_SETTLED_NS = 2_000_000_000
 _TIDY_EVERY = 3600.0
 # The header of a numeric array as numpy writes it.
 _HEADER = re.compile(
@@ -63,23 +59,23 @@ class ArrayCache:
         """
         status = path.stat()
         note_lookup(path, status)
+        note_content(path, status)
         if status.st_size > limit:
             raise FileTooLargeError(limit, status.st_size)
         stamp = f"{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns} {status.st_ino}"
         place = (
-            None
-            if self.folder is None
-            else self.folder / "files" / _compute_sha256(os.fsencode(os.path.realpath(path)))
+            None if self.folder is None else self.folder / "files" / compute_sha256(os.fsencode(os.path.realpath(path)))
         )
         if place is not None:
             with contextlib.suppress(OSError, ValueError):
                 known, _, digest = place.read_text(encoding="ascii").rpartition(" ")
                 if known == stamp and len(digest) == 64:
+                    note_content(path, status, digest)
                     return digest, None
         data = read_regular(path, limit)
-        digest = _compute_sha256(data)
-        if place is not None and time.time_ns() - status.st_mtime_ns > _SETTLED_NS:
-            _write_atomically(place, f"{stamp} {digest}".encode("ascii"))
+        digest = compute_sha256(data)
+        if place is not None and time.time_ns() - status.st_mtime_ns > SETTLED_NS:
+            write_atomically(place, f"{stamp} {digest}".encode("ascii"))
         return digest, data
 
     def iter_files(self) -> Iterator[tuple[Path, os.stat_result]]:
@@ -99,7 +95,7 @@ class ArrayCache:
             if time.time() - marker.stat().st_mtime < _TIDY_EVERY:
                 return
         self.trim()
-        _write_atomically(marker, b"")
+        write_atomically(marker, b"")
 
     def trim(self, largest: int = LARGEST) -> None:
         """Drop the least recently used entries until at most ``largest`` bytes are left."""
@@ -119,18 +115,6 @@ class ArrayCache:
         self.trim(-1)
 
 
-def find_default_folder() -> Path | None:
-    """Return the folder that ``URDFCHECK_CACHE_DIR`` names, or the platform's cache folder; None where there is none."""
-    if folder := os.environ.get(FOLDER_VARIABLE):
-        return Path(os.path.expanduser(folder)).absolute() / NAME
-    from platformdirs import user_cache_path
-
-    try:
-        return user_cache_path("urdfcheck", appauthor=False) / NAME
-    except RuntimeError:  # a user without a home, as in some containers
-        return None
-
-
 def _remove_entry(entry: Path) -> None:
     """Delete an entry, which is a file or a folder of files."""
     with contextlib.suppress(OSError):
@@ -147,7 +131,7 @@ def compute_code_version(*modules: str, library: str | None = None) -> str:
     """Return a digest of the source of modules and packages (``urdfcheck.facts.mesh``) and of the origin of a library that they
     call (`find_library_origin`): a result is reused only by the code that computed it."""
     texts = [path.read_bytes() for name in modules for path in _list_sources(name)]
-    return _compute_sha256(b"\0".join((*texts, (library or "").encode())))[:16]
+    return compute_sha256(b"\0".join((*texts, (library or "").encode())))[:16]
 
 
 def _list_sources(module: str) -> list[Path]:
@@ -186,7 +170,7 @@ class _StoredEntry(MutableMapping[str, "Arrays"]):
 
     def __setitem__(self, name: str, arrays: Arrays) -> None:
         self._groups[name] = arrays
-        _write_atomically(self._get_path(name), _encode_npz(arrays))
+        write_atomically(self._get_path(name), _encode_npz(arrays))
 
     def __delitem__(self, name: str) -> None:
         self._groups.pop(name, None)
@@ -246,35 +230,3 @@ def _decode_npy(data: bytes) -> NDArray[Any]:
     shape = tuple(int(size) for size in header.group(3).split(b",") if size.strip())
     array: NDArray[Any] = np.frombuffer(data, np.dtype(header.group(1).decode()), offset=header.end())
     return array.reshape(shape, order="F" if header.group(2) == b"True" else "C")
-
-
-def explain_unusable_folder(folder: Path) -> str | None:
-    """Return why a folder cannot be read as a cache; None where it can, and where it is not there and cannot be made."""
-    with contextlib.suppress(OSError):
-        folder.mkdir(parents=True, exist_ok=True)
-    try:
-        os.scandir(folder).close()
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        return error.strerror or str(error)
-    return None
-
-
-def _write_atomically(path: Path, data: bytes) -> None:
-    """Write a file atomically, even if other processes write the same one."""
-    temporary = path.with_name(f".{os.urandom(8).hex()}-{path.name}")
-    try:
-        try:
-            temporary.write_bytes(data)
-        except FileNotFoundError:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            temporary.write_bytes(data)
-        os.replace(temporary, path)
-    except OSError:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
-
-
-def _compute_sha256(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.source.package.finder import format_path
-from urdfcheck.source.reach import find_project_folder
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.files import read_regular
 from urdfcheck.system.git import Git, GitError
 

@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING
 
-from urdfcheck.cli.job_summary import append_summary, find_summary_file
 from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, ensure_paths
-from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, parse_run_outputs, write_report
 from urdfcheck.cli.standard_input import STDIN, read_given_file
 from urdfcheck.cli.terminal import (
     FINDINGS,
@@ -26,11 +20,14 @@ from urdfcheck.cli.terminal import (
     silence_stdout,
 )
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.output import DRAWING_FORMATS, FORMATS
-from urdfcheck.run.preload import start_warm_worker
+from urdfcheck.output import FORMATS
 from urdfcheck.version import __version__
 
+# Type checkers take it for typing's, whose import takes a fifth of the time of --help.
+TYPE_CHECKING = False
+
 if TYPE_CHECKING:
+    from urdfcheck.cli.report_plan import ReportPlan
     from urdfcheck.core import Finding, Run
     from urdfcheck.fix.fixer import FixResult
     from urdfcheck.output.text import DetailLevel
@@ -124,28 +121,49 @@ def main(words: Sequence[str]) -> int:
     ensure_paths(options)
     _validate_options(options)
     given = read_given_file(options)
-    warm_worker = start_warm_worker()
+
+    from urdfcheck.cli.report_plan import ReportPlan
+    from urdfcheck.cli.unchanged_runs import UnchangedRuns, observe_run
+
     reports = ReportPlan.from_options(options)
+    # Before anything is loaded that an audit needs.
+    unchanged = UnchangedRuns.for_options(options, has_texts=bool(given), needs_scene=reports.needs_scene)
+    if unchanged is not None and (known := unchanged.recall()) is not None:
+        return _report(known[0], options, reports=reports, default_fail_on=known[1])
+
+    from urdfcheck.run.preload import start_warm_worker
+
+    warm_worker = start_warm_worker(options.tier)
+
+    from dataclasses import replace
 
     from urdfcheck.run.pipeline import Execution
     from urdfcheck.system import libraries
 
-    request, settings = build_request(options, scene=reports.needs_scene)
-    request = replace(request, options=replace(request.options, texts=given))
+    def ask() -> tuple[Request, Config]:
+        request, settings = build_request(options, scene=reports.needs_scene)
+        return replace(request, options=replace(request.options, texts=given)), settings
+
     libraries.prefer_own_folders()
-    if options.watch:
-        return _watch(options, reports, asked=(request, settings), warm_worker=warm_worker)
     execution = Execution(warm_worker=warm_worker, on_idle=reports.import_formats, on_progress=make_progress_printer())
-    if not (options.fix or options.diff):
+    if not (options.fix or options.diff or options.watch):
         from urdfcheck.api import run_and_ask
 
-        return _report(run_and_ask(request, execution), options, reports=reports, settings=settings)
+        with observe_run(unchanged) as observations:
+            request, settings = ask()
+            outcome = run_and_ask(request, execution)
+        if unchanged is not None and request.cache is not None:
+            unchanged.keep(outcome, settings.fail_on, observations)
+        return _report(outcome, options, reports=reports, default_fail_on=settings.fail_on)
+    request, settings = ask()
+    if options.watch:
+        return _watch(options, reports, asked=(request, settings), warm_worker=warm_worker)
     fixes = _compute_fixes(request, execution, include_unsafe=options.unsafe_fixes, are_only_shown=options.diff)
     if options.diff:
         fail_on = options.fail_on or settings.fail_on
         return _print_diff(fixes, fail_on=fail_on, allow_empty=options.allow_empty)
     _write_fixes(fixes)
-    return _report(fixes.outcome, options, reports=reports, settings=settings)
+    return _report(fixes.outcome, options, reports=reports, default_fail_on=settings.fail_on)
 
 
 def _validate_options(options: argparse.Namespace) -> None:
@@ -173,59 +191,15 @@ def _validate_options(options: argparse.Namespace) -> None:
         raise UrdfcheckError(f"{', '.join(options.paths)}: does not exist, so there is nothing to watch")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ReportPlan:
-    """Where the outcome of a run goes, decided before the run starts."""
-
-    printed_format: str
-    files: tuple[tuple[str, Path], ...]
-    """Format and file of each ``--output``."""
-    page_folders: frozenset[Path]
-    """Those of `files` that are folders with a page per model."""
-    checked: CheckedFolders
-    job_summary: Path | None
-    """The file of GitHub's job summary; None outside a job."""
-
-    @classmethod
-    def from_options(cls, options: argparse.Namespace) -> ReportPlan:
-        """Read ``--format`` and ``--output``.
-
-        :raises UrdfcheckError: see `parse_run_outputs`.
-        """
-        files = parse_run_outputs(options.output, options.paths)
-        pages = {file for text, (_, file) in zip(options.output, files, strict=True) if is_folder_output(text)}
-        for_github = "github" in {options.format, *(name for name, _ in files)}
-        return cls(
-            printed_format=options.format,
-            files=tuple(files),
-            page_folders=frozenset(pages),
-            checked=CheckedFolders.around(options.paths),
-            job_summary=find_summary_file() if for_github else None,
-        )
-
-    @property
-    def formats(self) -> frozenset[str]:
-        """All formats that are rendered."""
-        names = {self.printed_format, *(name for name, _ in self.files)}
-        return frozenset(names if self.job_summary is None else {*names, "markdown"})
-
-    @property
-    def needs_scene(self) -> bool:
-        """Whether a format draws the model."""
-        return bool(self.formats & DRAWING_FORMATS)
-
-    def import_formats(self) -> None:
-        """Import the modules of all formats."""
-        for name in self.formats:
-            importlib.import_module(f"urdfcheck.output.{name}")
-
-
-def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, settings: Config) -> int:
-    """Print the outcome, write all reports, and return the exit code.
+def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, default_fail_on: str) -> int:
+    """Print the outcome, write all reports, and return the exit code. ``default_fail_on``: what the configuration says.
 
     :raises UrdfcheckError: when reports cannot be written; the others are still written.
     """
-    fail_on = options.fail_on or settings.fail_on
+    from urdfcheck.cli.job_summary import append_summary
+    from urdfcheck.cli.output_files import write_report
+
+    fail_on = options.fail_on or default_fail_on
     try:
         if options.statistics:
             print_statistics(outcome, options.color)
@@ -269,7 +243,7 @@ def _watch(
     return watch(
         asked,
         lambda: build_request(options, scene=reports.needs_scene),
-        lambda outcome, settings: _report(outcome, options, reports=reports, settings=settings),
+        lambda outcome, settings: _report(outcome, options, reports=reports, default_fail_on=settings.fail_on),
         written=[file for _, file in reports.files],
         warm_worker=warm_worker,
         on_idle=reports.import_formats,
@@ -308,6 +282,8 @@ def _print_diff(fixes: FixResult, *, fail_on: str, allow_empty: bool) -> int:
 
     Findings do not count.
     """
+    from dataclasses import replace
+
     from urdfcheck.fix import patch
     from urdfcheck.output.shared.verdict.not_checked import GLYPH, describe_unchecked_models
 

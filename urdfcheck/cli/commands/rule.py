@@ -20,11 +20,18 @@ def main(words: Sequence[str]) -> int:
     """Run the command."""
     options = build_parser().parse_args(words)
 
-    from urdfcheck.rules import explain_rule, load_rules, select_rules
+    from urdfcheck.rule_pages import explain_page, find_page, list_pages, summarize_page
 
     if options.code is None:
-        for rule in load_rules().values():
-            say(f"{rule.code}  {rule.severity!s:7}  {rule.confidence!s:9}  {rule.name}")
+        for path in list_pages():
+            say(summarize_page(path.read_text(encoding="utf-8")))
         return OK
-    say("\n\n".join(explain_rule(load_rules()[code]) for code in sorted(select_rules([options.code]))))
+    page = find_page(options.code)
+    if page is not None:
+        say(explain_page(page.read_text(encoding="utf-8")))
+        return OK
+
+    from urdfcheck.rules import load_rules, select_rules
+
+    say("\n\n".join(explain_page(load_rules()[code].page) for code in sorted(select_rules([options.code]))))
     return OK

@@ -11,7 +11,8 @@ from pathlib import Path
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.run.jobs import PackageFolders
 from urdfcheck.source.package.finder import format_path
-from urdfcheck.source.reach import find_project_folder, is_below, list_project_folders
+from urdfcheck.source.project_folders import find_project_folder, list_project_folders
+from urdfcheck.source.reach import is_below
 
 # What meshes draw with, beside them or in a folder beside theirs.
 _DRAWN_WITH = frozenset(

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from urdfcheck.model.robot import Model
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
-from urdfcheck.source.reach import find_project_folder
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.xacro.argument_values import read_included_trees
 from urdfcheck.system.files import read_regular, walk
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterable, Mapping
 
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.text.problems import IN_EXPRESSION, Problem
 from urdfcheck.source.xacro.ros_variables import FIRST_GENERATION, KNOWN_VARIABLES, VARIABLE
+from urdfcheck.system.observing.questions import read_variable
 
 _UNSET = re.compile(r"environment variable '([^']*)' is not set")
 # The distribution of each version of ROS that is used most; of the first, the last one.
@@ -37,7 +37,7 @@ def choose_variable(name: str, arguments: Mapping[str, str], package: Package | 
 def _find_version(arguments: Mapping[str, str]) -> str:
     """Return the version of ROS that the variables say, which are set or given; empty if none does."""
     version, distribution = (
-        arguments.get(f"{VARIABLE}{name}") or os.environ.get(name, "") for name in ("ROS_VERSION", "ROS_DISTRO")
+        arguments.get(f"{VARIABLE}{name}") or read_variable(name) or "" for name in ("ROS_VERSION", "ROS_DISTRO")
     )
     if version not in _DISTRIBUTIONS and distribution:
         version = "1" if distribution in FIRST_GENERATION else "2"

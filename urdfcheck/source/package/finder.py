@@ -19,10 +19,12 @@ from urdfcheck.source.package.package_folders import (
     read_manifest_name,
     walk_packages,
 )
-from urdfcheck.source.reach import FileReach, is_below, is_shared_by_all, list_shared_folders, resolve_real_path
+from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
+from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import note_lookup, read_regular
+from urdfcheck.system.observing.questions import expand_home, read_variable
 
 # How many levels above a model its workspace is searched.
 LEVELS_UP = 6
@@ -110,7 +112,7 @@ class PackageFinder:
         # Absolute, because xacro resolves a relative path from the file that names it.
         self.explicit = {name: path.absolute() for name, path in (explicit or {}).items()}
         self.paths = [path.absolute() for path in paths]
-        self.environment = os.environ if environment is None else environment
+        self.read_variable = read_variable if environment is None else environment.get
         self._found: dict[str, Path | None] = {}
         self._around: dict[str, list[Path]] | None = None
         self._workspace: dict[str, Path] | None = None
@@ -231,10 +233,10 @@ class PackageFinder:
     def _scan_ros_paths(self) -> dict[str, Path]:
         if self._ros is None:
             self._ros = {}
-            for entry in self.environment.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
+            for entry in (self.read_variable("ROS_PACKAGE_PATH") or "").split(os.pathsep):
                 for name, folder in walk_packages(Path(entry), LEVELS_DOWN_PATHS) if entry else ():
                     self._ros.setdefault(name, folder)
-            for entry in self.environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+            for entry in (self.read_variable("AMENT_PREFIX_PATH") or "").split(os.pathsep):
                 for folder in list_subfolders(Path(entry) / "share") if entry else ():
                     self._ros.setdefault(folder.name, folder)
         return self._ros
@@ -259,7 +261,7 @@ class PackageFinder:
         if self.known:
             places.append("every package.xml below the given folders")
         for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
-            value = self.environment.get(variable)
+            value = self.read_variable(variable)
             places.append(f"{variable}={value}" if value else f"{variable} (not set)")
         return places
 
@@ -386,7 +388,7 @@ class PackageFinder:
         if scheme:
             return Resource(text=text, kind="other", package=None, path=None, exists=False)
         if text.startswith("~"):
-            return self._look_up_file(text, "home", Path(os.path.expanduser(text)))
+            return self._look_up_file(text, "home", Path(expand_home(text)))
         if os.path.isabs(text) or re.match(r"^[A-Za-z]:[\\/]", text):
             return self._look_up_file(text, "absolute", Path(text))
         return self._look_up_file(text, "relative", base / text)

@@ -19,6 +19,7 @@ from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
 from urdfcheck.source.xacro.ros_variables import KNOWN_VARIABLES, VARIABLE
+from urdfcheck.system.observing.questions import read_variable
 
 # Up to this number, every combination is a variant; beyond it, each value alone, and each pair of values in some variant.
 MOST_COMBINATIONS = 32
@@ -116,7 +117,7 @@ def _find_variables(trees: Sequence[tuple[Element, Path]]) -> list[ArgumentChoic
     names = {name for text in texts for name in _VARIABLE_READ.findall(text)}
     choices = []
     for name in sorted(names & KNOWN_VARIABLES.keys()):
-        here = os.environ.get(name, "")
+        here = read_variable(name) or ""
         values = tuple(dict.fromkeys((here, *KNOWN_VARIABLES[name])))
         choices.append(ArgumentChoice(f"{VARIABLE}{name}", here, values))
     return choices

@@ -24,6 +24,7 @@ from urdfcheck.source.xacro.expansion_state import (
 )
 from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError
 from urdfcheck.source.xacro.origins import OutputDefect, attach_origins
+from urdfcheck.system.observing.questions import read_variable
 
 # Stands for the order in which sets are gone through, which is random unless this variable is set.
 HASH_SEED = "PYTHONHASHSEED"
@@ -47,7 +48,7 @@ class FileAccess:
         self.path = path
         self.finder = finder
         self.environment = READABLE_ENVIRONMENT | extra_environment
-        self.variables = {**os.environ, **variables}
+        self.variables = variables
         self.set_order = variables.get(HASH_SEED, "")
         self.trace = trace
         self.files: dict[str, SourceFile] = {}
@@ -211,17 +212,22 @@ class FileAccess:
         if name not in self.environment:
             raise substitution.SubstitutionException(f"environment variable {name!r} is not read")
         self._note_environment(name)
-        if name not in self.variables:
+        value = self._read_variable(name)
+        if value is None:
             raise substitution.SubstitutionException(f"environment variable {name!r} is not set")
-        return self.variables[name]
+        return value
 
     def read_optional_environment(self, name: str, default: Any = "") -> Any:
         """Return a variable's value or the default: ``$(optenv NAME default)``."""
         if name in self.environment:
             self._note_environment(name)
-            return self.variables.get(name, default)
+            value = self._read_variable(name)
+            return default if value is None else value
         self.trace.report_once("environment-ignored", f"{name} is not read", self.trace.locate_cause(), variable=name)
         return default
+
+    def _read_variable(self, name: str) -> str | None:
+        return self.variables[name] if name in self.variables else read_variable(name)
 
     def _note_environment(self, name: str) -> None:
         """Note that a value is computed from a variable of ROS: it is the same for all who use one distribution only."""

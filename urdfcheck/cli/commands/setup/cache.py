@@ -21,7 +21,8 @@ def main(words: Sequence[str]) -> int:
     """Run the command."""
     options = build_parser().parse_args(words)
 
-    from urdfcheck.system.array_cache import LARGEST, ArrayCache, find_default_folder
+    from urdfcheck.system.array_cache import LARGEST, ArrayCache
+    from urdfcheck.system.cache_folder import find_default_folder
 
     cache = ArrayCache(find_default_folder())
     if cache.folder is None:

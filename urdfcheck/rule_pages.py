@@ -1,0 +1,95 @@
+"""The pages of ``rules/`` as a reader gets them. :mod:`urdfcheck.rules` makes objects of them, which takes longer to load."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+
+import tomli
+
+from urdfcheck.system.installation import find_pages_folder as find_pages_folder
+
+TITLE = re.compile(r"# ([A-Z]{3}\d{3}) ([a-z0-9]+(?:-[a-z0-9]+)*)\n")
+_CODE = re.compile(r"[A-Z]{3}\d{3}")
+
+
+@cache
+def find_page(code: str) -> Path | None:
+    """Return the page of a rule; None for what is not a code of one."""
+    if not _CODE.fullmatch(code.upper()):
+        return None
+    return next(find_pages_folder().glob(f"{code.upper()}-*.md"), None)
+
+
+def list_pages() -> list[Path]:
+    """Return the pages of all rules, in the order of their codes."""
+    return sorted(find_pages_folder().glob("[A-Z][A-Z][A-Z][0-9][0-9][0-9]-*.md"))
+
+
+def summarize_page(page: str) -> str:
+    """Return the line of a page in a list: code, severity, confidence and name."""
+    code, name = page.partition("\n")[0].removeprefix("# ").split()
+    meta = tomli.loads(split_page(page)[0].partition("\n[")[0])  # the tables take most of the time
+    return f"{code}  {meta['severity']:7}  {meta['confidence']:9}  {name}"
+
+
+def split_page(page: str) -> tuple[str, str]:
+    """Return the header of a page, which is empty where it has none, and the rest of the page without it."""
+    before, _, rest = page.partition("\n```toml\n")
+    header, end, body = rest.partition("\n```\n")
+    return (header, before + body) if end else ("", page)
+
+
+def explain_page(page: str) -> str:
+    """Return a page for a reader: its header in words instead of TOML, then its sections unchanged."""
+    header, rest = split_page(page)
+    meta = tomli.loads(header)
+    messages = meta["messages"]
+    facts = [
+        f"{meta['severity']}, {meta['confidence']}",
+        f"since {meta['since']} ({meta['status']})",
+        f"tags: {', '.join(meta['tags'])}",
+    ]
+    if meta.get("hidden_by"):
+        facts.append(f"gives way to {', '.join(meta['hidden_by'])} on the same element")
+    if meta.get("concerns"):
+        facts.append(f"concerns {', '.join(meta['concerns'])} only")
+    on_request = meta.get("on_request", ())
+    told = (
+        describe_on_request(messages, messages if on_request is True else on_request),
+        describe_pedantic(messages, meta.get("pedantic", {})),
+    )
+    parts = [page.partition("\n")[0], " · ".join((*facts, *filter(None, told))), TITLE.sub("", rest).strip()]
+    if options := meta.get("options"):
+        lines = (
+            f"* `{n}` = {o['default']} {'' if o['unit'] == '1' else o['unit']}: {o['doc']}" for n, o in options.items()
+        )
+        parts.append("## Options\n\n" + "\n".join(lines))
+    return "\n\n".join(parts)
+
+
+def describe_on_request(messages: Collection[str], on_request: Iterable[str]) -> str:
+    """Say which of a rule's ``messages`` are reported on request only; empty if all are always reported."""
+    ids = frozenset(on_request)
+    if not ids:
+        return ""
+    ways = "-v, --pedantic, --select, a severity or a target that they concern"
+    return f"{_name_notes(messages, ids)} only on request ({ways})"
+
+
+def describe_pedantic(messages: Collection[str], pedantic: Mapping[str, Sequence[str]]) -> str:
+    """Say which of a rule's ``messages`` are warnings with ``--pedantic``, and for which targets they are; empty if none is."""
+    ids_by_targets: dict[tuple[str, ...], set[str]] = {}
+    for message, targets in pedantic.items():
+        ids_by_targets.setdefault(tuple(targets), set()).add(message)
+    return "; ".join(
+        f"{_name_notes(messages, frozenset(ids))} are warnings with "
+        + " or ".join(("--pedantic", *(f"target {target}" for target in targets)))
+        for targets, ids in sorted(ids_by_targets.items())
+    )
+
+
+def _name_notes(messages: Collection[str], ids: frozenset[str]) -> str:
+    return "notes" if ids == set(messages) else f"notes {', '.join(sorted(ids))}"

@@ -1,0 +1,51 @@
+"""The folder in which results are kept between runs, and how files are written there. Standard library only."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from pathlib import Path
+
+FOLDER_VARIABLE = "URDFCHECK_CACHE_DIR"
+# Everything is kept in a subfolder of this name, because the folder that the user names may hold other files.
+NAME = "urdfcheck-results"
+
+
+def find_default_folder() -> Path | None:
+    """Return the folder that ``URDFCHECK_CACHE_DIR`` names, or the platform's cache folder; None where there is none."""
+    if folder := os.environ.get(FOLDER_VARIABLE):
+        return Path(os.path.expanduser(folder)).absolute() / NAME
+    from platformdirs import user_cache_path
+
+    try:
+        return user_cache_path("urdfcheck", appauthor=False) / NAME
+    except RuntimeError:  # a user without a home, as in some containers
+        return None
+
+
+def explain_unusable_folder(folder: Path) -> str | None:
+    """Return why a folder cannot be read as a cache; None where it can, and where it is not there and cannot be made."""
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    try:
+        os.scandir(folder).close()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        return error.strerror or str(error)
+    return None
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Write a file atomically, even if other processes write the same one."""
+    temporary = path.with_name(f".{os.urandom(8).hex()}-{path.name}")
+    try:
+        try:
+            temporary.write_bytes(data)
+        except FileNotFoundError:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            temporary.write_bytes(data)
+        os.replace(temporary, path)
+    except OSError:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)

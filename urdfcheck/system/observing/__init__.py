@@ -1,0 +1,1 @@
+"""What the outcome of some work depends on."""
