@@ -111,6 +111,16 @@ def test_a_pose_that_is_hardly_ever_taken_is_mentioned_only(tmp_path: Path) -> N
     assert finding.severity is Severity.WARNING
 
 
+@pytest.mark.parametrize(("last", "found"), [(1.0, False), (1.1, True)])
+def test_one_round_mass_of_all_links_is_no_load(tmp_path: Path, last: float, found: bool) -> None:
+    limit, parts, parent = 'lower="-1.6" upper="1.6" effort="5"', [], "base"
+    for name, mass in (("a", 1.0), ("b", 1.0), ("c", 1.0), ("d", last)):
+        parts.append(make_body(name, mass, "0 0 0.5"))
+        parts.append(make_driven_joint(f"j{name}", parent, name, "revolute" if name == "a" else "fixed", limit=limit))
+        parent = name
+    assert bool(find(tmp_path, make_robot_on_base(*parts), "DYN002")) == found
+
+
 def test_joints_with_one_limit_are_one_finding(tmp_path: Path) -> None:
     limit = 'lower="-1.6" upper="1.6" effort="5"'
     legs = [

@@ -426,6 +426,16 @@ def test_a_mesh_that_cannot_be_read_decides_nothing(tmp_path: Path) -> None:
 # -- GEO005 ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(("place", "gap"), [("0 0 0", ""), ("0 0.2 0", "0.2 m")])
+def test_an_angle_in_degrees_is_neither_measured_nor_copied(tmp_path: Path, place: str, gap: str) -> None:
+    shape = '<geometry><box size="0.1 0.2 0.3"/></geometry>'
+    drawn = f'<visual><origin xyz="0 0 0" rpy="0 0 200"/>{shape}</visual>'
+    inside = f'{drawn}<collision><origin xyz="{place}" rpy="0 0 0"/>{shape}</collision>'
+    found = find(tmp_path, robot(link("a", inside)), "GEO005")
+    assert [finding.data["gap"] for finding in found] == [gap] * bool(gap)
+    assert not any(finding.fix is not None and finding.fix.edits for finding in found)
+
+
 def placed(role: str, origin: str = "", name: str = "part.stl", scale: str = "1 1 1") -> str:
     return geometry(role, f'<mesh filename="{name}" scale="{scale}"/>', origin)
 

@@ -465,6 +465,22 @@ def test_of_two_masses_the_implausible_one_is_named(tmp_path: Path, base: float,
     assert finding.fix.title.startswith(f"check the unit of the mass of {suspects};")
 
 
+@pytest.mark.parametrize("rule", ["INR010", "INR012"])
+def test_a_mass_that_stands_for_none_is_in_no_wrong_unit(tmp_path: Path, rule: str) -> None:
+    light = inertial("1e-9") + '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
+    (finding,) = find(tmp_path, make_arm(light, base=block(5.2, 0.2)), rule)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write the mass of the part: 1e-9 stands for none")
+
+
+@pytest.mark.parametrize(("other", "unit"), [(11.7, "grams"), (151.3, None)])
+def test_the_masses_of_a_file_have_one_unit_and_a_box_no_scale(tmp_path: Path, other: float, unit: str | None) -> None:
+    first, second = block(7.778, 0.022), block(other, 0.022)
+    found = find(tmp_path, make_arm(first, base=second), "INR010")
+    assert {finding.data.get("unit") for finding in found} == {unit}
+    assert all("mesh" not in finding.fix.title for finding in found if finding.fix is not None)
+
+
 # -- INR012 ---------------------------------------------------------------------------------------------------------
 
 

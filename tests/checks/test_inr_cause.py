@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import arm_on_base, find
+from builders import arm_on_base, cylinder, find, inertial, joint, link, robot, visual
 from castings import (
     CASTING,
     MISTAKES,
@@ -171,7 +171,8 @@ def test_a_rounded_tensor_is_an_info_with_the_number_of_decimals(tmp_path: Path)
 
 
 def test_the_page_explains_every_cause() -> None:
-    assert set(load_rules()["INR009"].causes) == set(HYPOTHESES)
+    of_files = {"mesh_frame"}  # a mistake beside the numbers
+    assert set(load_rules()["INR009"].causes) == {*HYPOTHESES, *of_files}
 
 
 @pytest.mark.parametrize(
@@ -616,3 +617,18 @@ def test_signs_change_the_axes_and_not_the_principal_moments(tmp_path: Path) -> 
     near = one(tmp_path / "b", make_drawn_arm(format_inertial(BY_ID["products_sign"](larger, DRAWN))))
     assert "the inertia tensor is about other axes" in near.message
     assert re.search(r"the tensor is 12 % off instead of \d\d %;", near.message)
+
+
+@pytest.mark.parametrize(("mass", "is_like"), [("12.906", True), ("11", False)])
+def test_an_impossible_tensor_gets_the_number_of_a_link_like_it(tmp_path: Path, mass: str, is_like: bool) -> None:
+    shape, others = visual(cylinder(0.1, 1)), {"iyy": "1.679", "izz": "0.651"}
+    text = robot(
+        link("upper", inertial("12.906", ixx="1", **others), shape),
+        link("lower", inertial(mass, ixx="1.679", **others), shape),
+        joint("elbow", "upper", "lower", kind="continuous", xyz="0 0 1"),
+    )
+    (finding,) = find(tmp_path, text, "INR003")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith('write ixx="1.679" as in lower') == is_like
+    assert ("lost decimal point" in finding.fix.title) != is_like
+    assert not finding.fix.edits

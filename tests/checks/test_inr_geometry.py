@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import box, collision, find, inertial, joint, link, robot, visual
+from builders import box, collision, cylinder, find, inertial, joint, link, robot, visual
 from castings import CASTING, DeclaredInertial, edited, format_inertial, geometry, uniform, write_stl
 from numpy.typing import NDArray
 
@@ -507,7 +507,7 @@ def test_nothing_is_denser_than_osmium(tmp_path: Path, density: float, dense: bo
 def test_the_unit_of_the_mass_is_named(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_arm(Part(mass=2.7e6 * 0.1 * 0.06 * 0.04)), CODES)
     assert finding.cause is not None
-    assert finding.cause.text == "If the number is in grams, the density is 2,700 kg/m³: aluminium."
+    assert finding.cause.text == "If the number is in grams, the 240 cm³ that are drawn have 2,700 kg/m³: aluminium."
 
 
 def test_a_typed_mass_has_no_unit(tmp_path: Path) -> None:
@@ -743,3 +743,15 @@ def test_links_ten_times_as_dense_as_others_are_found(
 def test_equal_copies_are_one_piece_of_evidence(tmp_path: Path) -> None:
     text = make_hand(tmp_path, (1000, 1000, 10000, 10000, 10000), sizes=(1.0, 0.5, 0.4, 0.4, 0.4))
     assert "tenfold" not in {finding.message_id for finding in find(tmp_path, text, "INR016")}
+
+
+def test_a_moment_that_is_too_small_is_not_called_too_large(tmp_path: Path) -> None:
+    wheel = robot(
+        link("base"),
+        joint("axle", "base", "wheel", kind="continuous", axis="0 0 1"),
+        link("wheel", inertial(0.1, "1.6458e-5"), collision(cylinder(0.025, 0.01))),
+    )
+    (finding,) = find(tmp_path, wheel, "INR005")
+    assert finding.message_id == "uneven"
+    assert finding.fix is not None
+    assert finding.fix.title.startswith('write izz="3.125e-05", as the shape has')

@@ -7,10 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, joint, link, mesh, robot, visual
+from builders import box, find, joint, link, mesh, robot, visual
 from castings import CASTING, MISTAKES, Block, drawn_boxes, edited, format_inertial, geometry, uniform
 
+from urdfcheck.core import Finding
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.inertia_tensor import (
+    combine_solids,
+    compute_solid_inertia,
+    make_box_solid,
+    transform_solid,
+)
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 # The arms of an L of 30 mm width and 50 mm depth (m), as two blocks that touch.
 LONG, HIGH, WIDE, DEEP = 0.2, 0.15, 0.03, 0.05
@@ -39,11 +47,11 @@ def write_elbow() -> str:
     return "\n".join(("solid elbow", *lines, "endsolid elbow"))
 
 
-def make_robot(arm: DeclaredInertial, elbow: DeclaredInertial) -> dict[str, str]:
+def make_robot(arm: DeclaredInertial, elbow: DeclaredInertial, place: str = "") -> dict[str, str]:
     text = robot(
         link("arm", format_inertial(arm, 8), drawn_boxes(CASTING)),
         joint("j", "arm", "elbow", kind="continuous", xyz="0.3 0 0"),
-        link("elbow", format_inertial(elbow, 8), visual(mesh("elbow.stl"))),
+        link("elbow", format_inertial(elbow, 8), visual(mesh("elbow.stl"), xyz=place)),
     )
     return {"robot.urdf": text, "elbow.stl": write_elbow()}
 
@@ -66,6 +74,19 @@ def test_the_missing_term_of_one_mesh_proves_nothing_by_itself(tmp_path: Path) -
     assert not find(tmp_path, make_robot(uniform(DRAWN.solid), add_without_term()), "INR009")
 
 
+def test_the_mistake_of_the_file_goes_before_another_that_fits_half(tmp_path: Path) -> None:
+    numbers, (first, second) = add_without_term(), (np.array(centre) for _, centre in ELBOW)
+    whole = uniform(geometry(ELBOW).solid)
+    missing = float(np.trace(whole.tensor - numbers.tensor)) / 2.0 / numbers.mass
+    line = (second - first) / float(np.linalg.norm(second - first))
+    place = 0.9 * missing**0.5 * line - whole.com  # as if the parallel-axis term had been subtracted once more
+    files = make_robot(
+        ADDED(uniform(DRAWN.solid), DRAWN), replace(numbers, com=whole.com + place), " ".join(map(repr, place.tolist()))
+    )
+    (finding,) = find(tmp_path, files, "INR009")
+    assert finding.headline == "2 of 2 links: wrong inertia (no parallel-axis term)"
+
+
 @pytest.mark.parametrize(
     "stretch",
     [(1.0, 1.0, 1.1), (1.1, 1.0, 1.0)],
@@ -76,3 +97,54 @@ def test_another_difference_is_no_missing_term(tmp_path: Path, stretch: tuple[fl
     scaled = replace(other, tensor=np.diag(stretch) @ other.tensor @ np.diag(stretch))
     (finding,) = find(tmp_path, make_robot(ADDED(uniform(DRAWN.solid), DRAWN), scaled), "INR009")
     assert [subject.partition("/")[0] for subject in finding.subjects] == ["link[arm]"]
+
+
+def test_an_inertial_in_the_frame_of_the_mesh_is_named_and_brought_to_the_link(tmp_path: Path) -> None:
+    numbers = format_inertial(uniform(geometry(ELBOW).solid))
+
+    def find_elbow(place: str) -> list[Finding]:
+        text = robot(
+            link("base"),
+            joint("j", "base", "elbow", kind="continuous"),
+            link("elbow", numbers, visual(mesh("elbow.stl"), xyz=place, rpy="0 0 1.5707963267948966")),
+        )
+        return find(tmp_path, {"robot.urdf": text, "elbow.stl": write_elbow()}, {"INR006", "INR009"})
+
+    (finding,) = find_elbow("0 0 -0.18")
+    assert finding.cause is not None
+    assert (finding.code, finding.cause.id) == ("INR009", "mesh_frame")
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert "-0.18" in finding.fix.title
+
+
+def make_tilted_link(name: str, scale: float) -> str:
+    """Return a link of two boxes in no one's axes, whose tensors were added about their own COMs, with CAD's signs."""
+    rpy = (0.03, 0.05, 0.05)
+    solids = [
+        transform_solid(make_box_solid(tuple(scale * e for e in size)), rpy_to_matrix(rpy), scale * np.array(place))
+        for size, place in CASTING
+    ]
+    whole = combine_solids(solids)
+    added = sum(compute_solid_inertia(solid, 2700 * solid.volume) for solid in solids)
+    tensor = 2.0 * np.diag(np.diag(added)) - added
+    numbers = DeclaredInertial(2700 * whole.volume, whole.com, tensor)
+    drawn = [
+        visual(
+            box(" ".join(str(scale * e) for e in size)),
+            xyz=" ".join(str(scale * e) for e in place),
+            rpy=" ".join(map(str, rpy)),
+        )
+        for size, place in CASTING
+    ]
+    return link(name, format_inertial(numbers, 8), *drawn)
+
+
+def test_the_signs_of_the_products_are_mended_before_the_term_is_added(tmp_path: Path) -> None:
+    upper, lower = make_tilted_link("upper", 1.0), make_tilted_link("lower", 1.3)
+    text = robot(upper, joint("j", "upper", "lower", kind="continuous", xyz="0.3 0 0"), lower)
+    (finding,) = find(tmp_path, text, "INR009")
+    assert "the other signs" in finding.message
+    assert finding.fix is not None
+    repaired = edited(text, finding.fix.edits)
+    assert not find(tmp_path / "repaired", repaired, {"INR003", "INR005", "INR009"})

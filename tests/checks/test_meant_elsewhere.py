@@ -102,7 +102,7 @@ def hand(*, beside: bool) -> str:
     sides = []
     for i, (y, rpy) in enumerate((("0", "0 0 0"), ("0.021", "0.0872665 0 0"))):
         palm = "palm" if beside else f"palm_{i}"
-        place = f"{0.013 * i} {y} {0.0062 * i}"
+        place = f"{0.013 * i} {y} {0.0062 * i * beside}"
         sides += [link(f"finger_{i}", finger)]
         sides += [joint(f"f{i}", palm, f"finger_{i}", kind="continuous", xyz=place, rpy=rpy, axis="0 0 1")]
         if not beside:

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from builders import box, collision, cylinder, find, inertial, joint, link, robot, sphere, visual
 
+from urdfcheck.core import Severity
+
 RULES = {"SYM008", "DYN006", "GEO003"}
 TURN = "1.5707963267948966 0 0"
 
@@ -19,6 +21,7 @@ def cart(
     collides: float = 0.05,
     body: str = "0 0 0.1",
     names: tuple[str, str] = ("left", "right"),
+    axis: str = "0 1 0",
 ) -> str:
     """Return a robot on two wheels with a radius of 50 mm and balls with one of 10 mm."""
     shape = cylinder(0.05, 0.02), cylinder(collides, 0.02)
@@ -28,8 +31,8 @@ def cart(
         link("base_link", inertial(3, 0.03, com="0 0 0.1"), collision(box("0.3 0.2 0.08"), xyz=body)),
         link(one, wheel),
         link(other, wheel),
-        joint(f"{one}_joint", "base_link", one, kind="continuous", xyz=left, rpy=left_rpy, axis="0 1 0"),
-        joint(f"{other}_joint", "base_link", other, kind="continuous", xyz="0 -0.15 0.05", axis="0 1 0"),
+        joint(f"{one}_joint", "base_link", one, kind="continuous", xyz=left, rpy=left_rpy, axis=axis),
+        joint(f"{other}_joint", "base_link", other, kind="continuous", xyz="0 -0.15 0.05", axis=axis),
         *(link(f"caster_{i}", collision(sphere(0.01))) for i in range(len(casters))),
         *(joint(f"caster_{i}_joint", "base_link", f"caster_{i}", xyz=xyz) for i, xyz in enumerate(casters)),
     )
@@ -45,13 +48,19 @@ def test_a_sound_cart_gives_nothing(tmp_path: Path) -> None:
         ("0 0.15 0.06", "", "the axle of left_wheel is 10 mm higher"),
         ("-0.02 0.15 0.05", "", "left_wheel is 20 mm behind"),
         ("0 0.17 0.05", "", "left_wheel is 20 mm farther out"),
-        ("0 0.15 0.05", "0.1 0 0", "the axes differ by 5.73°"),
+        ("0 0.15 0.05", "0.1 0 0", "one axis is 5.73° off the mirror image of the other"),
     ],
 )
 def test_one_wheel_of_a_pair_is_off(tmp_path: Path, left: str, rpy: str, words: str) -> None:
     (finding,) = find(tmp_path, cart(left=left, left_rpy=rpy), RULES)
     assert finding.code == "SYM008"
     assert words in finding.message
+
+
+def test_parallel_axes_do_not_differ_however_they_are_tilted(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, cart(axis="0.014195 -0.99982 -0.012697"), "SYM008")
+    assert (finding.message_id, finding.severity) == ("tilted", Severity.INFO)
+    assert "are parallel, and 1.09° off the root's y" in finding.message
 
 
 def test_wheels_whose_names_are_no_pair_are_not_compared(tmp_path: Path) -> None:

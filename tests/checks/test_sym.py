@@ -390,6 +390,14 @@ def test_wheels_that_roll_alike_are_fine(tmp_path: Path) -> None:
     assert not find(tmp_path, wheeled("0 -1 0", "0 -1 0"), "SYM005")
 
 
+def test_front_and_rear_wheels_that_roll_against_each_other_do_not_turn_the_robot(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, wheeled("0 -1 0", "0 -1 0", "0 1 0", "0 1 0"), "SYM005")
+    assert finding.message_id == "fighting"
+    assert all("spins" not in effect for effect in finding.consequences.values())
+    (finding,) = find(tmp_path, wheeled("0 -1 0", "0 1 0", "0 -1 0", "0 1 0"), "SYM005")
+    assert finding.message_id == "opposed"
+
+
 def test_of_two_wheels_either_may_be_meant(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, wheeled("0 -1 0", "0 1 0"), "SYM005")
     assert finding.message_id == "opposed"

@@ -278,6 +278,12 @@ def test_mirror_images_repetitions_and_quarter_turns_are_no_suspects(rpy: list[t
     assert find_suspect_frames(PAIR_XYZ, frames(rpy), [(0, 1, 0)] * 2) is None
 
 
+def test_a_shift_along_all_axes_is_no_pattern_of_two() -> None:
+    rpy, axes = [(0, 0.4, 0), (0, -0.8, 0)], [(0, 1, 0)] * 2
+    assert find_suspect_frames([(0.08, 0.1, 0.03), (0.085, -0.1, 0.03)], frames(rpy), axes) is not None
+    assert find_suspect_frames([(0.08, 0.1, 0.03), (0.085, -0.1, -0.03)], frames(rpy), axes) is None
+
+
 def test_hands_of_many_fingers_show_the_pair_that_differs() -> None:
     heights = [0.30, 0.33, 0.35, 0.31]
     places = [(0.02 * i**2, side * 0.4, z) for i, z in enumerate(heights) for side in (1, -1)]

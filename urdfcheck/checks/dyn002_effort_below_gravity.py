@@ -12,6 +12,7 @@ from urdfcheck.core.drop_test import GRAVITY
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
+from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.motion.buoyancy import find_submersible_name
@@ -20,6 +21,8 @@ from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 
 # An effort that this many joints or more have, and all that have one, does not come from their drives.
 _PLACEHOLDER_JOINTS = 3
+# A mass that so many links have is a placeholder.
+_PLACEHOLDER_LINKS = 4
 # What exporters write where the field of their dialog was empty.
 _EXPORTED_EFFORT = 1.0
 # kg/m³: no link is denser than a block of steel as large as its bounding box.
@@ -34,7 +37,7 @@ _KNOWN_SHARE = 0.9
 def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) -> Iterator[Finding]:
     groups: dict[tuple[float, bool], list[Overload]] = {}
     for load in find_overloads(model):
-        if _is_load_of_misplaced_coms(model, load):
+        if _is_load_of_misplaced_coms(model, load) or _is_load_of_placeholders(model, load):
             continue
         effort = load.joint.get_limit_value("effort") or 0.0
         is_exported = _is_placeholder(model, effort) and effort == _EXPORTED_EFFORT
@@ -92,6 +95,13 @@ def _is_load_of_misplaced_coms(model: Model, load: Overload) -> bool:
         outside = min((measure_hull_distance(points, part.com), measure_extent(points)) for points in part.readings)
         moment += part.mass * outside[0] if outside[0] > _OUTSIDE * outside[1] else 0.0
     return GRAVITY * moment > _MISPLACED_SHARE * load.torque
+
+
+def _is_load_of_placeholders(model: Model, load: Overload) -> bool:
+    """Whether all links that a joint carries have one round mass, which no scale showed."""
+    inertials = [model.link_by_name[name].inertial for name in list_carried_links(model, load.joint)]
+    masses = [one.mass for one in inertials if one is not None and one.mass]
+    return len(masses) >= _PLACEHOLDER_LINKS and len(set(masses)) == 1 and is_round(masses[0])
 
 
 def _list_efforts(model: Model) -> list[float]:

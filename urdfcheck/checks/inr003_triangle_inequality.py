@@ -71,6 +71,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             continue
         repair = propose_repair(model, declared.link)
         is_filled = repair.cause == "products_filled"
+        data |= {"slips": ""} if repair.is_located else {}
         yield rule.finding(
             message,
             at=declared.element,

@@ -14,6 +14,7 @@ from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import (
     compute_spread_ratios,
+    has_excess_moment,
     is_possible_elsewhere,
     measure_extent,
     measure_hull_distance,
@@ -35,7 +36,11 @@ from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
 from urdfcheck.model.inertials.inertial_hull import EnclosedInertial, enclosed_inertials, has_negligible_moment
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
-from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, lacks_only_com
+from urdfcheck.model.inertials.proposals.drawn_inertials import (
+    compute_drawn_tensor,
+    describe_drawn_inertial,
+    lacks_only_com,
+)
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import has_edited_masses, list_habitual_links
@@ -55,6 +60,8 @@ _UNIT_RANGE, _MOMENT_RANGE = 10.0, 30.0
 _OTHER_PART = 100.0
 # Tensors that were taken about the link's origin.
 _ABOUT_ORIGIN = frozenset({"about_origin", "positive_notation"})
+# Moments that were computed from a shape are its own to within this share.
+_TYPED = 5e-3
 _LACKS_COM = ". Mass and tensor are the drawn part's: only the COM is missing"
 
 
@@ -88,8 +95,14 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             in_unit.append((declared, is_vast))
             continue
         repair, computed, explained = _propose(model, part, declared, ratio=ratio, excess=excess)
+        is_uneven = not is_elsewhere and not any(
+            has_excess_moment(points, part.com, part.covariance, margin * measure_extent(points))
+            for points in part.readings
+        )
+        if is_uneven and repair is None:
+            computed = _describe_odd_moment(model, declared) or computed
         yield rule.finding(
-            "com" if is_elsewhere else "exceeds",
+            "com" if is_elsewhere else "uneven" if is_uneven else "exceeds",
             at=declared.element,
             severity=Severity.ERROR if is_vast else None,
             edits=() if repair is None else repair.edits,
@@ -192,6 +205,19 @@ def _propose(
     if is_known and lacks_only_com(model, part.link):
         return None, computed, _LACKS_COM
     return None, computed, _describe_missing_com(model, part.link)
+
+
+def _describe_odd_moment(model: Model, declared: DeclaredTensor) -> str:
+    """Say which moment is not that of the shape that a link draws, or collides with, where the two others are; else nothing."""
+    own = compute_drawn_tensor(model, declared)
+    if own is None:
+        return ""
+    wanted, typed = own.diagonal(), declared.tensor.diagonal()
+    off = np.flatnonzero(np.abs(typed - wanted) > _TYPED * wanted)
+    if len(off) != 1:
+        return ""
+    name = ("ixx", "iyy", "izz")[int(off[0])]
+    return f'write {name}="{wanted[off[0]]:.4g}", as the shape has: the other moments are its own'
 
 
 def _describe_computation(part: EnclosedInertial) -> str:

@@ -10,6 +10,7 @@ from urdfcheck.core import Confidence, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import EXACT
+from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import DeclaredTensor, Link, Model
@@ -61,6 +62,7 @@ from urdfcheck.model.shapes.visual_solid import (
     explain_collision_stand_in,
     has_loose_hull,
     measure_link_geometry,
+    measure_role_geometry,
 )
 from urdfcheck.source.text.xml import Attribute
 
@@ -74,6 +76,8 @@ PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out"
 _ASSUMED, _FACETS = 1000.0, 0.01
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.
 MIRROR_CAUSES = frozenset({"unmirrored"})
+# Visual and collision shapes of one link differ by so much where a mesh is in another unit.
+_OTHER_UNIT = 100.0
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
 _FAR_SMALLER = 0.2
 _POSSIBLE_TERM = (
@@ -160,10 +164,20 @@ def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: Diagnosed
         return False
     if explain_collision_stand_in(model, tensor.link) == "unread" or has_loose_hull(model, tensor.link):
         return False  # the shape of the part is not known
+    if tensor.link.name in list_bolted_links(model) or _is_drawn_in_other_unit(model, tensor.link):
+        return False
     drawn = measure_link_geometry(model, tensor.link)
     if drawn is not None and judged.declared.mass < LIGHTEST * drawn.solid.volume:
         return False  # nor its size: no material is so light
     return is_hull_enough(model, tensor.link, judged, far=far)
+
+
+def _is_drawn_in_other_unit(model: Model, link: Link) -> bool:
+    """Whether what a link draws is so much larger, or smaller, than its collision shapes that the scale of a mesh is wrong, which
+    GEO003 reports."""
+    roles = [measure_role_geometry(model, link, role) for role in ("visual", "collision")]
+    sizes = [measure_extent(drawn.points) for drawn in roles if drawn is not None]
+    return len(sizes) == 2 and not min(sizes) * _OTHER_UNIT > max(sizes)
 
 
 def _build_axes_finding(model: Model, rule: Rule, name: str, rotated: Mapping[str, float]) -> Finding:
@@ -258,7 +272,8 @@ def _build_cause_finding(
     """Report an inertial with a cause. ``others``: the units that links of the model fit where these differ."""
     diagnosis, link = judged.diagnosis, tensor.link
     cause = diagnosis.cause or ""
-    mended = propose_undo(model, link) if not others else None
+    # The mass of one piece is not that of the part either, so that no number of the part is known.
+    mended = propose_undo(model, link) if not others and cause != "one_piece" else None
     exact = diagnosis.unique and mended is not None and cause not in AMBIGUOUS_CAUSES
     message = "cause" if mended is None else "exact" if exact else "named"
     other_mass = _find_other_mass(judged) if mended is not None else None
@@ -266,6 +281,8 @@ def _build_cause_finding(
         message = "twin"
     elif cause == "shell" and has_com_of_shell(model, link):
         message = "hollow"
+    elif cause == "com_missing" and _is_drawn_elsewhere(model, link):
+        message = "elsewhere"
     elif cause in {"com_missing", "mesh_scale"}:
         message = cause
     elif others:
@@ -284,13 +301,19 @@ def _build_cause_finding(
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
-        cause=cause,
+        cause=None if message == "elsewhere" else cause,
         edits=() if mended is None or message == "size" else mended.edits,  # the mass is as likely to be wrong
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit=fallback if mended is None else mended.words,
         **data,
     )
+
+
+def _is_drawn_elsewhere(model: Model, link: Link) -> bool:
+    """Whether the origin of a link is farther from what it draws than that is long: the drawing may be in the wrong place."""
+    drawn = measure_link_geometry(model, link)
+    return drawn is not None and measure_hull_distance(drawn.points, np.zeros(3)) > measure_extent(drawn.points)
 
 
 def _find_other_mass(judged: DiagnosedInertial) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, fit_equivalent_box
 from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess_mass_unit, is_part_density
-from urdfcheck.facts.inertials.placeholders import is_round
+from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
 from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
@@ -57,42 +57,77 @@ class _PaddedHull:
 
 
 def check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: float) -> Iterator[Finding]:
-    for part in enclosed_inertials(model):
-        if has_drawn_shape(part.link) and part.mass_share >= NEGLIGIBLE_SHARE:
-            yield from _check_too_dense(model, rule, part, margin=margin)
+    dense = [
+        found
+        for part in enclosed_inertials(model)
+        if has_drawn_shape(part.link) and part.mass_share >= NEGLIGIBLE_SHARE
+        if (found := _find_excess_density(model, part, margin=margin)) is not None
+    ]
+    # The masses of one file have one unit.
+    is_one_unit = len({found.slip.get("unit") for found in dense if found.slip["cause"] != "decimal"}) < 2
+    for found in dense:
+        yield _build_dense_finding(model, rule, found, is_one_unit=is_one_unit)
     for body in list_whole_bodies(model):
         yield from _check_too_light(model, rule, body, least=least, thinnest=thinnest)
 
 
-def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin: float) -> Iterator[Finding]:
-    """Report a link that is denser in its body's hull, which holds all of its mass, than any material."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _ExcessDensity:
+    """A link that is denser in its body's hull, which holds all of its mass, than any material."""
+
+    part: EnclosedInertial
+    volume: float
+    """m³, at most."""
+    slip: Mapping[str, Any]
+    """The data of the mistake in the mass that explains it; its cause is None where none does."""
+
+
+def _find_excess_density(model: Model, part: EnclosedInertial, *, margin: float) -> _ExcessDensity | None:
     filled = measure_links_volume(model, (part.link,))
     if filled is not None and part.mass <= DENSEST * filled:
-        return
+        return None
     volume = _measure_own_volume(model, part) or max(
         _PaddedHull.from_points(points, margin).volume for points in part.readings
     )
     if not 0.0 < DENSEST * volume < part.mass:
-        return
+        return None
     slip = _find_slipped_mass(model, part.link, part.mass) or _guess_mass_unit(
         part.mass, (filled or volume) if len(part.readings) == 1 else 0.0
     )
     # A mass that was typed to keep a stand in its place is a choice, unless a slip explains it.
     is_typed = float(f"{part.mass:.{_TYPED_DIGITS}g}") == part.mass
     if slip["cause"] is None and is_typed and is_ballast(model, model.pieces.list_body_links(part.link.name)):
-        return
+        return None
     if slip["cause"] is None and _is_token_drawing(model, part):
-        return
-    yield rule.finding(
+        return None
+    return _ExcessDensity(part, volume, slip)
+
+
+def _build_dense_finding(model: Model, rule: Rule, found: _ExcessDensity, *, is_one_unit: bool) -> Finding:
+    part, slip = found.part, found.slip
+    if slip["cause"] == "unit" and not is_one_unit:
+        slip = {"cause": None}
+    return rule.finding(
         "dense",
         at=model.mass_by_name[part.link.name].attribute,
         link=part.link.name,
         mass=part.mass,
-        volume=float(f"{volume * 1e6:.3g}"),
+        volume=float(f"{found.volume * 1e6:.3g}"),
         around=part.geometry_phrase,
-        density=describe_density(part.mass / volume),
+        density=describe_density(part.mass / found.volume),
+        repair=_describe_repair([part.link], part.mass, is_in_unit=slip["cause"] == "unit"),
         **slip,
     )
+
+
+def _describe_repair(links: Sequence[Link], mass: float, *, is_in_unit: bool) -> str:
+    """Describe what to correct: the scale of a mesh may be wrong, and a primitive has none."""
+    unknown = describe_unknown_mass(mass)
+    if unknown:
+        return unknown
+    has_mesh = any(shape.kind == "mesh" for link in links for shape in (*link.visuals, *link.collisions))
+    first = "write the mass in kilograms" if is_in_unit or has_mesh else "correct the mass"
+    return f"{first}, or {'give the mesh the scale of its unit' if has_mesh else 'the size of what is drawn'}"
 
 
 def _is_token_drawing(model: Model, part: EnclosedInertial) -> bool:
@@ -134,12 +169,12 @@ def _find_slipped_mass(model: Model, link: Link, mass: float) -> dict[str, Any]:
         fits = np.abs(np.log(np.maximum(own_mass, 1e-300) / slipped)).max() < math.log(_LIKE_TENSOR)
         if is_part_density(density) and fits:
             if power == _GRAMS and not is_round(mass):
-                return {"cause": "unit", "unit": "grams", "plausible": describe_density(density)}
+                return {"cause": "unit", "unit": "grams", "plausible": f"the density is {describe_density(density)}"}
             return {
                 "cause": "decimal",
                 "factor": f"{10.0**-power:g}",
                 "slipped": f"{slipped:.4g}",
-                "plausible": describe_density(density),
+                "plausible": f"the density is {describe_density(density)}",
             }
     return {}
 
@@ -158,6 +193,7 @@ def _check_too_light(
         return
     masses = [model.mass_by_name[name] for name in body.links if name in model.mass_by_name]
     heaviest = max(masses, key=lambda declared: declared.mass)
+    slip = _guess_mass_unit(mass, volume)
     yield rule.finding(
         "light",
         at=heaviest.attribute,
@@ -167,7 +203,8 @@ def _check_too_light(
         sheet=float(f"{mass / area * 1e3:.2g}"),
         around="" if len(links) == 1 else " (with the links fixed to it)",
         density=describe_density(mass / volume),
-        **_guess_mass_unit(mass, volume),
+        repair=_describe_repair(links, heaviest.mass, is_in_unit=slip["cause"] == "unit"),
+        **slip,
     )
 
 
@@ -176,4 +213,9 @@ def _guess_mass_unit(mass: float, volume: float) -> dict[str, Any]:
     unit = None if is_round(mass) or not volume else guess_mass_unit(mass / volume)
     if unit is None:
         return {"cause": None}
-    return {"cause": "unit", "unit": unit[0], "plausible": describe_density(unit[1])}
+    drawn = float(f"{volume * 1e6:.3g}")
+    return {
+        "cause": "unit",
+        "unit": unit[0],
+        "plausible": f"the {drawn:g} cm³ that are drawn have {describe_density(unit[1])}",
+    }

@@ -9,7 +9,7 @@ from typing import Any
 from urdfcheck.core import Finding, Rule
 from urdfcheck.facts.inertials.engine_floors import MUJOCO_REFUSAL, is_refused_by_mujoco
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments, compute_triangle_excess
-from urdfcheck.facts.inertials.placeholders import is_round
+from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
 from urdfcheck.model import Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_inertia, list_whole_bodies
 
@@ -32,7 +32,14 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
         consequences = {"mujoco": _predict_mujoco(model, body, mass=total, smallest=smallest)}
         if total <= mass:
             cause = None if is_round(heaviest.mass) else "unit"  # no conversion leaves a round number
-            yield rule.finding("mass", at=heaviest.attribute, cause=cause, consequences=consequences, **data)
+            yield rule.finding(
+                "mass",
+                at=heaviest.attribute,
+                cause=cause,
+                consequences=consequences,
+                repair=describe_unknown_mass(heaviest.mass) or "write the mass in kilograms",
+                **data,
+            )
         elif not (largest > 0 and smallest > 1e-9 * largest and compute_triangle_excess(tensor) >= -1e-9):
             continue  # INR003, INR004
         elif math.sqrt(largest / total) < gyration:

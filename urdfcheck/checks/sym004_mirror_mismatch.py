@@ -13,6 +13,7 @@ from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import FAR
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.twin_slips import TwinSlip
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs
@@ -58,6 +59,7 @@ _OUTSIDE = 0.1
 # A coordinate of a COM that is smaller than this share of its distance may have been rounded to zero.
 _SAME_COM = 0.01
 _EXPORT_BOTH = "export both again: neither COM is that of the part that it draws"
+_EXPORT_BOTH_INERTIALS = "export both again: neither inertial is that of the part that it draws"
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
@@ -170,13 +172,16 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         if deviation.com_offset <= note or not all(_has_com_elsewhere(model, one.link) for one in both):
             other_way = "the other way round" if shared else _describe_remedy(both[0], note)
             repair = f"correct the wrong one: {_describe_remedy(both[1], note)}, or {other_way}"
+        if repair is not _EXPORT_BOTH and all(_has_other_inertial(model, one.link) for one in both):
+            repair = _EXPORT_BOTH_INERTIALS
         if len(barred) == len(both):
             repair = f"{_COMPUTE_TENSOR}: neither has products of inertia with the signs of its drawing"
         # Several numbers that are off by a few percent are two exports of one assembly; one that was lost is a slip.
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
-        if repair is _EXPORT_BOTH:
-            # Neither COM was right before it was copied.
+        if repair in {_EXPORT_BOTH, _EXPORT_BOTH_INERTIALS}:
+            # Neither was right before it was copied.
             place |= {"cause": None, "severity": shares.choose_severity(deviation.worst, pair)}
+            return rule.finding("pair_slight" if is_slight else "both", **place, repair=repair, **data)
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
     if written is not None and deviation.com_offset > note and _has_com_outside(model, side.twin):
         written = None
@@ -212,11 +217,26 @@ def _has_com_outside(model: Model, link: Link) -> bool:
 
 def _has_com_elsewhere(model: Model, link: Link) -> bool:
     """Whether the COM is so far from the drawn part's that its mirror image does not repair the twin."""
+    return _measure_own_mismatch(model, link)[1] > FAR
+
+
+def _has_other_inertial(model: Model, link: Link) -> bool:
+    """Whether tensor or COM are so far from the drawn part's that their mirror image does not repair the twin."""
+    return max(_measure_own_mismatch(model, link)) > FAR
+
+
+def _measure_own_mismatch(model: Model, link: Link) -> tuple[float, float]:
+    """Measure how far tensor and COM are from those of what a link draws; 0 where that is not known.
+
+    The hull of an open mesh is the most that a part can fill: a smaller tensor may be that of the part.
+    """
     diagnosed, drawn = inertial_diagnoses(model).get(link.name), measure_link_geometry(model, link)
     if diagnosed is None or drawn is None:
-        return False
-    _, com_mismatch = measure_inertial_mismatch(diagnosed.declared, drawn.solid.com, drawn.solid.covariance)
-    return com_mismatch > FAR
+        return 0.0, 0.0
+    tensor, com = measure_inertial_mismatch(diagnosed.declared, drawn.solid.com, drawn.solid.covariance)
+    uniform = compute_solid_inertia(drawn.solid, diagnosed.declared.mass)
+    is_less = not drawn.closed and np.trace(diagnosed.declared.tensor) < np.trace(uniform)
+    return 0.0 if is_less else tensor, com
 
 
 def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:

@@ -43,8 +43,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     else:
         # A wheel that none of those who drive the others names turns freely.
         matters = not any(_drives(names, rest) for names in driven) or any(_drives(names, odd) for names in driven)
+    # Where each side has wheels of both directions, these work against each other.
+    is_by_side = are_equal and _are_on_two_sides(model, odd, rest)
     yield rule.finding(
-        "opposed" if are_equal else "minority",
+        ("opposed" if is_by_side else "fighting") if are_equal else "minority",
         at=odd[0].joint.axis_location,
         related=[wheel.joint.axis_location for wheel in (*odd[1:], *rest)],
         severity=None if matters else Severity.INFO,
@@ -54,6 +56,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         odd_axis=format_point(odd[0].axis, decimals=3),
         rest_axis=format_point(rest[0].axis, decimals=3),
     )
+
+
+def _are_on_two_sides(model: Model, one: Sequence[DrivenWheel], other: Sequence[DrivenWheel]) -> bool:
+    """Whether all wheels of one group are left, or right, of those of the other."""
+    first, second = (
+        [float(model.frames[wheel.joint.child][:3, 3] @ one[0].axis) for wheel in group] for group in (one, other)
+    )
+    return max(first) < min(second) or max(second) < min(first)
 
 
 def _drives(names: set[str], wheels: Sequence[DrivenWheel]) -> bool:

@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+import numpy as np
+
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
+from urdfcheck.facts.likeness.revolution import measure_line_angle
 from urdfcheck.model import Model
 from urdfcheck.model.ground.wheel_pair import WheelPair, find_lone_wheel_pair
 from urdfcheck.model.ground.wheels import Wheel
@@ -22,6 +25,9 @@ def check(model: Model, rule: Rule, *, spread: float, least: float, angle: float
         return
     differences = _describe_differences(pair, least=max(spread * pair.radius, least), angle=math.radians(angle))
     if not differences:
+        return
+    if len(differences) == 1 and pair.angle > math.radians(angle) and _has_parallel_axes(pair):
+        yield _build_tilted_finding(rule, pair)
         return
     tilted = _find_tilted_wheel(pair) if pair.angle > math.radians(angle) else None
     first, second = (pair.right, pair.left) if tilted is pair.right else (pair.left, pair.right)
@@ -53,9 +59,31 @@ def _describe_differences(pair: WheelPair, *, least: float, angle: float) -> lis
     if abs(pair.larger) > least:
         size = "larger" if pair.larger > 0 else "smaller"
         words.append(f"the radius of {left} is {abs(pair.larger) * 1e3:.3g} mm {size}")
-    if pair.angle > angle:
-        words.append(f"the axes differ by {math.degrees(pair.angle):.3g}°")
+    if pair.angle > angle and _has_parallel_axes(pair):
+        words.append(f"both axes are {math.degrees(max(pair.tilts)):.3g}° off the normal of that plane")
+    elif pair.angle > angle:
+        words.append(f"one axis is {math.degrees(pair.angle):.3g}° off the mirror image of the other")
     return words
+
+
+def _has_parallel_axes(pair: WheelPair) -> bool:
+    return measure_line_angle(pair.left.axis, pair.right.axis) < _STRAIGHT
+
+
+def _build_tilted_finding(rule: Rule, pair: WheelPair) -> Finding:
+    """Build the finding about two parallel axes: on one axle that is tilted, nothing pulls to a side."""
+    wheels = pair.left, pair.right
+    return rule.finding(
+        "tilted",
+        at=wheels[0].joint.axis_location,
+        related=[wheels[1].joint.axis_location],
+        severity=Severity.INFO,
+        wheel=wheels[0].joint.child,
+        twin=wheels[1].joint.child,
+        tilt=math.degrees(max(pair.tilts)),
+        across="xyz"[int(np.abs(pair.lateral).argmax())],
+        between=[f"joint[{wheel.joint.name}]" for wheel in wheels],
+    )
 
 
 def _find_tilted_wheel(pair: WheelPair) -> Wheel | None:
@@ -67,7 +95,7 @@ def _find_tilted_wheel(pair: WheelPair) -> Wheel | None:
 
 
 def _describe_main(pair: WheelPair, first: str, tilted: Wheel | None) -> str:
-    if first.startswith("the axes") and tilted is not None:
+    if first.startswith("one axis") and tilted is not None:
         return f"{tilted.joint.child} is tilted by {math.degrees(pair.angle):.3g}° against {_get_other(pair, tilted)}"
     return f"{first} than {pair.right.joint.child}" if first.endswith(("er", "out", "in")) else first
 

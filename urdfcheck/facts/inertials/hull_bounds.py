@@ -99,3 +99,15 @@ def is_possible_elsewhere(points: ArrayLike, covariance: ArrayLike, ratio: float
     along = np.asarray(points, dtype=float) @ axes
     half = 0.5 * np.ptp(along, axis=0) + margin
     return bool((variances <= ratio * half * half).all())
+
+
+def has_excess_moment(points: ArrayLike, com: ArrayLike, covariance: ArrayLike, margin: float = 0.0) -> bool:
+    """Whether a principal moment is greater than that of any mass inside the hull of ``points`` (K, 3) with this ``com`` (3,): a
+    moment is the sum of two variances, each of which may be too great beside one that is too small. The arguments are those of
+    `compute_spread_ratios`."""
+    ratios, axes = compute_spread_ratios(points, com, covariance, margin)
+    variances = np.einsum("ij,ik,kj->j", axes, np.asarray(covariance, dtype=float), axes)
+    if not np.isfinite(ratios).all() or not (ratios > 0.0).all():
+        return True
+    bounds = variances / ratios
+    return bool((variances.sum() - variances > bounds.sum() - bounds).any())

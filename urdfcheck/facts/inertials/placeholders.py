@@ -23,6 +23,8 @@ _FEW_DIGITS = 2
 _POINT = 1e-6
 # A round mass (kg) up to this is a placeholder too.
 _NO_MASS = 1e-6
+# What onshape-to-robot writes for a part without a material (kg).
+_UNKNOWN_MASS = 1e-9
 
 
 def describe_placeholder(mass: float, components: Sequence[float]) -> str | None:
@@ -49,6 +51,13 @@ def describe_placeholder(mass: float, components: Sequence[float]) -> str | None
 def is_round(value: float) -> bool:
     """Whether a positive number has 1, 2 or 5 as its only significant digit."""
     return _extract_significand(value) in _ROUND
+
+
+def describe_unknown_mass(mass: float) -> str:
+    """Say what to do about the ``mass`` (kg) that a program writes where it knows none; empty for any other mass."""
+    if mass != _UNKNOWN_MASS:
+        return ""
+    return "write the mass of the part: 1e-9 stands for none (onshape-to-robot writes it for parts without a material)"
 
 
 def is_unknown_mass(mass: float, tensor: Array, solid: Solid) -> bool:

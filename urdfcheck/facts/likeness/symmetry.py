@@ -279,11 +279,14 @@ def _find_shifts(place: Array, tolerance: float) -> list[_SymmetryOperation]:
 
 
 def _find_pair_operations(place: Array) -> list[_SymmetryOperation]:
-    """Find what maps one of two positions onto the other: mirrors and half turns about the common axes, and the shift."""
+    """Find what maps one of two positions onto the other: mirrors and half turns about the common axes, and the shift.
+
+    Along all three axes a shift relates any two positions, which shows nothing.
+    """
     size = float(np.linalg.norm(np.ptp(place, axis=0)))
     apart = np.abs(place[1] - place[0]) > max(_PLACE_ABSOLUTE, _PLACE_RELATIVE * size)
     along = "".join(letter for letter, far in zip("xyz", apart, strict=True) if far)
-    shift = [_SymmetryOperation(f"translation along {along}", np.eye(3), ((0, 1),))] if along else []
+    shift = [_SymmetryOperation(f"translation along {along}", np.eye(3), ((0, 1),))] if 0 < len(along) < 3 else []
     return [op for op in _find_operations(place) if op.pairs] + shift
 
 

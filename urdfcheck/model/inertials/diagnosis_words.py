@@ -75,6 +75,7 @@ FAULTY_NUMBERS = {
     "com_unit": "COM",
     "units": "units",
     "decimal_point": "number",
+    "mesh_frame": "COM",
     "quarter_turn": "COM and inertia",
     "unmirrored": "COM and inertia",
 }
@@ -90,6 +91,7 @@ SHORT_CAUSES = {
     "steiner_twice": "parallel-axis term twice",
     "steiner_missing": "no parallel-axis term",
     "own_missing": "own tensors of the pieces left out",
+    "mesh_frame": "the mesh's own, without its <origin>",
     "one_piece": "one piece only",
     "products_sign": "products have flipped signs",
     "axes_permuted": "its x y z are {detail}",
@@ -200,6 +202,7 @@ def collect_message_data(
         "fault_short": doubted,  # the cause says more than how far off the numbers are
         "source": source,
         "off": f", {apart} from {'the drawn part' if source == 'the drawn part' else 'the shape'}'s" if apart else "",
+        "apart": apart,
         "twins": join_names(judged.twins),
         "mass": f"{declared.mass:g}",
         "moments": join_numbers(moments, digits=3),

@@ -12,6 +12,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import Diagnosis
 from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
 from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.diagnosis.added_pieces import join_added_pieces
 from urdfcheck.model.inertials.diagnosis.computed_tensors import name_computed_mass
 from urdfcheck.model.inertials.diagnosis.edited_masses import name_edited_masses
 from urdfcheck.model.inertials.diagnosis.inertial_references import collect_references
@@ -25,7 +26,9 @@ from urdfcheck.model.inertials.diagnosis.kept_verdicts import (
     write_verdicts,
 )
 from urdfcheck.model.inertials.diagnosis.link_diagnosis import diagnose_link, measure_link_evidence
+from urdfcheck.model.inertials.diagnosis.mesh_frames import name_mesh_frames
 from urdfcheck.model.inertials.diagnosis.verdict_keys import compute_model_key, compute_verdict_key
+from urdfcheck.model.inertials.diagnosis.weak_causes import drop_weak_causes
 from urdfcheck.model.inertials.unmoved_pieces import join_unmoved_pieces
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.meshes import MEASURING_MODULES
@@ -85,11 +88,14 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     habit = None if known.habit is None else (known.habit["id"], known.habit["detail"])
     decoded = {name: decode_diagnosis(known.verdicts[verdict]) for name, (verdict, _) in known.links.items()}
     diagnosed = {}
-    joined = join_unmoved_pieces(model, numbers, decoded)
-    for name, diagnosis in name_edited_masses(model, numbers, joined).items():
+    others = {name: one for name, one in decoded.items() if (one.cause, one.detail) != habit}
+    joined = join_unmoved_pieces(model, numbers, decoded | drop_weak_causes(model, numbers, others))
+    added = join_added_pieces(model, numbers, joined)
+    named = name_mesh_frames(model, numbers, name_edited_masses(model, numbers, added))
+    for name, diagnosis in named.items():
         is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
-        named = diagnosis if is_habit else name_computed_mass(model, model.link_by_name[name], numbers[name], diagnosis)
-        diagnosed[name] = DiagnosedInertial(numbers[name], named, tuple(known.links[name][1]), is_habit)
+        own = diagnosis if is_habit else name_computed_mass(model, model.link_by_name[name], numbers[name], diagnosis)
+        diagnosed[name] = DiagnosedInertial(numbers[name], own, tuple(known.links[name][1]), is_habit)
     return diagnosed
 
 

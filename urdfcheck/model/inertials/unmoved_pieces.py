@@ -23,9 +23,10 @@ def join_unmoved_pieces(
     if not any(one.cause == "steiner_missing" and one.judged_by == "mesh" for one in diagnoses.values()):
         return joined
     for name, one in diagnoses.items():
-        if one.cause is not None or one.judged_by != "mesh":
+        if one.unique or one.judged_by != "mesh" or one.cause == "steiner_missing":
             continue
         drawn = measure_link_geometry(model, model.link_by_name[name])
-        if drawn is not None and drawn.closed:
-            joined[name] = find_unmoved_pieces(one, numbers[name], drawn.solid) or one
+        found = find_unmoved_pieces(one, numbers[name], drawn.solid) if drawn is not None and drawn.closed else None
+        if found is not None and (one.cause is None or found.mended_tensor_mismatch < one.mended_tensor_mismatch):
+            joined[name] = found
     return joined

@@ -34,6 +34,8 @@ PLACE, PLACE_SHARE = 1e-3, 2e-3
 NORMALS = tuple(np.eye(3)[[1, 0, 2]])
 # Of two ways to bring a part to the other side, both within the tolerance, one is proven by a mismatch so many times smaller.
 _MUCH_BETTER = 3.0
+# Axes are parallel within 1° (cosine), and so many pairs that are not along them show another plane.
+_PARALLEL, _MIN_FIRM = 0.99985, 2
 # Mismatches below this are what products of rotation matrices leave.
 _ROUNDING = 1e-9
 # More joints of one kind than this that no name distinguishes are a chain or a ring, without left and right.
@@ -203,15 +205,43 @@ def _fit_mirror_plane(
 ) -> tuple[MirrorPlane, int] | None:
     ones, others = (np.array([model.frames[names[side]][:3, 3] for names in group]) for side in (0, 1))
     size = float(np.linalg.norm(np.ptp(np.concatenate((ones, others)), axis=0)))
-    fitted = find_mirror_plane(ones, others, normals=normals, tolerance=max(PLACE, PLACE_SHARE * size))
-    if fitted is not None or size > PLACE:
-        return fitted
+    tolerance = max(PLACE, PLACE_SHARE * size)
+    fitted = find_mirror_plane(ones, others, normals=normals, tolerance=tolerance)
+    if fitted is not None:
+        return _refit_without_hinges(model, group, fitted, tolerance=tolerance)
+    if size > PLACE:
+        return None
     # All frames are at one place, as those of a gripper that opens by sliding: the parts show where the sides are.
     drawn = [(compute_centroid(model, a), compute_centroid(model, b)) for a, b in group]
     known = [(a, b) for a, b in drawn if a is not None and b is not None]
     if not known:
         return None
     return find_mirror_plane([a for a, _ in known], [b for _, b in known], normals=normals, tolerance=PLACE)
+
+
+def _refit_without_hinges(
+    model: Model, group: Sequence[tuple[str, str]], fitted: tuple[MirrorPlane, int], *, tolerance: float
+) -> tuple[MirrorPlane, int]:
+    """Return the plane of the pairs whose frames do not lie anywhere along an axis across the plane, where it is another one and
+    mirrors as many pairs: where along its axis a hinge is, is a choice, also for what is fixed to it."""
+    plane, agreeing = fitted
+    firm = [names for names in group if not any(_is_hinged_across(model, plane.normal, name) for name in names)]
+    if not firm or len(firm) == len(group):
+        return fitted
+    ones, others = (np.array([model.frames[names[side]][:3, 3] for names in firm]) for side in (0, 1))
+    again = find_mirror_plane(ones, others, normals=[plane.normal], tolerance=tolerance)
+    if again is None or again[1] < _MIN_FIRM or abs(again[0].offset - plane.offset) <= PLACE:
+        return fitted
+    mirrored = [_measure_misplacement(model, again[0], names) <= tolerance * 1e6 for names in group]
+    return (again[0], sum(mirrored)) if sum(mirrored) >= agreeing else fitted
+
+
+def _is_hinged_across(model: Model, normal: Array, name: str) -> bool:
+    """Whether the last joint that moves a link turns it about an axis along a direction (3,)."""
+    moving = [joint for joint in model.tree.find_path_to(name) if joint.is_movable]
+    if not moving or moving[-1].type not in {"revolute", "continuous"} or moving[-1].name not in model.axes:
+        return False
+    return abs(float(model.axes[moving[-1].name] @ normal)) > _PARALLEL
 
 
 def _make_pair(model: Model, plane: MirrorPlane, names: tuple[str, str], *, agreeing: int, named: bool) -> MirrorPair:

@@ -23,6 +23,7 @@ from urdfcheck.model.likeness.origin_slips import (
 )
 from urdfcheck.model.likeness.sides.lone_coordinates import iter_lone_coordinates
 from urdfcheck.model.likeness.sides.opposed_axes import OpposedAxes, iter_opposed_axes
+from urdfcheck.model.likeness.sides.settled_places import is_settled
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_all_numbers
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
@@ -61,14 +62,18 @@ def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[P
 
 def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:
     yield from map(_describe_odd_sign, iter_odd_signs(model))
-    yield from map(_describe_odd_numbers, iter_odd_numbers(model))
-    yield from map(_describe_slip, find_origin_slips(model))
+    for odd in iter_odd_numbers(model):
+        if odd.attribute != "xyz" or not is_settled(model, [odd.joint.child], pairs):
+            yield _describe_odd_numbers(odd)
+    for slip in find_origin_slips(model):
+        if not is_settled(model, [slip.joint.child, slip.twin.child], pairs):
+            yield _describe_slip(slip)
     for one, other in iter_coincident_twins(model):
         yield _describe_coincidence(one, other)
     yield from map(_describe_opposed_axes, iter_opposed_axes(model, pairs))
     for pair in pairs:
         off = find_misplaced_joint(model, pair, pairs)
-        if off is not None:
+        if off is not None and not (off.distance and is_settled(model, [pair.one, pair.other], pairs)):
             yield _describe_misplaced_joint(off)
     yield from map(_describe_slip, iter_lone_coordinates(model))
 

@@ -26,6 +26,8 @@ STRAIGHT, ARRANGED = math.radians(0.25), math.radians(10)
 _SLIGHT_TILT = math.radians(1)
 # A joint is out of place beyond a careful hand measurement, and arranged otherwise beyond this share of the sides' distance.
 PLACE, APART = 1e-3, 0.25
+# A millimetre of a robot of three metres; in a larger one, or one in another unit, as small a share of its size.
+_PLACE_SHARE = 3e-4
 # Coordinates (m) that were typed alike.
 _EXACT = 1e-9
 # Limits that were typed alike agree to within the digits of a conversion.
@@ -198,7 +200,9 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
     if _is_typed_mirrored(model, pair, joints):
         distance = 0.0
     sides = float(np.linalg.norm(model.frames[pair.one][:3, 3] - model.frames[pair.other][:3, 3]))
-    displaced_by = distance if PLACE < distance < APART * sides else 0.0
+    places = np.array([frame[:3, 3] for frame in model.frames.values()])
+    least = max(PLACE, _PLACE_SHARE * float(np.linalg.norm(np.ptp(places, axis=0))))
+    displaced_by = distance if least < distance < APART * sides else 0.0
     if displaced_by and _is_turned_with_parent(model, pair, joints, distance=displaced_by):
         return None
     is_slip = STRAIGHT < angle < ARRANGED or (angle > ARRANGED and _is_renamed(pair, joints))

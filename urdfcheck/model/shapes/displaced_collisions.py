@@ -77,10 +77,16 @@ class DisplacedCollision:
             and collision.rpy != visual.rpy
         )
 
-    def describe_gap(self) -> str:
+    @property
+    def has_angles_beyond_turns(self) -> bool:
+        """Whether an angle of either origin is more than a turn, as one in degrees."""
+        angles = [angle for shape in (self.visual, self.collision) for angle in shape.shape.origin.rpy or ()]
+        return any(abs(angle) > math.tau for angle in angles)
+
+    def describe_gap(self, *, with_angle: bool = True) -> str:
         """Return how far the collision is from the visual: ``0.0867 m and 90°``."""
         parts = [f"{self.moved:.3g} m"] if self.moved > _NO_DISTANCE else []
-        parts += [f"{math.degrees(self.turned):.3g}°"] if self.turned > _NO_ANGLE else []
+        parts += [f"{math.degrees(self.turned):.3g}°"] if with_angle and self.turned > _NO_ANGLE else []
         return " and ".join(parts)
 
     def propose_edits(self) -> list[Edit]:

@@ -11,6 +11,7 @@ _MISTAKE_NAMES = {
     "diagonal_first": "order of the numbers",
     "inertia_unit": "unit of the tensor",
     "mass_unit": "unit of the mass",
+    "mesh_frame": "in the frame of the mesh",
     "one_piece": "one piece only",
     "one_sign": "one sign",
     "own_missing": "own tensors of the pieces left out",

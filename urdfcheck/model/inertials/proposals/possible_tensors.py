@@ -7,6 +7,7 @@ from urdfcheck.facts.inertials.mistakes.tensor_slips import find_nearest_tensor,
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_possible_inertial, is_drawn_otherwise
+from urdfcheck.model.inertials.proposals.like_links import propose_like_link
 from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
 from urdfcheck.model.inertials.proposals.nearest_tensors import propose_nearest
 from urdfcheck.model.inertials.proposals.slip_repairs import (
@@ -38,9 +39,9 @@ _SHARED_CAUSES = {
 def propose_repair(model: Model, link: Link) -> InertialProposal:
     """Propose the smallest change that makes an inertia tensor possible, by what is known of the mistake.
 
-    In this order: products that were filled in; the one mistake that explains the numbers, by the drawn part or a twin; other
-    signs of the products; where little is missing, or the digits are too few, the nearest tensor that a body can have, about the
-    author's own COM. Only then the inertia of the drawn part.
+    In this order: products that were filled in; the one mistake that explains the numbers, by the drawn part or a twin; the only
+    number in which a link of the same mass and shape differs; other signs of the products; where little is missing, or the digits
+    are too few, the nearest tensor that a body can have, about the author's own COM. Only then the inertia of the drawn part.
     """
     declared = model.tensor_by_name.get(link.name)
     if declared is None:
@@ -51,6 +52,9 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     undone = _propose_diagnosed_undo(model, link)
     if undone is not None and not (undone.cause == "decimal" and has_many_slips(model)):
         return undone
+    like = propose_like_link(model, declared)
+    if like is not None:
+        return like
     typed = measure_tensor_rounding(declared.texts)
     is_rounded = typed.explained_by_rounding and not has_lost_moment(model, declared)
     slip = None if is_rounded else propose_signs(model, declared) or propose_slipped_moment(model, declared)

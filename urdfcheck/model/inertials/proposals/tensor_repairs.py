@@ -34,6 +34,8 @@ class InertialProposal:
     """The id of the cause on the pages of INR003 and INR004, where the numbers show one."""
     detail: str = ""
     """The parameter of the cause."""
+    is_located: bool = False
+    """Whether the wrong number is known, so that no other slip need be looked for."""
     oversize: str = ""
     """How many times the drawn part's moments these are, if no part of the drawn size can have them; empty otherwise."""
 

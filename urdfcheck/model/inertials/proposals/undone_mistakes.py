@@ -21,7 +21,7 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 # Causes after which the file does not show which number is right, or whose numbers come from the mesh.
 _UNDECIDED_CAUSES = frozenset(
-    {"other_mass", "one_piece", "shell", "bounding_box", "convex_hull", "com_missing", "mesh_scale"}
+    {"other_mass", "one_piece", "mesh_frame", "shell", "bounding_box", "convex_hull", "com_missing", "mesh_scale"}
 )
 # Units: all links of a file have the same.
 _UNIT_CAUSES = frozenset({"inertia_unit", "mass_unit", "com_unit", "units"})

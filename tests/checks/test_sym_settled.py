@@ -1,0 +1,179 @@
+"""SYM004: joints that are off the mirror image of another, while what they carry is not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import box, cylinder, find, inertial, joint, limit, link, robot, visual
+
+from urdfcheck.core import Finding
+
+LIMIT = limit(-1, 1)
+
+
+def find_places(folder: Path, *parts: str) -> list[Finding]:
+    return find(folder, robot(*parts), "SYM004")
+
+
+def make_castors(drawn: str, odd: str = "-0.35 0.19 0.07") -> list[str]:
+    """Four castors and two wheels; the one at the rear left at ``odd``, with its shape at ``drawn``."""
+    parts = [link("base", visual(box("0.8 0.3 0.05"), xyz="0 0 0.1"))]
+    for front, x in (("f", 0.35), ("b", -0.35)):
+        for side, y in (("r", -0.19), ("l", 0.19)):
+            name = f"{side}{front}_castor"
+            is_odd = name == "lb_castor"
+            parts.append(link(name, visual(box("0.13 0.07 0.12"), xyz=drawn if is_odd else "-0.02 0 0.02")))
+            place = odd if is_odd else f"{x} {y} 0.07"
+            parts.append(joint(f"{name}_joint", "base", name, kind="continuous", xyz=place, axis="0 0 1"))
+    for side, y in (("right", -0.25), ("left", 0.25)):
+        parts.append(link(f"{side}_wheel", visual(box("0.2 0.06 0.2"))))
+        parts.append(joint(f"{side}_joint", "base", f"{side}_wheel", kind="continuous", xyz=f"0 {y} 0.1", axis="0 1 0"))
+    return parts
+
+
+def test_a_frame_at_another_point_of_a_part_that_is_drawn_in_its_place_is_silent(tmp_path: Path) -> None:
+    assert not find_places(tmp_path, *make_castors("-0.014 0 0.066", odd="-0.356 0.19 0.024"))
+
+
+def test_a_castor_that_is_drawn_out_of_its_place_is_reported(tmp_path: Path) -> None:
+    (finding,) = find_places(tmp_path, *make_castors("-0.02 0 0.02", odd="-0.356 0.19 0.024"))
+    assert finding.data["joint"] in {"lb_castor_joint", "lf_castor_joint", "rb_castor_joint"}
+
+
+def make_legs(hip: float) -> list[str]:
+    """Two pairs of legs without drawings; the frames of the left hips are ``hip`` farther along their axes, and the knees take it
+    back. The plane is y = 0.083."""
+    parts = [link("trunk")]
+    for front, x in (("F", 0.2), ("B", 0.0)):
+        for side, sign in (("R", -1), ("L", 1)):
+            more = hip if side == "L" else 0.0
+            name = f"{side}{front}"
+            y = 0.083 + sign * 0.077 - more
+            parts += [link(f"{name}_hip"), link(f"{name}_roll"), link(f"{name}_knee")]
+            parts.append(
+                joint(f"{name}_1", "trunk", f"{name}_hip", LIMIT, kind="revolute", xyz=f"{x} {y:.5f} 0", axis="0 1 0")
+            )
+            parts.append(
+                joint(
+                    f"{name}_2",
+                    f"{name}_hip",
+                    f"{name}_roll",
+                    LIMIT,
+                    kind="revolute",
+                    xyz=f"0 {more} 0",
+                    axis="1 0 0",
+                )
+            )
+            # The front knees have their frames along the axis, as the hips have: as many pairs are for either plane.
+            slid = more if front == "F" else 0.0
+            parts.append(
+                joint(
+                    f"{name}_3",
+                    f"{name}_roll",
+                    f"{name}_knee",
+                    LIMIT,
+                    kind="revolute",
+                    xyz=f"0.06 {-slid} -0.06",
+                    axis="0 1 0",
+                )
+            )
+    return parts
+
+
+def test_the_frames_of_hinges_along_the_normal_do_not_place_the_mirror(tmp_path: Path) -> None:
+    assert not find_places(tmp_path, *make_legs(0.0239))
+
+
+def make_gripper(rpy: str, xs: tuple[float, float]) -> list[str]:
+    """Two arms with two fingers each; those of the right one hang at ``xs`` (m), on a wrist that is turned by ``rpy``."""
+    parts = [link("torso")]
+    for side, sign in (("left", 1), ("right", -1)):
+        for name, parent, xyz in (("shoulder", "torso", f"0 {0.2 * sign} 0.3"), ("elbow", "shoulder", "0.3 0 0")):
+            above = parent if parent == "torso" else f"{side}_{parent}"
+            parts.append(link(f"{side}_{name}"))
+            parts.append(
+                joint(f"{side}_{name}_joint", above, f"{side}_{name}", LIMIT, kind="revolute", xyz=xyz, axis="1 0 0")
+            )
+        turn = "0 0 0" if side == "left" else rpy
+        places = (0.011, -0.011) if side == "left" else xs
+        parts.append(link(f"{side}_wrist"))
+        parts.append(joint(f"{side}_wrist_joint", f"{side}_elbow", f"{side}_wrist", xyz="0 0 -0.2", rpy=turn))
+        for finger, along in zip(("", "2"), places, strict=True):
+            name = f"{side}_ee{finger}"
+            tip = visual(box("0.04 0.01 0.01"), xyz=f"{0.03 * sign} 0 0.07")
+            parts.append(link(name, visual(box("0.01 0.01 0.06"), xyz=f"{0.01 * sign} 0 0.03"), tip))
+            parts.append(
+                joint(
+                    f"{name}_joint",
+                    f"{side}_wrist",
+                    name,
+                    limit(0, 0.02),
+                    kind="prismatic",
+                    xyz=f"0 {along} 0.02",
+                    axis="0 1 0",
+                )
+            )
+    return parts
+
+
+def test_fingers_that_mirror_those_with_the_other_names_are_silent(tmp_path: Path) -> None:
+    slips = [
+        f
+        for f in find_places(tmp_path, *make_gripper("0 0 3.14159265", (-0.011, 0.011)))
+        if f.message_id in {"slip", "origin"}
+    ]
+    assert not slips
+
+
+def test_a_finger_that_mirrors_none_is_reported(tmp_path: Path) -> None:
+    slips = [
+        f
+        for f in find_places(tmp_path, *make_gripper("0 0 3.14159265", (-0.011, 0.031)))
+        if f.message_id in {"slip", "origin"}
+    ]
+    assert slips
+
+
+def make_wheels(left: str, right: str) -> list[str]:
+    parts = [link("base", visual(box("0.3 0.3 0.05"), xyz="0 0 0.1"))]
+    disk = visual(cylinder(0.075, 0.04), rpy="1.5707963 0 0")
+    for side, y, numbers in (("left", 0.2, left), ("right", -0.2, right)):
+        parts.append(link(f"{side}_wheel", numbers, disk))
+        parts.append(
+            joint(f"{side}_joint", "base", f"{side}_wheel", kind="continuous", xyz=f"0 {y} 0.075", axis="0 1 0")
+        )
+    return parts
+
+
+def test_of_two_impossible_inertials_neither_repairs_the_other(tmp_path: Path) -> None:
+    left, right = inertial(1, ixx=0.25, iyy=0.45, izz=0.55), inertial(1, ixx=0.008, iyy=0.016, izz=0.008)
+    (finding,) = find_places(tmp_path, *make_wheels(left, right))
+    assert finding.message_id == "both"
+    assert finding.fix is not None
+    assert finding.fix.title == "export both again: neither inertial is that of the part that it draws"
+    (finding,) = find_places(tmp_path, *make_wheels(inertial(1, ixx=0.0014, iyy=0.0028, izz=0.0016), right))
+    assert finding.message_id != "both"
+
+
+@pytest.mark.parametrize(("size", "found"), [(1.0, True), (8.0, False)])
+def test_a_few_millimetres_of_a_robot_of_many_metres_are_no_displacement(
+    tmp_path: Path, size: float, found: bool
+) -> None:
+    parts = [link("base")]
+    for i, name in enumerate(("hip", "arm", "ear")):
+        for side, y in (("left", 0.5 * size), ("right", -0.5 * size)):
+            x = (i - 1) * size + (0.004 if (side, name) == ("right", "ear") else 0.0)
+            parts.append(link(f"{side}_{name}"))
+            parts.append(
+                joint(
+                    f"{side}_{name}_joint",
+                    "base",
+                    f"{side}_{name}",
+                    LIMIT,
+                    kind="revolute",
+                    xyz=f"{x} {y} 0",
+                    axis="0 0 1",
+                )
+            )
+    assert [f.message_id for f in find_places(tmp_path, *parts)] == ["origin"] * found

@@ -1,0 +1,81 @@
+"""Inertials that are in the frame of the mesh: the origin of the ``<visual>`` was changed, or added, without them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.facts.inertials.hull_bounds import measure_extent
+from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+    from urdfcheck.facts.inertials.diagnosis import Diagnosis
+    from urdfcheck.model.parts import Link
+
+# A COM that was computed from the mesh is there to within this share of the part's size, and so many times farther off before.
+_SAME_PLACE, _FARTHER = 0.005, 20.0
+# Mistakes of the COM that fit some COM by chance; the COM of another part, of which nothing is known, included.
+_OF_COM = frozenset({None, "com_unit", "decimal_point"})
+
+
+def name_mesh_frames(
+    model: Model, numbers: Mapping[str, DeclaredInertial], found: Mapping[str, Diagnosis]
+) -> dict[str, Diagnosis]:
+    """Return the verdicts with the cause ``mesh_frame`` where the origin of what a link draws brings the COM of its inertial to
+    that of the drawn part."""
+    return {
+        name: _find_in_mesh_frame(model, model.link_by_name[name], numbers[name], one) for name, one in found.items()
+    }
+
+
+def _find_in_mesh_frame(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Diagnosis) -> Diagnosis:
+    drawn, pose = measure_link_geometry(model, link), _get_common_origin(link)
+    if diagnosis.sound or diagnosis.cause not in _OF_COM or diagnosis.judged_by != "mesh" or pose is None:
+        return diagnosis
+    if (
+        drawn is None
+        or not drawn.closed
+        or explain_collision_stand_in(model, link) is not None
+        or not declared.com.any()
+    ):
+        return diagnosis
+    turn, solid = pose[:3, :3], drawn.solid
+    moved = replace(declared, com=turn @ declared.com + pose[:3, 3])
+    tensor = declared.rotation.T @ turn @ declared.inertia @ turn.T @ declared.rotation
+    # A tensor that fits worse in those axes was not in the mesh's frame.
+    moved = min(
+        (replace(moved, tensor=tensor), moved),
+        key=lambda one: measure_inertial_mismatch(one, solid.com, solid.covariance)[0],
+    )
+    left, before = (float(np.linalg.norm(one.com - solid.com)) for one in (moved, declared))
+    if left > _SAME_PLACE * measure_extent(drawn.points) or before < _FARTHER * left:
+        return diagnosis
+    tensor_mismatch, com_mismatch = measure_inertial_mismatch(moved, solid.com, solid.covariance)
+    return replace(
+        diagnosis,
+        sound=False,
+        cause="mesh_frame",
+        detail="",
+        mended=moved,
+        mended_tensor_mismatch=tensor_mismatch,
+        mended_com_mismatch=com_mismatch,
+        unique=False,
+        ruled_out=tuple(cause for cause in diagnosis.ruled_out if cause not in _OF_COM),
+    )
+
+
+def _get_common_origin(link: Link) -> Array | None:
+    """Return the origin (4, 4) that all visual meshes of a link have; None where they have several, or none."""
+    poses = [shape.origin.matrix for shape in link.visuals]
+    if not poses or any(shape.kind != "mesh" for shape in link.visuals) or any(pose is None for pose in poses):
+        return None
+    first = poses[0]
+    same = all(pose is not None and first is not None and np.abs(pose - first).max() < 1e-9 for pose in poses)
+    return first if same and first is not None and np.abs(first - np.eye(4)).max() > 1e-9 else None

@@ -1,0 +1,76 @@
+"""Causes that explain the numbers of a link too little, or rest on what proves nothing: then none is named."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.materials import LIGHTEST
+from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+    from urdfcheck.facts.inertials.diagnosis import Diagnosis
+    from urdfcheck.model.parts import Link
+
+# A mistake of the tensor leaves less than this share of the difference from the drawn part's.
+_LEFT = 0.5
+# Causes that take what is drawn apart: collision shapes are not the pieces that a CAD program added.
+_OF_PIECES = frozenset({"steiner_missing", "own_missing", "one_piece"})
+# Causes whose numbers come from the drawing, or of which the tensor shows only a part.
+_TOLD_BY_OTHERS = frozenset(
+    {"rounded", "other_mass", "wrong_formula", "shell", "bounding_box", "convex_hull", "one_piece"}
+)
+
+
+def drop_weak_causes(
+    model: Model, numbers: Mapping[str, DeclaredInertial], found: Mapping[str, Diagnosis]
+) -> dict[str, Diagnosis]:
+    """Return the verdicts, without the causes that the drawing of a link does not show."""
+    return {
+        name: _withdraw_cause(one) if _is_weak(model, model.link_by_name[name], numbers[name], one) else one
+        for name, one in found.items()
+    }
+
+
+def _is_weak(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Diagnosis) -> bool:
+    drawn = measure_link_geometry(model, link)
+    if diagnosis.cause is None or diagnosis.judged_by != "mesh" or drawn is None:
+        return False
+    if diagnosis.cause == "inertia_unit" and _is_lighter_than_foam(declared, drawn):
+        return True  # the mass is the wrong number, and some unit brings a tensor near that of any mass
+    if diagnosis.cause in _OF_PIECES and explain_collision_stand_in(model, link) is not None:
+        return True
+    mended = diagnosis.mended
+    if diagnosis.cause in _TOLD_BY_OTHERS or mended is None or (mended.com != declared.com).any():
+        return False
+    if mended.mass != declared.mass:
+        return False
+    uniform = compute_solid_inertia(drawn.solid, declared.mass)
+    if is_rounding_of(declared.tensor, declared.rotation.T @ uniform @ declared.rotation):
+        return True  # the last digits are all that differs
+    left, before = (float(np.linalg.norm(tensor - uniform)) for tensor in (mended.inertia, declared.inertia))
+    return drawn.closed and not diagnosis.unique and left > _LEFT * before
+
+
+def _is_lighter_than_foam(declared: DeclaredInertial, drawn: VisualGeometry) -> bool:
+    return drawn.solid.volume > 0.0 and declared.mass < LIGHTEST * drawn.solid.volume
+
+
+def _withdraw_cause(diagnosis: Diagnosis) -> Diagnosis:
+    return replace(
+        diagnosis,
+        cause=None,
+        detail="",
+        mended=None,
+        mended_tensor_mismatch=diagnosis.tensor_mismatch,
+        mended_com_mismatch=diagnosis.com_mismatch,
+        unique=False,
+        com_order="",
+    )
