@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 _LEFT = 0.5
 # Causes that take what is drawn apart: collision shapes are not the pieces that a CAD program added.
 _OF_PIECES = frozenset({"steiner_missing", "own_missing", "one_piece"})
-# Causes whose numbers come from the drawing, or of which the tensor shows only a part.
+# Causes whose numbers come from the drawing, that are in the drawing, or of which the tensor shows only a part.
 _TOLD_BY_OTHERS = frozenset(
-    {"rounded", "other_mass", "wrong_formula", "shell", "bounding_box", "convex_hull", "one_piece"}
+    {"rounded", "other_mass", "wrong_formula", "shell", "bounding_box", "convex_hull", "one_piece", "mesh_scale"}
 )
 
 
