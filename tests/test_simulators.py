@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 from builders import Number, arm_on_base, inertial, joint, link
-from conftest import CORPORA, FIXTURES, make_once, make_request
+from conftest import CORPORA, FIXTURES, get_shared_folder, make_once, make_request
 from real_robots import TARGETED, check_robots, list_robots, read_input
 from test_rules import BAD, GOOD, Case
 
@@ -208,7 +208,7 @@ def test_what_pages_say_of_an_engine_is_what_it_does(
     engine: str, examples: list[Example], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     ensure_asked(engine)
-    assert wrong(engine, examples, tmp_path_factory.getbasetemp()) == []
+    assert wrong(engine, examples, get_shared_folder(tmp_path_factory)) == []
 
 
 def meshes(robot: EngineInput) -> int:
@@ -313,7 +313,7 @@ def test_what_engines_do_with_an_empty_number(engine: str, tmp_path_factory: pyt
     ensure_asked(engine)
     found = make_once("empty-numbers", list_robots_without_a_number, tmp_path_factory)
     assert len(found) > 40
-    assert wrong(engine, found, tmp_path_factory.getbasetemp()) == []
+    assert wrong(engine, found, get_shared_folder(tmp_path_factory)) == []
 
 
 def list_robots_without_a_number(folder: Path) -> list[Example]:
