@@ -26,7 +26,10 @@ from urdfcheck.run import pipeline
 from urdfcheck.run.replay import entries, outcomes
 from urdfcheck.system.observing import observations
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="nothing is kept where Python asks in other ways")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform == "win32", reason="nothing is kept where Python asks in other ways"),
+]
 
 EDITS = int(os.environ.get("URDFCHECK_REPLAY_EDITS", "25"))
 NS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -197,6 +200,7 @@ def test_of_two_models_only_the_changed_one_is_audited(workspace: Path, counted:
     check_alike()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "words",
     [
@@ -284,6 +288,7 @@ def test_a_damaged_entry_is_found_anew(workspace: Path, counted: Counted, damage
     assert counted.recalled == ["tuple"]
 
 
+@pytest.mark.long
 def test_a_folder_that_cannot_be_written_is_no_error(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (workspace.parent / "file").write_bytes(b"")
     monkeypatch.setenv("URDFCHECK_CACHE_DIR", str(workspace.parent / "file"))
@@ -291,6 +296,7 @@ def test_a_folder_that_cannot_be_written_is_no_error(workspace: Path, monkeypatc
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_run_that_is_killed_leaves_nothing_wrong(tmp_path: Path) -> None:
     """Killed at any moment, also while it writes."""
     model = tmp_path / "car-3.urdf"
@@ -520,6 +526,7 @@ def test_random_edits_are_noticed(workspace: Path, counted: Counted, monkeypatch
     assert EDITS < 20 or (told["UnitReport"] > 1 and told["tuple"] > 1), told
 
 
+@pytest.mark.long
 def test_every_file_that_is_opened_is_noted(tmp_path: Path) -> None:
     """What Python itself says of each file that it opens and each folder that it lists, is among the observations."""
     folder = tmp_path / "car-3"

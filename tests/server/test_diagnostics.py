@@ -17,7 +17,7 @@ from lsprotocol import types
 
 from .editor import Editor
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 INERTIA = '<inertia ixx="{}" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
 ROBOT = (
@@ -68,6 +68,7 @@ def list_shown(editor: Editor, path: Path) -> set[tuple[str, int, int]]:
     }
 
 
+@pytest.mark.smoke
 def test_what_is_typed_is_checked_before_it_is_saved(editor: Editor, project: Path) -> None:
     path = project / "urdf/r.urdf"
     path.write_text(SOUND)
@@ -85,6 +86,7 @@ def test_what_is_typed_is_checked_before_it_is_saved(editor: Editor, project: Pa
     assert "INR003" not in editor.codes(path)
 
 
+@pytest.mark.smoke
 def test_a_file_that_does_not_parse_says_why(editor: Editor, project: Path) -> None:
     path = project / "urdf/r.urdf"
     path.write_text(SOUND)
@@ -114,6 +116,7 @@ def macro_project(project: Path) -> tuple[Path, Path]:
     return macros, user
 
 
+@pytest.mark.smoke
 def test_an_edit_of_macros_renews_the_robots_that_use_them(editor: Editor, macro_project: tuple[Path, Path]) -> None:
     macros, user = macro_project
     editor.open(user)
