@@ -49,6 +49,7 @@ def run_page_tests(checkout: Path, code: str = "NAM998") -> subprocess.Completed
     return subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_example_of_contributing_is_a_complete_rule(checkout: Path) -> None:
     text = (REPOSITORY / "CONTRIBUTING.md").read_text(encoding="utf-8")

@@ -13,7 +13,7 @@ import pytest
 from conftest import FIXTURES
 from mcp import Client, StdioServerParameters, stdio_client
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 
 def ask(folder: Path, talk: Callable[[Any], Awaitable[Any]]) -> Any:

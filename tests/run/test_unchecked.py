@@ -171,6 +171,7 @@ ENDLESS = XACRO.format(
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("accepted", "code"), [(False, FINDINGS), (True, OK)])
 def test_a_model_that_was_stopped_is_not_checked(accepted: bool, code: int, tmp_path: Path) -> None:
     write(tmp_path, {"robot.urdf.xacro": ENDLESS, "sound.urdf": SOUND})

@@ -9,7 +9,7 @@ from lsprotocol import types
 
 from .editor import Editor
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 FIX_ALL = "source.fixAll.urdfcheck"
 # A name that exists in one other spelling (unsafe), a blank behind a number and a decimal comma of which only the blank is safe.
@@ -74,6 +74,7 @@ def path(editor: Editor, project: Path) -> Path:
     return path
 
 
+@pytest.mark.smoke
 def test_an_edit_that_may_change_the_meaning_says_so(editor: Editor, path: Path) -> None:
     first, *_ = ask(editor, path, "KIN002")
     assert first.title == "KIN002: write `base`, or add the link bsae (may change the meaning)"
@@ -83,6 +84,7 @@ def test_an_edit_that_may_change_the_meaning_says_so(editor: Editor, path: Path)
     assert "KIN002" not in editor.codes(path)
 
 
+@pytest.mark.smoke
 def test_a_safe_edit_is_preferred(editor: Editor, path: Path) -> None:
     (safe,) = [action for action in ask(editor, path, "XML007") if action.is_preferred]
     apply(editor, safe.edit)

@@ -172,6 +172,7 @@ def deaf(seconds: float) -> str:
     return "ended"
 
 
+@pytest.mark.long
 def test_what_hears_nothing_is_killed_and_the_rest_goes_on() -> None:
     jobs = [(300.0,), (0.0,), (0.01,)]
     results = dict(map_in_processes(deaf, jobs, 2, timeout=4.0))
