@@ -13,6 +13,8 @@ from conftest import FIXTURES
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.mcp.tools import Workspace
 
+pytestmark = pytest.mark.slow
+
 PITCH = 'rpy="0 -0.75239 0"'
 ID = re.compile(r"^\[(\w+)\] warning SYM001 car-3/urdf", re.MULTILINE)
 

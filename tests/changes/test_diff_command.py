@@ -21,6 +21,8 @@ from urdfcheck.core.model_diff import SeamChange
 from urdfcheck.output.changes import json as json_output
 from urdfcheck.output.changes import text as text_output
 
+pytestmark = pytest.mark.slow
+
 QUICK = ("--tier", "source", "--select", "INR003", "--no-cache")
 LONGER = ARM.replace('<origin xyz="0.3 0 0" rpy="0 0 0"/>', '<origin xyz="0.341 0 0" rpy="0 0 0"/>')
 HEAVIER = ARM.replace('<mass value="0.6"/>', '<mass value="0.65"/>')
