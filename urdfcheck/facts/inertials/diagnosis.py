@@ -17,7 +17,7 @@ import numpy as np
 
 from urdfcheck.facts.inertials.certainty import EXACT, FAR, TWIN_LIKE, UNIFORM, can_be_named
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
-from urdfcheck.facts.inertials.inertia_tensor import compute_covariance_inertia, compute_mass_covariance
+from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_covariance_inertia, compute_mass_covariance
 from urdfcheck.facts.inertials.inertial_fit import (
     CLOSED_MIXTURE,
     TWIN_MIXTURE,
@@ -100,6 +100,21 @@ class Diagnosis:
     another one the COM."""
     evidence: Evidence | None = None
     """How well the mistakes of a whole file explain the numbers; None where they need no explanation."""
+
+    def name_cause(self, cause: str, mended: DeclaredInertial, solid: Solid, *, unique: bool) -> Diagnosis:
+        """Return the verdict with a mistake without parameters as the cause. ``mended``: the numbers with it undone; ``solid``:
+        the drawn part, by which they are judged."""
+        tensor_mismatch, com_mismatch = measure_inertial_mismatch(mended, solid.com, solid.covariance)
+        return replace(
+            self,
+            sound=False,
+            cause=cause,
+            detail="",
+            mended=mended,
+            mended_tensor_mismatch=tensor_mismatch,
+            mended_com_mismatch=com_mismatch,
+            unique=unique,
+        )
 
 
 def diagnose_inertial(

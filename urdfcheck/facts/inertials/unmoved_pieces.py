@@ -41,14 +41,4 @@ def find_unmoved_pieces(found: Diagnosis, declared: DeclaredInertial, solid: Sol
     line = axes[:, 2]
     inertia = compute_covariance_inertia(own + missing[2] * np.outer(line, line), declared.mass)
     mended = replace(declared, tensor=declared.rotation.T @ inertia @ declared.rotation)
-    tensor_mismatch, com_mismatch = measure_inertial_mismatch(mended, solid.com, solid.covariance)
-    return replace(
-        found,
-        sound=False,
-        cause="steiner_missing",
-        detail="",
-        mended=mended,
-        mended_tensor_mismatch=tensor_mismatch,
-        mended_com_mismatch=com_mismatch,
-        unique=True,
-    )
+    return found.name_cause("steiner_missing", mended, solid, unique=True)

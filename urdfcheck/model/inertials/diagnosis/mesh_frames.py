@@ -36,15 +36,11 @@ def name_mesh_frames(
 
 
 def _find_in_mesh_frame(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Diagnosis) -> Diagnosis:
-    drawn, pose = measure_link_geometry(model, link), _get_common_origin(link)
-    if diagnosis.sound or diagnosis.cause not in _OF_COM or diagnosis.judged_by != "mesh" or pose is None:
+    if diagnosis.sound or diagnosis.cause not in _OF_COM or diagnosis.judged_by != "mesh" or not declared.com.any():
         return diagnosis
-    if (
-        drawn is None
-        or not drawn.closed
-        or explain_collision_stand_in(model, link) is not None
-        or not declared.com.any()
-    ):
+    pose = _get_common_origin(link)
+    drawn = None if pose is None else measure_link_geometry(model, link)
+    if pose is None or drawn is None or not drawn.closed or explain_collision_stand_in(model, link) is not None:
         return diagnosis
     turn, solid = pose[:3, :3], drawn.solid
     moved = replace(declared, com=turn @ declared.com + pose[:3, 3])
@@ -57,18 +53,8 @@ def _find_in_mesh_frame(model: Model, link: Link, declared: DeclaredInertial, di
     left, before = (float(np.linalg.norm(one.com - solid.com)) for one in (moved, declared))
     if left > _SAME_PLACE * measure_extent(drawn.points) or before < _FARTHER * left:
         return diagnosis
-    tensor_mismatch, com_mismatch = measure_inertial_mismatch(moved, solid.com, solid.covariance)
-    return replace(
-        diagnosis,
-        sound=False,
-        cause="mesh_frame",
-        detail="",
-        mended=moved,
-        mended_tensor_mismatch=tensor_mismatch,
-        mended_com_mismatch=com_mismatch,
-        unique=False,
-        ruled_out=tuple(cause for cause in diagnosis.ruled_out if cause not in _OF_COM),
-    )
+    ruled_out = tuple(cause for cause in diagnosis.ruled_out if cause not in _OF_COM)
+    return replace(diagnosis, ruled_out=ruled_out).name_cause("mesh_frame", moved, solid, unique=False)
 
 
 def _get_common_origin(link: Link) -> Array | None:

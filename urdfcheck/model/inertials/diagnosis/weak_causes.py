@@ -40,8 +40,10 @@ def drop_weak_causes(
 
 
 def _is_weak(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Diagnosis) -> bool:
+    if diagnosis.cause is None or diagnosis.judged_by != "mesh":
+        return False
     drawn = measure_link_geometry(model, link)
-    if diagnosis.cause is None or diagnosis.judged_by != "mesh" or drawn is None:
+    if drawn is None:
         return False
     if diagnosis.cause == "inertia_unit" and _is_lighter_than_foam(declared, drawn):
         return True  # the mass is the wrong number, and some unit brings a tensor near that of any mass
