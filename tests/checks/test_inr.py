@@ -289,11 +289,19 @@ def edit_tensor(finding: Finding, text: str) -> list[str]:
 
 def test_a_tensor_that_misses_by_little_becomes_the_nearest_about_its_own_com(tmp_path: Path) -> None:
     # The part that is drawn has another COM and another tensor, and both are the author's business.
-    text = make_arm(inertial(2, com="0.01 0.02 0.03", ixx="1.000000", iyy="2.000000", izz="3.030000") + BOX)
+    text = make_arm(inertial(2, com="0.01 0.02 0.03", ixx="0.200000", iyy="0.400000", izz="0.606000") + BOX)
     (finding,) = find(tmp_path, text, "INR003")
     assert "nearest" in (finding.fix.title if finding.fix else "")
-    assert edit_tensor(finding, text)[6:] == ["1.01502", "0", "0", "2.01502", "0", "3.030000"]
+    assert edit_tensor(finding, text)[6:] == ["0.203004", "0", "0", "0.403004", "0", "0.606000"]
     assert "0.01 0.02 0.03" in text
+
+
+def test_a_small_change_is_no_repair_of_a_tensor_that_is_far_from_the_drawn_part_s(tmp_path: Path) -> None:
+    text = make_arm(inertial(2, ixx="1.000000", iyy="2.000000", izz="3.030000") + BOX)
+    (finding,) = find(tmp_path, text, "INR003")
+    assert finding.fix is not None
+    assert "nearest" not in finding.fix.title
+    assert 'ixx="0.3333" iyy="0.3333" izz="0.3333" (the drawn part' in finding.fix.title
 
 
 @pytest.mark.parametrize("value", ["0.001", "1e-6"])
