@@ -75,7 +75,7 @@ class _Advice:
     remedy: str = ""
     """How the advice begins, with the comma behind it: the numbers to write where a mistake is known."""
     comparison: str = ""
-    """How the advice ends where none is: the drawn part's numbers. They are no repair: mass or drawing may be wrong."""
+    """How the advice ends where none is: the drawn part's numbers. They are not a repair: mass or drawing may be wrong."""
     explained: str = ""
     """The end of the message, about the cause."""
 
