@@ -478,7 +478,7 @@ def test_a_mass_that_stands_for_none_is_in_no_wrong_unit(tmp_path: Path, rule: s
     light = inertial("1e-9") + '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
     (finding,) = find(tmp_path, make_arm(light, base=block(5.2, 0.2)), rule)
     assert finding.fix is not None
-    assert finding.fix.title.startswith("write the mass of the part: 1e-9 stands for none")
+    assert finding.fix.title.startswith("write the mass of the part (1e-9 stands for none")
 
 
 @pytest.mark.parametrize(("other", "unit"), [(11.7, "grams"), (151.3, None)])
@@ -753,3 +753,10 @@ def test_a_copied_tensor_names_all_its_links(tmp_path: Path) -> None:
 def test_a_frame_behind_a_joint_without_type_may_be_meant_as_fixed(tmp_path: Path) -> None:
     text = make_arm(SOUND, more=fixed("camera", "").replace('type="fixed"', ""))
     assert not [f for f in find(tmp_path, text, "INR001") if f.severity > Severity.INFO]
+
+
+def test_a_part_without_a_material_gets_a_mass_first(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_arm(inertial(1e-9, 0)), "INR004")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write the mass of the part (1e-9 stands for none")
+    assert finding.fix.title.endswith(", and the tensor")

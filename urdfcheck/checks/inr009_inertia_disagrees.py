@@ -306,6 +306,7 @@ def _build_cause_finding(
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit=fallback if mended is None else mended.words,
+        alone="" if mended is None else f"; {data['source']} alone has {mended.words}",
         **data,
     )
 

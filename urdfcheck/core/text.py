@@ -18,7 +18,7 @@ _MANY_TIMES = 10
 _DIGITS = re.compile(r"\d")
 # Names that are looked at for a spelling, and the share of letters that two spellings of one word have in common.
 _MOST_ALIKE = 5
-_SAME_WORD = 0.6
+_SAME_WORD = 0.65
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
 
