@@ -80,6 +80,8 @@ def test_a_part_of_another_side_is_not_another_spelling(name: str, known: str, n
     [
         ("base_joint", "eg_joint", None),
         ("front_left_calf", "front_left_foot", None),
+        ("laser_link", "base_link", None),
+        ("lite_grey", "light_grey", "light_grey"),
         ("front_left_wheel_joint", "front_left_steering_joint", None),
         ("iiwa14_limits.xacro", "iiwa14.xacro", "iiwa14.xacro"),
         ("wheel_left_link", "left_wheel_link", "left_wheel_link"),

@@ -18,7 +18,8 @@ _MANY_TIMES = 10
 _DIGITS = re.compile(r"\d")
 # Names that are looked at for a spelling, and the share of letters that two spellings of one word have in common.
 _MOST_ALIKE = 5
-_SAME_WORD = 0.65
+# Few slips change the first letter: `laser` is not `base`.
+_SAME_WORD, _SAME_BUT_FIRST_LETTER = 0.65, 0.8
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
 
@@ -51,7 +52,8 @@ def _has_other_word(name: str, other: str) -> bool:
     only_ours, only_theirs = ("".join((one - two).elements()) for one, two in ((ours, theirs), (theirs, ours)))
     if not only_ours or not only_theirs:
         return False
-    return difflib.SequenceMatcher(None, only_ours, only_theirs).ratio() < _SAME_WORD
+    least = _SAME_WORD if only_ours[0] == only_theirs[0] else _SAME_BUT_FIRST_LETTER
+    return difflib.SequenceMatcher(None, only_ours, only_theirs).ratio() < least
 
 
 def _find_sides(name: str) -> set[str]:
