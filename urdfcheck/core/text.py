@@ -28,11 +28,14 @@ def find_nearest_name(name: str, known: Iterable[str], likeness: float = 0.75) -
 
     A name that differs only in its digits is another part of the same kind, not another spelling; one with other sides is a
     part elsewhere: ``r_gripper_palm`` is not ``r_gripper_l_finger``. Nor is a name with another word a spelling:
-    ``front_left_calf`` is not ``front_left_foot``, however many letters they share.
+    ``front_left_calf`` is not ``front_left_foot``, however many letters they share. A name that lacks a word of several others
+    names none of them: ``right_wheel`` beside ``front_right_wheel`` and ``rear_right_wheel``.
     """
     sides = _find_sides(name)
     same_side = (o for o in known if not sides or _find_sides(o) in (set(), sides))
-    return next((o for o in _list_similar_names(name, same_side, likeness) if not _has_other_word(name, o)), None)
+    spellings = [o for o in _list_similar_names(name, same_side, likeness) if not _has_other_word(name, o)]
+    is_one_of_several = len(spellings) > 1 and all(_count_words(name) < _count_words(other) for other in spellings[:2])
+    return spellings[0] if spellings and not is_one_of_several else None
 
 
 def _list_similar_names(name: str, known: Iterable[str], likeness: float) -> list[str]:
@@ -48,12 +51,16 @@ def _has_other_word(name: str, other: str) -> bool:
     """Whether each of two names has words that the other one lacks, and these are not spellings of each other."""
     import difflib
 
-    ours, theirs = (Counter(map(str.lower, split_name_words(each))) for each in (name, other))
+    ours, theirs = _count_words(name), _count_words(other)
     only_ours, only_theirs = ("".join((one - two).elements()) for one, two in ((ours, theirs), (theirs, ours)))
     if not only_ours or not only_theirs:
         return False
     least = _SAME_WORD if only_ours[0] == only_theirs[0] else _SAME_BUT_FIRST_LETTER
     return difflib.SequenceMatcher(None, only_ours, only_theirs).ratio() < least
+
+
+def _count_words(name: str) -> Counter[str]:
+    return Counter(map(str.lower, split_name_words(name)))
 
 
 def _find_sides(name: str) -> set[str]:
