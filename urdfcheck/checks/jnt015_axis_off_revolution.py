@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 # An axis counts as x, y or z, or as upright, to within a little more than a degree.
 _SQUARE = 0.02
+# Of a revolute joint (rad), in three digits.
+_WHOLE_TURN = 6.28
 # kg m²: a wheel of 5 cm and 10 g has 1e-5 more about its axle than across it.
 _NEGLIGIBLE_MOMENT = 1e-5
 # A variance of at most so many times the greatest one fits, in a hull that is larger by this part of its size (as in INR005).
@@ -77,7 +79,16 @@ def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterat
 
 def _is_named_wheel(joint: Joint) -> bool:
     words = f"{joint.name} {joint.child}"
-    return joint.type == "continuous" and bool(WHEEL_NAME.search(words)) and not WHEEL_CARRIER_NAME.search(words)
+    return _turns_round(joint) and bool(WHEEL_NAME.search(words)) and not WHEEL_CARRIER_NAME.search(words)
+
+
+def _turns_round(joint: Joint) -> bool:
+    """Whether a joint turns without end, or is meant to: a revolute one that has a whole turn, or no range because its limits are
+    those of an empty form (JNT005). One with another range may steer its wheel."""
+    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
+    if joint.type != "revolute" or lower is None or upper is None:
+        return joint.type == "continuous"
+    return lower == upper or upper - lower >= _WHOLE_TURN
 
 
 def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccentric: float) -> Iterator[Finding]:
