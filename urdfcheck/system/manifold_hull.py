@@ -17,6 +17,8 @@ _FLAT = 1e-6
 # part; with their points in another order it does not.
 _OUTSIDE = 1e-6
 _ORDERS = 6
+# The square of the angle (rad) up to which faces count as parts of one.
+_STRAIGHT = 1e-14
 # Distances of points to planes that are computed at a time.
 _MOST_DISTANCES = 1 << 17
 
@@ -75,6 +77,17 @@ def _compute_faces(points: NDArray[np.float64]) -> NDArray[np.int64]:
 
     :raises QhullError, ArithmeticError: see `ConvexHull`.
     """
+    faces = _triangulate_hull(points, points)
+    corners = _find_corners(points, faces)
+    # Points in the middle of a side or of an edge are no vertices for Qhull, and some sizes are about the mean of the vertices.
+    return faces if corners is None else corners[_triangulate_hull(points[corners], points)]
+
+
+def _triangulate_hull(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Compute the faces (F, 3) of the hull of points (n, 3), outside which none of others (m, 3) is either.
+
+    :raises QhullError, ArithmeticError: see `ConvexHull`.
+    """
     from manifold3d import Manifold
 
     random = np.random.default_rng(0)
@@ -86,10 +99,21 @@ def _compute_faces(points: NDArray[np.float64]) -> NDArray[np.int64]:
         if len(triangles) < 4:
             raise QhullError("the points are in a plane")
         faces: NDArray[np.int64] = order[_find_rows(ordered, np.asarray(mesh.vert_properties)[:, :3])][triangles]
-        if _measure_outside(points, _compute_planes(points, faces)) <= _OUTSIDE:
+        if _measure_outside(others, _compute_planes(points, faces)) <= _OUTSIDE:
             return faces
         order = random.permutation(len(points))
     raise ArithmeticError("Manifold leaves points outside their convex hull")
+
+
+def _find_corners(points: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.int64] | None:
+    """Find the vertices at which faces of three directions meet; None if all are."""
+    vertices, place = np.unique(faces, return_inverse=True)
+    normals = _compute_planes(points, faces)[:, :3]
+    spread = np.zeros((len(vertices), 3, 3))
+    for column in place.reshape(faces.shape).T:
+        np.add.at(spread, column, normals[:, :, None] * normals[:, None, :])
+    is_corner = np.linalg.eigvalsh(spread)[:, 0] > _STRAIGHT
+    return None if is_corner.all() or is_corner.sum() < 4 else vertices[is_corner]
 
 
 def _compute_planes(points: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
