@@ -1,7 +1,7 @@
 """Build what is released, and try it as a user gets it: ``check_distribution.py FOLDER [--tag v0.2.0]``.
 
 That is the sdist, the wheel of urdfcheck and that of urdfcheck-core. Both wheels are built from the sdist, which proves that it
-is whole. Each is installed into an environment of its own, whose size and time are printed, and its command audits a copy of
+is whole. Each is installed into a new environment, whose size and time are printed, and its command audits a copy of
 car-3 from another folder, so that nothing of the checkout can help.
 """
 

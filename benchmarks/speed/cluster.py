@@ -75,14 +75,17 @@ def start_cluster(folder: Path) -> Iterator[tuple[str, list[int], int]]:
     process.communicate(input="")
 
 
-class MemoryWatch(threading.Thread):
-    """Looks twice a second at the memory of the descendants of processes (Linux)."""
+class Watch(threading.Thread):
+    """Looks twice a second at the memory and the processor time of processes and all below them (Linux)."""
 
     def __init__(self, *roots: int) -> None:
         super().__init__(daemon=True)
         self.roots, self.ended = roots, threading.Event()
         self.peaks: dict[int, float] = dict.fromkeys(roots, 0.0)
         """MiB of each process and all below it together, shared pages divided among those that share them."""
+        self.seconds: dict[int, float] = dict.fromkeys(roots, 0.0)
+        """Of the processor, those of processes that were waited for included; what a killed one took may be missing."""
+        self.before: dict[int, float] = {}
 
     def run(self) -> None:
         while not self.ended.wait(0.5):
@@ -95,6 +98,17 @@ class MemoryWatch(threading.Thread):
                 children.setdefault(parent, []).append(int(entry.parent.name))
             for root in self.roots:
                 self.peaks[root] = max(self.peaks[root], _sum_memory(root, children))
+                seconds = _sum_seconds(root, children)
+                self.seconds[root] = max(self.seconds[root], seconds - self.before.setdefault(root, seconds))
+
+
+def _sum_seconds(process: int, children: dict[int, list[int]]) -> float:
+    total = sum(_sum_seconds(child, children) for child in children.get(process, ()))
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+        return total + sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+    except OSError:
+        return total
 
 
 def _sum_memory(process: int, children: dict[int, list[int]]) -> float:
@@ -127,7 +141,7 @@ def audit(
     process = subprocess.Popen(
         [*words, *options], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
-    watch = MemoryWatch(process.pid, *([] if cluster is None else [cluster]))
+    watch = Watch(process.pid, *([] if cluster is None else [cluster]))
     watch.start()
     journal = out / "journal"
     while process.poll() is None:
@@ -141,7 +155,9 @@ def audit(
     if process.returncode:
         raise SystemExit(f"{' '.join([*words, *options])} ended with {process.returncode}")
     peaks = ", ".join(f"{peak:.0f} MiB" for peak in watch.peaks.values())
-    print(f"  {seconds:.1f} s; at most {peaks} (the command{' and the cluster' if cluster else ''}, workers included)")
+    processor = " + ".join(f"{spent:.1f}" for spent in watch.seconds.values())
+    who = "the command and the cluster" if cluster else "the command"
+    print(f"  {seconds:.1f} s, {processor} of the processor; at most {peaks} ({who}, workers included)", flush=True)
     return seconds
 
 

@@ -30,7 +30,7 @@ class QhullError(ValueError):
 class ConvexHull:
     """The convex hull of points (n, 3), with what is read of scipy's.
 
-    No point is outside of it by more than a millionth of its size, which is verified.
+    No point is outside by more than a millionth of its size, which is verified.
 
     :raises QhullError: when the points are in a plane.
     :raises ImportError: when Manifold is not installed.
@@ -56,7 +56,7 @@ class ConvexHull:
 def _scale(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the points (n, 3) about the middle of their box, in units of its edges.
 
-    Points in a plane across an axis stay in one. They would not if the frame were turned as well, to make a thin body thick.
+    Points in a plane across an axis stay in one. They would not if the frame were turned too, to make a thin body thick.
 
     :raises QhullError: when the points are in a plane.
     """
@@ -117,7 +117,7 @@ def _find_corners(points: NDArray[np.float64], faces: NDArray[np.int64]) -> NDAr
 
 
 def _compute_planes(points: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Compute the planes (F, 4) of faces; those of faces without area are zero, and nothing is outside of them."""
+    """Compute the planes (F, 4) of faces; those of faces without area are zero, and nothing is outside them."""
     a, b, c = (points[column] for column in faces.T)
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1)
@@ -126,7 +126,7 @@ def _compute_planes(points: NDArray[np.float64], faces: NDArray[np.int64]) -> ND
 
 
 def _measure_outside(points: NDArray[np.float64], planes: NDArray[np.float64]) -> float:
-    """Measure how far the farthest of points (n, 3) is outside of planes (F, 4)."""
+    """Measure how far the farthest of points (n, 3) is outside planes (F, 4)."""
     rows, across = max(1, _MOST_DISTANCES // len(planes)), np.ascontiguousarray(planes[:, :3].T)
     return max(
         float((points[start : start + rows] @ across + planes[:, 3]).max()) for start in range(0, len(points), rows)
