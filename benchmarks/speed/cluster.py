@@ -1,7 +1,7 @@
 """An audit of many variants on a local Dask cluster of two processes, one of which is killed: ``cluster.py 1000 [--folder DIR]``.
 
 Each file is a car with an argument of ten values. The command runs twice, on this machine and on the cluster; both must write the
-same bytes. Printed are seconds, bytes and memory per model (a variant of a file). It takes a minute for about 400 files.
+same bytes. Printed are seconds, bytes and memory per model (a variant of a file). 40 files take three minutes on two busy cores.
 """
 
 from __future__ import annotations
