@@ -108,7 +108,7 @@ def test_an_expression_shows_its_value_and_what_it_was_computed_from(editor: Edi
 def test_links_and_joints_show_their_physics(editor: Editor, robot: tuple[Path, Path]) -> None:
     user, macros = robot
     text = hover(editor, user, editor.find(user, 'parent="base"', part="base"))
-    assert text == "", "a text that a macro is given is not a name yet"
+    assert "**link base**" in text, "the text that a macro is given becomes a name"
     text = hover(editor, user, editor.find(user, 'link name="base"', part="base"))
     assert "**link base**" in text
     text = hover(editor, macros, editor.find(macros, "<mass value", part="mass"))
@@ -150,9 +150,12 @@ def test_uses_are_found_across_includes(editor: Editor, robot: tuple[Path, Path]
     assert refer(editor, macros, density) == [("arm.xacro", 4)]
     assert refer(editor, macros, density, declared=True) == [("arm.xacro", 2), ("arm.xacro", 4)]
     assert refer(editor, macros, editor.find(macros, 'name="arm"', part="arm")) == [(user.name, 8), (user.name, 9)]
-    assert refer(editor, user, editor.find(user, 'link name="base"', part="base")) == [("arm.xacro", 13)]
+    assert refer(editor, user, editor.find(user, 'link name="base"', part="base")) == [
+        ("arm.xacro", 13),
+        (user.name, 8),
+    ]
     length = editor.find(macros, "length:=0.4")
-    assert refer(editor, macros, length) == [("arm.xacro", 4), ("arm.xacro", 7)]
+    assert refer(editor, macros, length) == [("arm.xacro", 4), ("arm.xacro", 7), (user.name, 8)]
 
 
 def test_the_outline_is_the_kinematic_tree(editor: Editor, robot: tuple[Path, Path]) -> None:

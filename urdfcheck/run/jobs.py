@@ -72,6 +72,8 @@ class AuditOptions:
     """Time and memory for one unit."""
     index: bool = False
     """Whether reports hold the index of the source, for editors."""
+    expansion: bool = False
+    """Whether that index holds the expanded robot."""
     heed_comments: bool = True
     """Whether comments in the source suppress findings."""
     texts: Mapping[str, bytes] = field(default_factory=dict)

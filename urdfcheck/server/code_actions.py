@@ -14,7 +14,7 @@ from urdfcheck.core import Applicability, Edit, Fix
 from urdfcheck.fix.patch import EditableFiles, EditRefusedError
 from urdfcheck.server.check_messages import CheckAnswer
 from urdfcheck.server.diagnostics import SOURCE, CheckedState, ShownFinding
-from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
+from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions, make_workspace_edit
 from urdfcheck.source.text.suppression_comments import MARK
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import overlay_files
@@ -69,7 +69,7 @@ def _make_repair(found: ShownFinding, documents: DocumentStore) -> types.CodeAct
         kind=types.CodeActionKind.QuickFix,
         diagnostics=[found.diagnostic],
         is_preferred=is_safe,
-        edit=_make_workspace_edit(edits, documents),
+        edit=make_workspace_edit(edits, documents),
     )
 
 
@@ -96,22 +96,6 @@ def _adapt_breaks(edit: Edit, positions: TextPositions) -> str:
     return edit.replacement.replace("\r\n", "\n").replace("\n", newline)
 
 
-def _make_workspace_edit(edits: Iterable[tuple[str, types.TextEdit]], documents: DocumentStore) -> types.WorkspaceEdit:
-    """Return the edits of some files, for the versions that are open where the editor can compare them."""
-    by_file: dict[str, list[types.TextEdit]] = {}
-    for name, edit in edits:
-        by_file.setdefault(name, []).append(edit)
-    if not documents.has_versioned_edits:
-        return types.WorkspaceEdit(changes={documents.find_uri(name): made for name, made in by_file.items()})
-    changes: list[types.TextDocumentEdit | types.CreateFile | types.RenameFile | types.DeleteFile] = []
-    for name, made in by_file.items():
-        document = documents.find_open(name)
-        version = None if document is None else document.version
-        identifier = types.OptionalVersionedTextDocumentIdentifier(documents.find_uri(name), version)
-        changes.append(types.TextDocumentEdit(identifier, [*made]))
-    return types.WorkspaceEdit(document_changes=changes)
-
-
 def make_fix_all(answer: CheckAnswer, documents: DocumentStore) -> types.CodeAction | None:
     """Return the edit of all safe fixes, which were checked again together; None where there is none."""
     edits: list[tuple[str, types.TextEdit]] = []
@@ -127,7 +111,7 @@ def make_fix_all(answer: CheckAnswer, documents: DocumentStore) -> types.CodeAct
     return types.CodeAction(
         title=f"Apply all safe fixes ({count})",
         kind=FIX_ALL,
-        edit=_make_workspace_edit(edits, documents),
+        edit=make_workspace_edit(edits, documents),
     )
 
 
@@ -179,7 +163,7 @@ def _iter_suppressions(
         title=f"Suppress {finding.code} here: add the reason to the comment",
         kind=types.CodeActionKind.QuickFix,
         diagnostics=[found.diagnostic],
-        edit=_make_workspace_edit([(document.path, edit)], documents),
+        edit=make_workspace_edit([(document.path, edit)], documents),
     )
 
 

@@ -213,3 +213,19 @@ class DocumentStore:
             types.Position(line - 1, col - 1) for line, col in ((span.line, span.col), (span.end_line, span.end_col))
         )
         return types.Location(self.find_uri(span.file), types.Range(start, end))
+
+
+def make_workspace_edit(edits: Iterable[tuple[str, types.TextEdit]], documents: DocumentStore) -> types.WorkspaceEdit:
+    """Return the edits of some files, for the versions that are open where the editor can compare them."""
+    by_file: dict[str, list[types.TextEdit]] = {}
+    for name, edit in edits:
+        by_file.setdefault(name, []).append(edit)
+    if not documents.has_versioned_edits:
+        return types.WorkspaceEdit(changes={documents.find_uri(name): made for name, made in by_file.items()})
+    changes: list[types.TextDocumentEdit | types.CreateFile | types.RenameFile | types.DeleteFile] = []
+    for name, made in by_file.items():
+        document = documents.find_open(name)
+        version = None if document is None else document.version
+        identifier = types.OptionalVersionedTextDocumentIdentifier(documents.find_uri(name), version)
+        changes.append(types.TextDocumentEdit(identifier, [*made]))
+    return types.WorkspaceEdit(document_changes=changes)

@@ -7,24 +7,29 @@ import logging
 import os
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from lsprotocol import types
 from pygls import uris
 from pygls.capabilities import get_capability
+from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 
 from urdfcheck.core import Applicability
 from urdfcheck.rules import find_page
 from urdfcheck.run.request import RunOptions
 from urdfcheck.server.check_client import CheckClient, CheckProcessError
+from urdfcheck.server.check_messages import RenameWish
 from urdfcheck.server.check_schedule import CheckSchedule
 from urdfcheck.server.code_actions import FIX_ALL, OPEN_RULE, Action, list_actions, make_fix_all
 from urdfcheck.server.completion import TRIGGERS, complete
 from urdfcheck.server.diagnostics import SOURCE, ShownFinding, make_failure_diagnostics, show_findings
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.hover import describe_position
+from urdfcheck.server.names.rename_answers import make_rename_edit, prepare_rename
+from urdfcheck.server.names.rename_plan import RenameRefusedError
 from urdfcheck.server.navigation import find_definitions, find_references
 from urdfcheck.server.symbols import list_inlay_hints, list_symbols
 from urdfcheck.version import __version__
@@ -50,6 +55,17 @@ class UrdfcheckServer(LanguageServer):
     def find_shown(self, uri: str) -> list[ShownFinding]:
         """Return the findings that a document has, at their present places."""
         return show_findings(self.schedule.states, self.documents).get(uri, [])
+
+    async def find_place(
+        self, asked: types.TextDocumentIdentifier, position: types.Position
+    ) -> tuple[OpenDocument, int] | None:
+        """Return the document and the offset of a question; None where the document is not open."""
+        document = self.documents.by_uri.get(asked.uri)
+        if document is None:
+            return None
+        await self.schedule.wait_until_known(document)
+        document = self.documents.by_uri.get(asked.uri, document)
+        return document, TextPositions(document.text, self.documents.encoding).find_offset(position)
 
     def publish(self) -> None:
         """Send the diagnostics of each file for which they differ from those sent before."""
@@ -78,6 +94,7 @@ def make_server(options: RunOptions) -> UrdfcheckServer:
     _add_lifecycle(server)
     _add_document_events(server)
     _add_questions(server)
+    _add_renaming(server)
     _add_actions(server)
     _add_commands(server)
     return server
@@ -115,18 +132,7 @@ def _add_lifecycle(server: UrdfcheckServer) -> None:
 
 
 def _add_questions(server: UrdfcheckServer) -> None:
-    documents, schedule, indexes = server.documents, server.schedule, server.schedule.indexes
-
-    async def find_place(
-        asked: types.TextDocumentIdentifier, position: types.Position
-    ) -> tuple[OpenDocument, int] | None:
-        """Return the document and the offset of a question; None where the document is not open."""
-        document = documents.by_uri.get(asked.uri)
-        if document is None:
-            return None
-        await schedule.wait_until_known(document)
-        document = documents.by_uri.get(asked.uri, document)
-        return document, TextPositions(document.text, documents.encoding).find_offset(position)
+    documents, indexes, find_place = server.documents, server.schedule.indexes, server.find_place
 
     @server.feature(types.TEXT_DOCUMENT_HOVER)
     async def hover(params: types.HoverParams) -> types.Hover | None:
@@ -161,6 +167,37 @@ def _add_questions(server: UrdfcheckServer) -> None:
     async def hint(params: types.InlayHintParams) -> list[types.InlayHint]:
         place = await find_place(params.text_document, params.range.start)
         return [] if place is None else list_inlay_hints(place[0], params.range, indexes, documents)
+
+
+def _add_renaming(server: UrdfcheckServer) -> None:
+    documents, schedule = server.documents, server.schedule
+
+    @server.feature(types.TEXT_DOCUMENT_PREPARE_RENAME)
+    async def prepare(params: types.PrepareRenameParams) -> types.PrepareRenamePlaceholder | None:
+        place = await server.find_place(params.text_document, params.position)
+        with _refuse_politely():
+            return None if place is None else prepare_rename(*place, schedule.indexes, documents)
+
+    @server.feature(types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True))
+    async def rename(params: types.RenameParams) -> types.WorkspaceEdit | None:
+        document = documents.by_uri.get(params.text_document.uri)
+        if document is None:
+            return None
+        offset = TextPositions(document.text, documents.encoding).find_offset(params.position)
+        with _refuse_politely():
+            answer = await schedule.find_rename(RenameWish(path=document.real, offset=offset, text=params.new_name))
+            if answer.refusal or answer.is_cancelled:
+                raise RenameRefusedError(answer.refusal or "The text was changed meanwhile: try again.")
+            return make_rename_edit(answer.edits, documents)
+
+
+@contextlib.contextmanager
+def _refuse_politely() -> Iterator[None]:
+    """Answer a refusal as the protocol does: the editor shows its text."""
+    try:
+        yield
+    except (RenameRefusedError, CheckProcessError) as refusal:
+        raise JsonRpcException(str(refusal), types.LSPErrorCodes.RequestFailed.value) from None
 
 
 def _add_actions(server: UrdfcheckServer) -> None:
