@@ -186,6 +186,30 @@ def test_values_are_beside_their_expressions(editor: Editor, robot: tuple[Path, 
     assert shown[7] == "= 0 0 0.25 | 0 0 0.2"
 
 
+def list_lenses(editor: Editor, path: Path) -> dict[str, str]:
+    """The code lenses of a file by the text that they are above."""
+    params = types.CodeLensParams(editor.identify(path))
+    found = editor.wait(editor.client.text_document_code_lens_async(params)) or []
+    lines = editor.texts[path].split("\n")
+    return {lines[lens.range.start.line].strip()[:22]: lens.command.title for lens in found if lens.command is not None}
+
+
+def test_a_macro_shows_who_uses_it_and_what_is_wrong_with_it(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, macros = robot
+    unused = '  <xacro:macro name="unused" params=""/>\n</robot>'
+    editor.type(macros, MACROS.replace('ixx="0.02"', 'ixx="0.2"').replace("</robot>", unused))
+    (macros.parent / "other.urdf.xacro").write_text(ROBOT.replace("two_arms", "other"), encoding="utf-8")
+    other = types.FileEvent((macros.parent / "other.urdf.xacro").as_uri(), types.FileChangeType.Created)
+    editor.client.workspace_did_change_watched_files(types.DidChangeWatchedFilesParams([other]))
+    editor.rest()
+    assert list_lenses(editor, macros) == {
+        '<robot xmlns:xacro="ht': "used by 2 robots · 1 error",
+        '<xacro:macro name="arm': "used by 2 robots · 1 error",
+        '<xacro:macro name="unu': "used by no robot",
+    }
+    assert list_lenses(editor, user) == {'<robot name="two_arms"': "3 links · 2 joints · 1 error · 1 warning"}
+
+
 def test_answers_survive_a_text_that_does_not_parse(editor: Editor, robot: tuple[Path, Path]) -> None:
     """What was known of the last robot that could be made, where the text is still the same."""
     user, macros = robot

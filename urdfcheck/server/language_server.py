@@ -24,6 +24,7 @@ from urdfcheck.server.check_client import CheckClient, CheckProcessError
 from urdfcheck.server.check_messages import RenameWish
 from urdfcheck.server.check_schedule import CheckSchedule
 from urdfcheck.server.code_actions import FIX_ALL, OPEN_RULE, Action, list_actions, make_fix_all
+from urdfcheck.server.code_lenses import list_code_lenses
 from urdfcheck.server.completion import TRIGGERS, complete
 from urdfcheck.server.diagnostics import SOURCE, ShownFinding, make_failure_diagnostics, show_findings
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
@@ -86,6 +87,8 @@ class UrdfcheckServer(LanguageServer):
         self._published = {uri: diagnostics for uri, diagnostics in now.items() if diagnostics}
         if get_capability(self.client_capabilities, "workspace.inlay_hint.refresh_support"):
             self.workspace_inlay_hint_refresh(None)
+        if get_capability(self.client_capabilities, "workspace.code_lens.refresh_support"):
+            self.workspace_code_lens_refresh(None)
 
 
 def make_server(options: RunOptions) -> UrdfcheckServer:
@@ -162,6 +165,12 @@ def _add_questions(server: UrdfcheckServer) -> None:
     async def suggest(params: types.CompletionParams) -> list[types.CompletionItem]:
         place = await find_place(params.text_document, params.position)
         return [] if place is None else complete(*place, indexes, documents)
+
+    @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
+    async def count(params: types.CodeLensParams) -> list[types.CodeLens]:
+        place = await find_place(params.text_document, types.Position(0, 0))
+        shown = show_findings(server.schedule.states, documents)
+        return [] if place is None else list_code_lenses(place[0], indexes, documents, shown)
 
     @server.feature(types.TEXT_DOCUMENT_INLAY_HINT)
     async def hint(params: types.InlayHintParams) -> list[types.InlayHint]:
