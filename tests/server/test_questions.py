@@ -210,6 +210,21 @@ def test_a_macro_shows_who_uses_it_and_what_is_wrong_with_it(editor: Editor, rob
     assert list_lenses(editor, user) == {'<robot name="two_arms"': "3 links · 2 joints · 1 error · 1 warning"}
 
 
+def test_elements_and_comments_of_several_lines_can_be_folded(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, _ = robot
+    editor.type(
+        user,
+        "<robot>\n  <!-- a\n 🤖 -->\n  <link name='a>b'\n    id='1'>\n    <x/>\n    <y>\n  </link>\n  <z></z>\n</robot>\n",
+    )
+    params = types.FoldingRangeParams(editor.identify(user))
+    found = editor.wait(editor.client.text_document_folding_range_async(params)) or []
+    assert {(fold.start_line, fold.end_line, fold.kind) for fold in found} == {
+        (0, 8, None),
+        (1, 2, types.FoldingRangeKind.Comment),
+        (3, 6, None),
+    }
+
+
 def test_answers_survive_a_text_that_does_not_parse(editor: Editor, robot: tuple[Path, Path]) -> None:
     """What was known of the last robot that could be made, where the text is still the same."""
     user, macros = robot

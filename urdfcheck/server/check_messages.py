@@ -51,6 +51,17 @@ class CheckJob:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class BaselinePlace:
+    """Where a baseline accepts the findings of a model. The file may not exist."""
+
+    file: str
+    root: str
+    """Folder that its names are relative to."""
+    model: str
+    """What it calls the model."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ProjectAnswer:
     """The findings about the open documents of one project: a repository, a package or a folder."""
 
@@ -63,6 +74,8 @@ class ProjectAnswer:
     model_paths: Mapping[str, str] = field(default_factory=dict)
     """Id of each model → path of its file."""
     indexes: tuple[SourceIndex, ...] = ()
+    baselines: Mapping[str, BaselinePlace] = field(default_factory=dict)
+    """Id of each model → the baseline that accepts its findings."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

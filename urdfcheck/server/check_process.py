@@ -23,6 +23,7 @@ from types import FrameType
 from typing import BinaryIO
 
 from urdfcheck.api import ask_engines
+from urdfcheck.core import Run
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.fix.fixer import compute_fixes
 from urdfcheck.policy.policy import TIERS
@@ -30,12 +31,13 @@ from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import AuditedRun, Execution, keep_valid_reports, run_audit
 from urdfcheck.run.preload import preload_modules
-from urdfcheck.run.request import RunOptions, make_request
-from urdfcheck.server.check_messages import HEADER, CheckAnswer, CheckJob, ProjectAnswer, RenameWish
+from urdfcheck.run.request import RunOptions, find_baseline_file, make_request
+from urdfcheck.server.check_messages import HEADER, BaselinePlace, CheckAnswer, CheckJob, ProjectAnswer, RenameWish
 from urdfcheck.server.names.checked_rename import compute_rename
 from urdfcheck.server.names.rename_plan import RenameRefusedError
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system import libraries
+from urdfcheck.system.files import overlay_files
 from urdfcheck.system.process_pool import SpareWorkers, end_with_parent, limit_threads
 
 # What workers import when they first need it; here once, for all of them.
@@ -152,9 +154,10 @@ class _CheckProcess:
         return CheckAnswer(number=job.number, projects=tuple(projects), deep_codes=deep)
 
     def _check_project(self, folder: str, paths: tuple[str, ...], job: CheckJob) -> ProjectAnswer:
-        request = self._make_request(paths, job, tier=job.tier)
-        last = keep_valid_reports(self.kept.pop((folder, job.tier), None), request)
-        audited = run_audit(request, Execution(spare_workers=self.spare_workers), previous=last)
+        with overlay_files(job.texts):  # a baseline may be open too
+            request = self._make_request(paths, job, tier=job.tier)
+            last = keep_valid_reports(self.kept.pop((folder, job.tier), None), request)
+            audited = run_audit(request, Execution(spare_workers=self.spare_workers), previous=last)
         outcome = audited.outcome
         if outcome.partial:
             raise KeyboardInterrupt
@@ -169,8 +172,20 @@ class _CheckProcess:
             sources=outcome.sources,
             failures=outcome.failures,
             model_paths={model.id: model.path for model in outcome.models},
+            baselines=dict(self._iter_baselines(request, outcome)),
             indexes=tuple(report.index for report in audited.reports.values() if report.index is not None),
         )
+
+    def _iter_baselines(self, request: Request, outcome: Run) -> Iterator[tuple[str, BaselinePlace]]:
+        """Yield for each model the baseline that accepts its findings; none where baselines are ignored."""
+        if request.config_resolver is None or (self.options.isolated and self.options.baseline is None):
+            return
+        settings = request.config_resolver.for_path(request.paths[0])
+        own = str(find_baseline_file(self.options, settings)), str(settings.root)
+        for home, names in outcome.baseline_unit_names.items():
+            file, root = own if home is None else home
+            for unit, name in names.items():
+                yield unit, BaselinePlace(file=os.path.abspath(file), root=os.path.abspath(root), model=name)
 
     def _find_fixes(self, job: CheckJob) -> CheckAnswer:
         changes: dict[str, tuple[bytes, bytes]] = {}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import re
 from collections.abc import Iterable, Iterator
@@ -14,7 +13,7 @@ from urdfcheck.core import Applicability, Edit, Fix
 from urdfcheck.fix.patch import EditableFiles, EditRefusedError
 from urdfcheck.server.check_messages import CheckAnswer
 from urdfcheck.server.diagnostics import SOURCE, CheckedState, ShownFinding
-from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions, make_workspace_edit
+from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions, iter_differences, make_workspace_edit
 from urdfcheck.source.text.suppression_comments import MARK
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import overlay_files
@@ -104,7 +103,7 @@ def make_fix_all(answer: CheckAnswer, documents: DocumentStore) -> types.CodeAct
         old, new = _decode(path, before), _decode(path, after)
         if positions is None or positions.text != old:  # it was edited meanwhile
             return None
-        edits += [(path, edit) for edit in _iter_differences(positions, new)]
+        edits += [(path, edit) for edit in iter_differences(positions, new)]
     if not edits:
         return None
     count = f"{answer.fixed} finding{'' if answer.fixed == 1 else 's'}"
@@ -118,19 +117,6 @@ def make_fix_all(answer: CheckAnswer, documents: DocumentStore) -> types.CodeAct
 def _decode(path: str, data: bytes) -> str:
     with overlay_files({os.path.realpath(path): data}):
         return SourceFile.read(Path(path), path).text
-
-
-def _iter_differences(positions: TextPositions, new: str) -> Iterator[types.TextEdit]:
-    """Yield the edits, line by line, that make another text of one."""
-    old_lines, new_lines = positions.text.splitlines(keepends=True), new.splitlines(keepends=True)
-    starts = [0]
-    for line in old_lines:
-        starts.append(starts[-1] + len(line))
-    matcher = difflib.SequenceMatcher(None, old_lines, new_lines, autojunk=False)
-    for kind, first, last, new_first, new_last in matcher.get_opcodes():
-        if kind != "equal":
-            range_ = positions.make_range(starts[first], starts[last])
-            yield types.TextEdit(range_, "".join(new_lines[new_first:new_last]))
 
 
 # -- suppression, and the rule -----------------------------------------------------------------------------------------

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 import re
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -146,6 +147,7 @@ class DocumentStore:
         """``folders``: those that the command line names, whose files may be read."""
         self.encoding: types.PositionEncodingKind | str = UTF_16
         self.has_versioned_edits = False
+        self.can_create_files = False
         self.by_uri: dict[str, OpenDocument] = {}
         self.sources: Mapping[str, str] = {}
         """Real path → text of the files with findings, as they were checked."""
@@ -229,3 +231,16 @@ def make_workspace_edit(edits: Iterable[tuple[str, types.TextEdit]], documents: 
         identifier = types.OptionalVersionedTextDocumentIdentifier(documents.find_uri(name), version)
         changes.append(types.TextDocumentEdit(identifier, [*made]))
     return types.WorkspaceEdit(document_changes=changes)
+
+
+def iter_differences(positions: TextPositions, new: str) -> Iterator[types.TextEdit]:
+    """Yield the edits, line by line, that make another text of one."""
+    old_lines, new_lines = positions.text.splitlines(keepends=True), new.splitlines(keepends=True)
+    starts = [0]
+    for line in old_lines:
+        starts.append(starts[-1] + len(line))
+    matcher = difflib.SequenceMatcher(None, old_lines, new_lines, autojunk=False)
+    for kind, first, last, new_first, new_last in matcher.get_opcodes():
+        if kind != "equal":
+            range_ = positions.make_range(starts[first], starts[last])
+            yield types.TextEdit(range_, "".join(new_lines[new_first:new_last]))

@@ -20,6 +20,7 @@ from pygls.lsp.server import LanguageServer
 from urdfcheck.core import Applicability
 from urdfcheck.rules import find_page
 from urdfcheck.run.request import RunOptions
+from urdfcheck.server.accepted_findings import list_acceptances
 from urdfcheck.server.check_client import CheckClient, CheckProcessError
 from urdfcheck.server.check_messages import RenameWish
 from urdfcheck.server.check_schedule import CheckSchedule
@@ -29,10 +30,10 @@ from urdfcheck.server.completion import TRIGGERS, complete
 from urdfcheck.server.diagnostics import SOURCE, ShownFinding, make_failure_diagnostics, show_findings
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.hover import describe_position
+from urdfcheck.server.names.navigation import find_definitions, find_references
 from urdfcheck.server.names.rename_answers import make_rename_edit, prepare_rename
 from urdfcheck.server.names.rename_plan import RenameRefusedError
-from urdfcheck.server.navigation import find_definitions, find_references
-from urdfcheck.server.symbols import list_inlay_hints, list_symbols
+from urdfcheck.server.symbols import list_folding_ranges, list_inlay_hints, list_symbols
 from urdfcheck.version import __version__
 
 # The command that checks everything, and answers when it is done.
@@ -126,6 +127,8 @@ def _add_lifecycle(server: UrdfcheckServer) -> None:
         documents.encoding = server.workspace.position_encoding or documents.encoding
         can = get_capability(capabilities, "workspace.workspace_edit.document_changes")
         documents.has_versioned_edits = bool(can)
+        made = get_capability(capabilities, "workspace.workspace_edit.resource_operations") or ()
+        documents.can_create_files = documents.has_versioned_edits and types.ResourceOperationKind.Create in made
         await server.client.start()
         await _watch_files(server)
 
@@ -165,6 +168,11 @@ def _add_questions(server: UrdfcheckServer) -> None:
     async def suggest(params: types.CompletionParams) -> list[types.CompletionItem]:
         place = await find_place(params.text_document, params.position)
         return [] if place is None else complete(*place, indexes, documents)
+
+    @server.feature(types.TEXT_DOCUMENT_FOLDING_RANGE)
+    def fold(params: types.FoldingRangeParams) -> list[types.FoldingRange] | None:
+        document = documents.by_uri.get(params.text_document.uri)
+        return None if document is None else list_folding_ranges(document, documents)
 
     @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
     async def count(params: types.CodeLensParams) -> list[types.CodeLens]:
@@ -225,7 +233,9 @@ def _add_actions(server: UrdfcheckServer) -> None:
         only = [str(getattr(kind, "value", kind)) for kind in params.context.only or ()]
         actions: list[Action] = []
         if _wants(only, types.CodeActionKind.QuickFix.value):
-            actions += list_actions(document, params.range, server.find_shown(document.uri), server.documents)
+            shown = server.find_shown(document.uri)
+            actions += list_actions(document, params.range, shown, server.documents)
+            actions += list_acceptances(params.range, shown, server.documents)
         if only and _wants(only, FIX_ALL):
             await server.schedule.wait_until_known(document)
             whole = await find_fix_all(document)
