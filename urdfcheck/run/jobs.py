@@ -200,7 +200,7 @@ class UnitReport:
     skipped: tuple[SkippedCheck, ...] = ()
     info: ModelInfo | None = None
     unrequested: tuple[Finding, ...] = ()
-    """Notes that nobody asked for."""
+    """Notes that were not asked for."""
     findings_size: int = 0
     """Bytes that the findings take."""
     scene: Scene | None = None

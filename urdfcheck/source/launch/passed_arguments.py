@@ -64,7 +64,7 @@ def find_passed_arguments(
 
     These are ``launches``, which are checked with it, then those of its package, then those of the repository around that.
     Among each, a typed value comes before a default, and this before a choice; then the first file counts. Where an argument
-    of a launch file names the model that it starts, the models beside the default may be started as well.
+    of a launch file names the model that it starts, the models beside the default may be started too.
     """
     real = os.path.realpath(model)
     package = finder.find_package_of(model.absolute())
