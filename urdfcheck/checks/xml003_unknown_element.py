@@ -162,7 +162,7 @@ def _holds_zeros(element: Element) -> bool:
 
 
 def _holds_texts(element: Element) -> bool:
-    """Whether an element has its numbers in elements of their own, ``<friction>0.1</friction>``, as SDF has."""
+    """Whether an element has its numbers in separate elements, ``<friction>0.1</friction>``, as SDF has."""
     return not element.attributes and any(
         not child.attributes and parse_number(child.text.strip()) is not None for child in element.children
     )
