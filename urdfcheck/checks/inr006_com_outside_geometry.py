@@ -12,7 +12,12 @@ from urdfcheck.core.text import format_length
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_diameter, measure_extent, measure_hull_distance
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
+from urdfcheck.model.inertials.inertial_hull import (
+    NEGLIGIBLE_SHARE,
+    EnclosedInertial,
+    enclosed_inertials,
+    is_stand_in,
+)
 from urdfcheck.model.inertials.shapes_at_com import describe_other_frame
 from urdfcheck.model.inertials.shared_mistakes import measure_turn_of_tensor
 from urdfcheck.model.motion.fixed_base import list_bolted_links
@@ -37,17 +42,19 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
     for part in enclosed_inertials(model):
         if part.mass_share < NEGLIGIBLE_SHARE or not has_drawn_shape(part.link):
             continue
-        distances = [(measure_hull_distance(points, part.com), measure_extent(points)) for points in part.readings]
+        distances = [
+            (measure_hull_distance(points, part.com), measure_extent(points), points) for points in part.readings
+        ]
         # If programs disagree about the size (MSH008) or the up axis of a mesh, it must be outside in all readings.
-        distance, size = min(distances, key=lambda pair: pair[0] / pair[1] if pair[1] else 0.0)
-        if not size or distance <= margin * size:
+        distance, size, points = min(distances, key=lambda one: one[0] / one[1] if one[1] else 0.0)
+        if not size or distance <= margin * size or (distance < size and is_stand_in(part)):
             continue
         sign = _find_sign_repair(model, part)
         missing = sign is None and not any(part.inertial.origin.xyz or ())
         is_bolted = sign is None and part.link.name in list_bolted_links(model)
         other_frame = "" if sign is not None or is_bolted else describe_other_frame(model, part.link)
         message = "sign" if sign is not None else "bolted" if is_bolted else "drawn" if other_frame else "outside"
-        length = max(measure_diameter(points) for points in part.readings)
+        length = measure_diameter(points)
         yield rule.finding(
             message,
             at=_locate_drawing(part) if other_frame else _locate(part),
