@@ -196,6 +196,7 @@ def collect_message_data(
     return {
         "link": link.name,
         "detail": diagnosis.detail,
+        "mirrored": _describe_mirrored(diagnosis.detail) if cause == "unmirrored" else "",
         "mistake": describe_mistake(cause, diagnosis.detail),
         "why": SHORT_CAUSES.get(cause, "").format(detail=diagnosis.detail),
         "fault": _describe_fault(cause, size=size, apart=apart) or doubted,
@@ -226,6 +227,14 @@ def _describe_fault(cause: str, *, size: str, apart: str) -> str:
     if cause == "com_unit" and apart:
         return f"COM {apart} off"
     return size if cause in SIZE_CAUSES else ""
+
+
+def _describe_mirrored(detail: str) -> str:
+    """Say which numbers are those of the mirror image. A tensor is the same mirrored across an axis and turned about it."""
+    axis = detail.partition(",")[0]
+    if detail.endswith(TENSOR_ALONE):
+        return f"The tensor fits the mirror image of the part, across the link's {axis} axis, or the part turned by 180° about it"
+    return f"COM and tensor fit the mirror image of the part, across the link's {axis} axis, as if copied from the other side"
 
 
 def name_faulty_numbers(cause: str, detail: str) -> str:
