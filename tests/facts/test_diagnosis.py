@@ -201,6 +201,17 @@ def test_a_small_product_that_is_right_shows_that_not_all_signs_are_wrong(signs:
     assert_allclose(slots(found.mended), np.array(slots(true)) * details)
 
 
+def test_a_tensor_without_products_is_the_box_s_and_not_the_hull_s() -> None:
+    """A tray with one low wall, whose hull is hardly less than its box; the box was typed a little lower than it is."""
+    walls = [((0.75, 0.01, 0.13), (-0.025, y, 0.065)) for y in (-0.195, 0.195)]
+    ends = [((0.01, 0.4, 0.13), (-0.395, 0.0, 0.065)), ((0.01, 0.4, 0.08), (0.395, 0.0, 0.04))]
+    drawn = geometry((((0.8, 0.4, 0.004), (0.0, 0.0, 0.002)), *walls, *ends))
+    found = judged(uniform(transform_solid(make_box_solid((0.8, 0.4, 0.12)), np.eye(3), drawn.solid.com), 5.0), drawn)
+    assert found.cause == "bounding_box"
+    assert drawn.hull is not None
+    assert judged(uniform(drawn.hull, 5.0), drawn).cause == "convex_hull"
+
+
 # -- small parts, and parts with a formula ------------------------------------------------------------------------------
 
 

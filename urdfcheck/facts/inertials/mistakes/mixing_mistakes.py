@@ -347,8 +347,17 @@ def _undo_other_body(suspect: Suspect) -> Corrected:
     own = suspect.reference.twin or DeclaredInertial(mass, solid.com, compute_solid_inertia(solid, mass))
     white = _compute_solid_whitening(suspect, solid)
     for name, body in _iter_other_bodies(geometry):
-        if _is_different_shape(body, white):
+        if _is_different_shape(body, white) and not (
+            name == "convex_hull" and _has_no_products_of(suspect.declared, body)
+        ):
             yield replace(make_mistake(name), source_body=body), own
+
+
+def _has_no_products_of(declared: DeclaredInertial, body: Solid) -> bool:
+    """Whether all typed products are zero, and those of a body are not: a formula makes such a tensor, no hull."""
+    products = (declared.rotation.T @ body.covariance @ declared.rotation)[_PRODUCTS]
+    is_turned = np.abs(products).max() > _LEAST_PRODUCT * np.trace(body.covariance)
+    return bool(is_turned and not declared.tensor[_PRODUCTS].any())
 
 
 def _iter_other_bodies(geometry: VisualGeometry) -> Iterator[tuple[str, Solid]]:
