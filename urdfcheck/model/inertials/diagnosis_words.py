@@ -231,10 +231,10 @@ def _describe_fault(cause: str, *, size: str, apart: str) -> str:
 
 def _describe_mirrored(detail: str) -> str:
     """Say which numbers are those of the mirror image. A tensor is the same mirrored across an axis and turned about it."""
-    axis = detail.partition(",")[0]
+    image = f"the mirror image of the part, across the link's {detail.partition(',')[0]} axis"
     if detail.endswith(TENSOR_ALONE):
-        return f"The tensor fits the mirror image of the part, across the link's {axis} axis, or the part rotated by 180° about it"
-    return f"COM and tensor fit the mirror image of the part, across the link's {axis} axis, as if copied from the other side"
+        return f"The tensor fits {image}, or the part rotated by 180° about it"
+    return f"COM and tensor fit {image}, as if copied from the other side"
 
 
 def name_faulty_numbers(cause: str, detail: str) -> str:
