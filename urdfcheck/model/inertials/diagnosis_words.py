@@ -230,7 +230,7 @@ def _describe_fault(cause: str, *, size: str, apart: str) -> str:
 
 
 def _describe_mirrored(detail: str) -> str:
-    """Say which numbers are those of the mirror image. A tensor is the same mirrored across an axis and turned about it."""
+    """Say which numbers are those of the mirror image. A tensor is the same mirrored across an axis and rotated about it."""
     image = f"the mirror image of the part, across the link's {detail.partition(',')[0]} axis"
     if detail.endswith(TENSOR_ALONE):
         return f"The tensor fits {image}, or the part rotated by 180° about it"
