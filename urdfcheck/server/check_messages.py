@@ -17,7 +17,7 @@ HEADER = struct.Struct("<Q")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckJob:
-    """A run over the open documents, or the search for their safe fixes."""
+    """A run over the open documents, the search for their safe fixes, or the report on one of them."""
 
     number: int
     """Increases with each job."""
@@ -35,6 +35,8 @@ class CheckJob:
     """Whether files appeared or disappeared, so that nothing of earlier runs may be reused."""
     fixes: bool = False
     """Whether the safe fixes are wanted instead of the findings."""
+    report: bool = False
+    """Whether the report is wanted instead of the findings."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,4 +66,8 @@ class CheckAnswer:
     """Real path → content before and after the safe fixes."""
     fixed: int = 0
     """Number of findings that these repair."""
+    report: bytes = b""
+    """The report as an HTML document."""
+    failure: str = ""
+    """Why there is none."""
     is_cancelled: bool = False

@@ -25,6 +25,7 @@ from typing import BinaryIO
 from urdfcheck.api import ask_engines
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.fix.fixer import compute_fixes
+from urdfcheck.output import html
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import AuditedRun, Execution, keep_valid_reports, run_audit
@@ -124,7 +125,7 @@ class _CheckProcess:
             self.jobs += 1
             if self.jobs % _MOST_JOBS == 0 or len(self.spare_workers) > _MOST_WORKERS:
                 self.spare_workers.end()
-            answer = self._find_fixes(job) if job.fixes else self._check_projects(job)
+            answer = self._answer(job)
             self.is_busy = False
             return answer
         except KeyboardInterrupt:
@@ -132,6 +133,11 @@ class _CheckProcess:
             for child in multiprocessing.active_children():
                 child.kill()
             return CheckAnswer(number=job.number, is_cancelled=True)
+
+    def _answer(self, job: CheckJob) -> CheckAnswer:
+        if job.fixes:
+            return self._find_fixes(job)
+        return self._render_report(job) if job.report else self._check_projects(job)
 
     def _check_projects(self, job: CheckJob) -> CheckAnswer:
         projects = []
@@ -178,8 +184,18 @@ class _CheckProcess:
                 fixed += len(found.fixed)
         return CheckAnswer(number=job.number, changes=changes, fixed=fixed)
 
-    def _make_request(self, paths: tuple[str, ...], job: CheckJob, *, tier: str | None) -> Request:
-        request, _ = make_request(replace(self.options, paths=paths, tier=tier or self.options.tier))
+    def _render_report(self, job: CheckJob) -> CheckAnswer:
+        try:
+            request = self._make_request(job.paths, job, tier=None, scene=True)
+        except UrdfcheckError as error:  # of its configuration
+            return CheckAnswer(number=job.number, failure=str(error))
+        audited = run_audit(request, Execution(spare_workers=self.spare_workers))
+        if audited.outcome.partial:
+            raise KeyboardInterrupt
+        return CheckAnswer(number=job.number, report=html.render(ask_engines(audited)).encode())
+
+    def _make_request(self, paths: tuple[str, ...], job: CheckJob, *, tier: str | None, scene: bool = False) -> Request:
+        request, _ = make_request(replace(self.options, paths=paths, tier=tier or self.options.tier), scene=scene)
         return replace(request, options=replace(request.options, texts=job.texts, index=job.index))
 
 

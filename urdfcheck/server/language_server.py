@@ -26,6 +26,7 @@ from urdfcheck.server.diagnostics import SOURCE, ShownFinding, make_failure_diag
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.hover import describe_position
 from urdfcheck.server.navigation import find_definitions, find_references
+from urdfcheck.server.report.commands import add_report_commands
 from urdfcheck.server.symbols import list_inlay_hints, list_symbols
 from urdfcheck.version import __version__
 
@@ -80,6 +81,7 @@ def make_server(options: RunOptions) -> UrdfcheckServer:
     _add_questions(server)
     _add_actions(server)
     _add_commands(server)
+    add_report_commands(server, server.schedule, server.documents)
     return server
 
 
