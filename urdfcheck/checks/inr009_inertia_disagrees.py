@@ -306,6 +306,7 @@ def _build_cause_finding(
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit=fallback if mended is None else mended.words,
+        alone="" if mended is None else f"; {data['source']} alone has {mended.words}",
         **data,
     )
 
@@ -337,7 +338,7 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
         at=tensor.element,
         severity=rank[0],
         confidence=rank[1],
-        edit=f", or write {drawn}" if drawn else "",
+        comparison=drawn and f"; for comparison: {drawn}",
         unlike=describe_other_shape(model, tensor.link, judged),
         hint=_POSSIBLE_TERM if _may_lack_term(model, tensor.link, judged) else "",
         **collect_message_data(model, tensor.link, judged),
