@@ -9,11 +9,19 @@ import type { Verdicts } from "./verdict";
 
 // Milliseconds for which the cursor rests before the robot follows it.
 const REST = 150;
+// What differs in the reports on equal robots.
+const SECONDS = /class="seconds">[^<]*/g;
 
 interface Selection {
   finding?: string;
   link?: string;
   joint?: string;
+}
+
+/** A robot as it was checked: the state differs after each check. */
+interface State {
+  uri: vscode.Uri;
+  state: number;
 }
 
 type FromPage = { type: "ready" } | { type: "open"; place: string };
@@ -25,13 +33,18 @@ export class ReportPanel {
   private selection: Selection = {};
   private timer: NodeJS.Timeout | undefined;
   private isDrawing = false;
-  private wanted: { uri: vscode.Uri; state: number } | undefined;
+  private latest: State | undefined;
+  private wanted: State | undefined;
+  private text = "";
 
   constructor(private readonly context: vscode.ExtensionContext, private readonly server: Server, private readonly log: vscode.LogOutputChannel) {}
 
   listen(verdicts: Verdicts): vscode.Disposable[] {
     return [
-      verdicts.onVerdict(({ uri, verdict }) => { if (this.panel) void this.draw(uri, verdict.state); }),
+      verdicts.onVerdict(({ uri, verdict }) => {
+        this.latest = { uri, state: verdict.state };
+        this.drawLatest();
+      }),
       vscode.window.onDidChangeTextEditorSelection(({ textEditor }) => { this.follow(textEditor); }),
       { dispose: () => { this.panel?.dispose(); } },
     ];
@@ -44,14 +57,24 @@ export class ReportPanel {
       const options = { enableScripts: true, retainContextWhenHidden: true, enableFindWidget: true, localResourceRoots: [] };
       this.panel = vscode.window.createWebviewPanel("urdfcheck.report", "Robot in 3D", place, options);
       this.panel.webview.onDidReceiveMessage((message: FromPage) => { this.take(message); });
-      this.panel.onDidDispose(() => { this.panel = this.shown = undefined; this.state = -1; });
+      this.panel.onDidChangeViewState(() => { this.drawLatest(); });
+      this.panel.onDidDispose(() => {
+        this.panel = this.shown = undefined;
+        this.state = -1;
+        this.text = "";
+      });
     } else {
       this.panel.reveal(undefined, true);
     }
     const editor = vscode.window.visibleTextEditors.find(({ document }) => document.uri.toString() === uri.toString());
     this.selection = card === undefined ? await this.find(editor) : { finding: card };
     if (this.shown?.toString() === uri.toString()) this.select();
-    else await this.draw(uri, -1);
+    else await this.draw(uri, this.latest?.uri.toString() === uri.toString() ? this.latest.state : -1);
+  }
+
+  /** Draws what was checked last, while somebody can see it. */
+  private drawLatest(): void {
+    if (this.panel?.visible && this.latest && this.shown) void this.draw(this.latest.uri, this.latest.state);
   }
 
   /** Draws the report unless that state of the robot is shown. Of several that are asked for meanwhile, the last one comes next. */
@@ -68,7 +91,7 @@ export class ReportPanel {
     }
   }
 
-  private takeWanted(): { uri: vscode.Uri; state: number } | undefined {
+  private takeWanted(): State | undefined {
     const { wanted } = this;
     this.wanted = undefined;
     return wanted;
@@ -80,7 +103,10 @@ export class ReportPanel {
     if (!file || !this.panel) return;
     const read = (name: string): Promise<string> => readFile(this.context.asAbsolutePath(`dist/${name}`), "utf8");
     const [report, script, style] = await Promise.all([readFile(file, "utf8"), read("follow.js"), read("panel.css")]);
-    this.panel.webview.html = makePage(report, script, style);
+    // Of two equal robots the first stays, as it was turned and scrolled.
+    const text = report.replace(SECONDS, "");
+    if (text !== this.text) this.panel.webview.html = makePage(report, script, style);
+    this.text = text;
     this.panel.title = `${path.basename(uri.fsPath)} in 3D`;
     this.shown = uri;
     this.state = state;
