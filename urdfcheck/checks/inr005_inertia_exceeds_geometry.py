@@ -27,15 +27,18 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
     list_half_units,
 )
-from urdfcheck.facts.inertials.materials import DENSEST_PART
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
-from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
-from urdfcheck.model.inertials.inertial_hull import EnclosedInertial, enclosed_inertials, has_negligible_moment
+from urdfcheck.model.inertials.inertial_hull import (
+    EnclosedInertial,
+    enclosed_inertials,
+    has_negligible_moment,
+    is_stand_in,
+)
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import (
     compute_drawn_tensor,
@@ -99,7 +102,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
             continue
-        if (excess < VAST and _is_stand_in(part)) or has_unknown_mass(model, part.link, part.mass, declared.tensor):
+        if (excess < VAST and is_stand_in(part)) or has_unknown_mass(model, part.link, part.mass, declared.tensor):
             continue
         # The COM is then as likely to be wrong as the tensor.
         is_elsewhere = any(
@@ -175,13 +178,6 @@ def _build_unit_finding(
         remedy=unit.remedy,
         explains=[f"INR009 link[{link.name}]" for link in alone],
     )
-
-
-def _is_stand_in(part: EnclosedInertial) -> bool:
-    """Whether no part of any ordinary material is so heavy in the hull: then the drawing is that of a smaller thing, such as the
-    rod in the middle of a leg."""
-    with np.errstate(all="ignore"):  # other rules report impossible numbers
-        return part.mass > DENSEST_PART * max(compute_convex_hull(points).volume for points in part.readings) > 0.0
 
 
 def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, ratio: float, excess: float) -> _Advice:
