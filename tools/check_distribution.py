@@ -33,7 +33,7 @@ CORE_SKIPS = {
 # The sources of urdfcheck-core, in the checkout and in the sdist.
 CORE = Path("packages", "urdfcheck-core")
 # What a wheel must not hold: robots of the tests, and files that attack a linter.
-FOREIGN = ("fixtures/", "tests/", "benchmarks/", "report-ui/")
+FOREIGN = ("fixtures/", "tests/", "benchmarks/", "report-ui/", "editors/")
 
 
 def list_faults_of_wheel(wheel: Path) -> list[str]:
