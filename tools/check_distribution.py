@@ -31,7 +31,8 @@ def list_faults_of_wheel(wheel: Path) -> list[str]:
     pages = {f"urdfcheck/_rules/{page.name}" for page in (REPOSITORY / "rules").glob("*.md")}
     demos = REPOSITORY / "fixtures" / "demos"
     robots = {f"urdfcheck/_demos/{file.relative_to(demos).as_posix()}" for file in demos.rglob("*") if file.is_file()}
-    needed = {"urdfcheck/py.typed", "urdfcheck/output/report.schema.json", *pages, *robots}
+    samples = {f"urdfcheck/_vscode/{file.name}" for file in (REPOSITORY / "integrations/vscode").iterdir()}
+    needed = {"urdfcheck/py.typed", "urdfcheck/output/report.schema.json", *pages, *robots, *samples}
     missing = [f"{wheel.name} lacks {name}" for name in sorted(needed - names)]
     return missing + [f"{wheel.name} holds {name}" for name in sorted(names) if name.startswith(FOREIGN)]
 
