@@ -21,7 +21,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 # What car-3 is known for; all of its findings are compared in the tests.
 WHEEL_PITCH = "SYM001"
 # What a wheel must not hold: robots of the tests, and files that attack a linter.
-FOREIGN = ("fixtures/", "tests/", "benchmarks/", "report-ui/")
+FOREIGN = ("fixtures/", "tests/", "benchmarks/", "report-ui/", "integrations/", "packaging/")
 
 
 def list_faults_of_wheel(wheel: Path) -> list[str]:
