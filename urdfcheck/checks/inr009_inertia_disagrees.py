@@ -158,8 +158,8 @@ def _is_told_elsewhere(model: Model, tensor: DeclaredTensor, judged: DiagnosedIn
 
 
 def _moves_body(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
-    """Whether the COM of a link makes a difference: it is not a mark, is not fixed to the world, and moves the COM of the rigid body
-    that it is part of."""
+    """Whether the COM of a link makes a difference: the link is not a mark, is not fixed to the world, and moves the COM of its
+    rigid body."""
     if is_mark(model, judged.declared.mass) or link.name in list_bolted_links(model):
         return False
     drawn = measure_link_geometry(model, link)
