@@ -287,8 +287,9 @@ def test_the_address_is_taken_from_what_pip_wrote_down(monkeypatch: pytest.Monke
     import importlib.metadata
 
     class Installed:
-        def __init__(self, text: str | None) -> None:
+        def __init__(self, text: str | None, name: str = "urdfcheck") -> None:
             self.text = text
+            self.metadata = {"Name": name}
 
         def read_text(self, name: str) -> str | None:
             return self.text if name == "direct_url.json" else None
@@ -307,6 +308,15 @@ def test_the_address_is_taken_from_what_pip_wrote_down(monkeypatch: pytest.Monke
     ):
         monkeypatch.setattr(importlib.metadata, "distribution", lambda _, text=text: Installed(text))
         assert find_install_origin() == expected
+    light = (
+        '{"url": "https://example.org/u", "vcs_info": {"commit_id": "abc"}, "subdirectory": "packages/urdfcheck-core"}'
+    )
+    for text, requirement in (
+        (None, f"urdfcheck-core=={__version__}"),
+        (light, "urdfcheck-core @ git+https://example.org/u@abc#subdirectory=packages/urdfcheck-core"),
+    ):
+        monkeypatch.setattr(importlib.metadata, "distribution", lambda _, text=text: Installed(text, "urdfcheck-core"))
+        assert find_install_origin() == InstallOrigin(requirement=requirement)
 
 
 def test_what_came_from_an_index_is_installed_by_its_version(

@@ -27,16 +27,23 @@ def find_install_origin() -> InstallOrigin:
     """
     from importlib.metadata import PackageNotFoundError, distribution
 
+    from urdfcheck.system.installation import name_distribution
+
+    name = name_distribution()
     try:
-        text = distribution("urdfcheck").read_text("direct_url.json")
+        text = distribution(name).read_text("direct_url.json")
         origin = {} if text is None else json.loads(text)
     except (PackageNotFoundError, ValueError):
         return InstallOrigin()
     url, commit = origin.get("url", ""), origin.get("vcs_info", {}).get("commit_id", "")
+    if commit and (
+        folder := origin.get("subdirectory")
+    ):  # urdfcheck-core: what the repository installs is the full one
+        return InstallOrigin(requirement=f"{name} @ git+{url}@{commit}#subdirectory={folder}")
     if commit:
         return InstallOrigin(requirement=f"git+{url}@{commit}", address=url, revision=commit)
     if not origin:
-        return InstallOrigin(requirement=f"urdfcheck=={__version__}")
+        return InstallOrigin(requirement=f"{name}=={__version__}")
     if "archive_info" in origin and url.startswith(("https://", "http://")):
-        return InstallOrigin(requirement=f"urdfcheck @ {url}")
+        return InstallOrigin(requirement=f"{name} @ {url}")
     return InstallOrigin()

@@ -29,6 +29,8 @@ MEASURING_MODULES = ("urdfcheck.facts.mesh",)
 # The libraries that read the formats that urdfcheck does not read itself, and the one by which it asks Assimp.
 READERS = {"dae": "collada", "ply": "trimesh"}
 SECOND_READER = "coal"
+# Where it is not installed, another library computes convex hulls.
+HULLS = "scipy"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -242,7 +244,8 @@ def _make_mesh_error(error: OSError | ImportError | MemoryError) -> MeshError:
 
 def _compute_reader_version(kind: str) -> str:
     """Return a digest of what decides the measurements of a file of this kind besides its content."""
-    origins = [find_library_origin(library) for library in (READERS.get(kind), SECOND_READER) if library is not None]
+    libraries = (READERS.get(kind), SECOND_READER, HULLS)
+    origins = [find_library_origin(library) for library in libraries if library is not None]
     return compute_code_version(*MEASURING_MODULES, library="\n".join(map(str, origins)))
 
 

@@ -14,12 +14,38 @@ _PACKAGE = Path(__file__).parent.parent
 # Libraries that compute what is found. What else is installed or removed changes the folder that it is in.
 _LIBRARIES = ("numpy", "scipy", "trimesh", "collada", "pinocchio", "coal", "xacro", "yaml", "mujoco")
 _SITES = ("site-packages", "dist-packages")
+# What the distribution urdfcheck-core leaves out, as a person calls it; of the first two there are no wheels for Windows.
+_LEFT_OUT = {"pinocchio": "Pinocchio", "coal": "coal", "scipy": "scipy", "lxml": "lxml"}
+_NOT_ON_WINDOWS = ("pinocchio", "coal")
+FULL, CORE = "urdfcheck", "urdfcheck-core"
 
 
 def find_pages_folder() -> Path:
     """Return the folder of the pages of the rules: in the installed package, or in the source tree beside it."""
     installed = _PACKAGE / "_rules"
     return installed if installed.is_dir() else _PACKAGE.parent / "rules"
+
+
+def describe_left_out(error: ImportError) -> str | None:
+    """Say which library is not installed and why; None for one that every distribution needs."""
+    module = (error.name or "").partition(".")[0]
+    if module not in _LEFT_OUT:
+        return None
+    if sys.platform == "win32" and module in _NOT_ON_WINDOWS:
+        return f"{_LEFT_OUT[module]} is not installed (it has no wheels for Windows)"
+    return f"{_LEFT_OUT[module]} is not installed (it comes with {FULL}, not with {CORE})"
+
+
+def name_distribution() -> str:
+    """Return the name under which urdfcheck was installed, to which an extra can be added."""
+    from importlib.metadata import PackageNotFoundError, distribution  # slow to import
+
+    for name in (FULL, CORE):
+        try:
+            return distribution(name).metadata["Name"]
+        except PackageNotFoundError:
+            continue
+    return FULL
 
 
 def list_own_files() -> tuple[Path, ...]:

@@ -30,6 +30,7 @@ from urdfcheck.source.text.grammar import (
 from urdfcheck.source.text.values import parse_numbers, read_attribute_number
 from urdfcheck.source.text.xml import Element, quote_attribute
 from urdfcheck.system.array_cache import compute_code_version, find_library_origin
+from urdfcheck.system.installation import describe_left_out
 
 if TYPE_CHECKING:
     from urdfcheck.model.robot import Model
@@ -102,10 +103,8 @@ def pinocchio_model(model: Model) -> PinocchioModel:
     """
     try:
         import pinocchio
-    except ImportError:
-        raise FactUnavailableError(
-            "Pinocchio is not installed (there are no wheels of pin for this platform)"
-        ) from None
+    except ImportError as error:
+        raise FactUnavailableError(describe_left_out(error) or str(error)) from None
     _ensure_loadable(model)
     built: Any = None
     output, refused_by = "", None
