@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_box_size
 from urdfcheck.model import Link, Model
 from urdfcheck.model.ground.wheel_shapes import find_wheel_size_differences

@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.gltf_buffers import FORMATS as GLTF_FORMATS
 from urdfcheck.model.gltf_buffers import Buffers, resolve_buffers
 from urdfcheck.model.parts import Link, Shape

@@ -13,12 +13,13 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import NotChecked, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy import baseline
 from urdfcheck.policy.baseline import Baseline
 from urdfcheck.policy.config import Config

@@ -13,11 +13,11 @@ import re
 import time
 import zipfile
 from collections.abc import Iterator, Mapping, MutableMapping
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.system.cache_folder import write_atomically
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_regular
 from urdfcheck.system.observing.observations import SETTLED_NS

@@ -16,10 +16,10 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.system.plain_pickle import load_plain
 
 FORKS = "fork" in multiprocessing.get_all_start_methods()

@@ -8,12 +8,12 @@ most points at once. The rest is compared with every face.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.system.qhull import load_qhull
 

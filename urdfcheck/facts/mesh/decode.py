@@ -11,11 +11,12 @@ import io
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.collada import Color, read_collada, silence_logger
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
 from urdfcheck.facts.mesh.gltf import read_glb_parts, read_gltf_parts

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
 from urdfcheck.facts.mesh.convex_hull import MeshHull, compute_convex_hull
 from urdfcheck.facts.mesh.decode_limits import MeshError

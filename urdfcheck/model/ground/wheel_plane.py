@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.contact import compute_rocking_gaps
 from urdfcheck.model.ground.wheels import LEVEL, Wheel, is_suspended, rolling_wheels
 from urdfcheck.model.robot import Model

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.likeness.mirror import MirrorPlane, PartOutline, find_mirror_plane, measure_outline_mismatch
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.shape_comparison import (

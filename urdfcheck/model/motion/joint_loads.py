@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion import dynamics
 from urdfcheck.model.motion.buoyancy import has_buoyancy_plugin
 from urdfcheck.model.motion.pinocchio_model import pinocchio_model, write_without_geometry

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.collision_geometry import CollisionGeometry, PlacedGeometry
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.motion.collisions.setup import describe_joint, make_geometry

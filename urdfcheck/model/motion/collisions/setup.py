@@ -10,13 +10,14 @@ if TYPE_CHECKING:
 import hashlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.collision import Colliders, list_all_pairs
 from urdfcheck.facts.motion.collision_geometry import CollisionGeometry, PlacedGeometry
 from urdfcheck.model.meshes import MEASURING_MODULES
