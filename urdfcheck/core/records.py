@@ -46,7 +46,8 @@ def _make_class(plain: type, *, eq: bool = True, frozen: bool = False, slots: bo
         names = frozenset(field.name for field in fields)
         methods |= {"__setattr__": _make_setattr(made, names), "__delattr__": _make_delattr(made, names)}
         if slots:  # pickle would set the attributes one by one
-            methods |= {"__getstate__": _get_state, "__setstate__": _set_state}
+            ordered = tuple(field.name for field in fields)
+            methods |= {"__getstate__": _make_getstate(ordered), "__setstate__": _make_setstate(ordered)}
     for name, method in methods.items():
         if name not in own:
             setattr(made, name, method)
@@ -146,10 +147,16 @@ def _describe(self: Any) -> str:
     return f"{type(self).__qualname__}({', '.join(values)})"
 
 
-def _get_state(self: Any) -> list[Any]:
-    return [getattr(self, field.name) for field in dataclasses.fields(self)]
+def _make_getstate(names: tuple[str, ...]) -> Callable[[Any], list[Any]]:
+    def list_values(self: Any) -> list[Any]:
+        return [getattr(self, name) for name in names]
+
+    return list_values
 
 
-def _set_state(self: Any, state: list[Any]) -> None:
-    for field, value in zip(dataclasses.fields(self), state, strict=False):
-        object.__setattr__(self, field.name, value)
+def _make_setstate(names: tuple[str, ...]) -> Callable[[Any, list[Any]], None]:
+    def set_values(self: Any, values: list[Any]) -> None:
+        for name, value in zip(names, values, strict=False):
+            object.__setattr__(self, name, value)
+
+    return set_values
