@@ -28,7 +28,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.materials import DENSEST_PART
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
-from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
+from urdfcheck.facts.mesh.convex_hull import compute_convex_hull, compute_least_volume
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
@@ -165,6 +165,8 @@ def _is_stand_in(part: EnclosedInertial) -> bool:
     """Whether no part of any ordinary material is so heavy in the hull: then the drawing is that of a smaller thing, such as the
     rod in the middle of a leg."""
     with np.errstate(all="ignore"):  # other rules report impossible numbers
+        if any(part.mass <= DENSEST_PART * compute_least_volume(points) for points in part.readings):
+            return False
         return part.mass > DENSEST_PART * max(compute_convex_hull(points).volume for points in part.readings) > 0.0
 
 
