@@ -6,7 +6,6 @@ only link, there is no registry.
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import io
 import os
@@ -23,9 +22,8 @@ from urdfcheck.core import Applicability, Confidence, Rule, RuleFamily, RuleOpti
 from urdfcheck.rule_pages import TITLE, list_pages, split_page
 from urdfcheck.rule_pages import find_page as find_page
 from urdfcheck.rule_pages import find_pages_folder as find_pages_folder
-from urdfcheck.system.cache_folder import write_atomically
+from urdfcheck.system.cache_folder import read_checked, write_checked
 from urdfcheck.system.installation import compute_installation_stamp
-from urdfcheck.system.observing.questions import compute_sha256
 from urdfcheck.system.plain_pickle import load_plain
 
 Check = Callable[..., Iterable[Any]]
@@ -97,14 +95,12 @@ def recall_rules(folder: Path) -> Mapping[str, Rule]:
     if load_rules.cache_info().currsize:
         return load_rules()
     path = folder / "rules" / compute_installation_stamp()
-    with contextlib.suppress(Exception):  # there is none; pickle raises many kinds for a damaged one
-        data = path.read_bytes()
-        if data[:64] == compute_sha256(data[64:]).encode():
-            _recalled.append(load_plain(io.BytesIO(data[64:])))
-            return load_rules()
+    data = read_checked(path)
+    if data is not None:
+        _recalled.append(load_plain(io.BytesIO(data)))
+        return load_rules()
     rules = load_rules()
-    data = pickle.dumps(tuple(rules.values()), pickle.HIGHEST_PROTOCOL)
-    write_atomically(path, compute_sha256(data).encode() + data)
+    write_checked(path, pickle.dumps(tuple(rules.values()), pickle.HIGHEST_PROTOCOL))
     return rules
 
 
@@ -213,9 +209,8 @@ def has_check(rule: Rule) -> bool:
 @cache
 def _list_check_modules() -> frozenset[str]:
     """Return the names of all check modules: to look for each by itself takes a hundred times as long."""
-    from urdfcheck import checks
-
-    return frozenset(name.partition(".")[0] for folder in checks.__path__ for name in os.listdir(folder))
+    folders = importlib.import_module("urdfcheck.checks").__path__
+    return frozenset(name.partition(".")[0] for folder in folders for name in os.listdir(folder))
 
 
 def get_check_module(rule: Rule) -> str:

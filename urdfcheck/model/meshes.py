@@ -17,7 +17,8 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import PackageFinder, Resource
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.system.array_cache import ArrayCache, compute_code_version, find_library_origin
+from urdfcheck.system.array_cache import ArrayCache
+from urdfcheck.system.code_version import compute_code_version, find_library_origin
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
 
 if TYPE_CHECKING:

@@ -13,7 +13,6 @@ import re
 import time
 import zipfile
 from collections.abc import Iterator, Mapping, MutableMapping
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -124,36 +123,6 @@ def _remove_entry(entry: Path) -> None:
         for path in entry.glob("*.npz"):
             path.unlink()
         entry.rmdir()
-
-
-@cache
-def compute_code_version(*modules: str, library: str | None = None) -> str:
-    """Return a digest of the source of modules and packages (``urdfcheck.facts.mesh``) and of the origin of a library that they
-    call (`find_library_origin`): a result is reused only by the code that computed it."""
-    texts = [path.read_bytes() for name in modules for path in _list_sources(name)]
-    return compute_sha256(b"\0".join((*texts, (library or "").encode())))[:16]
-
-
-def _list_sources(module: str) -> list[Path]:
-    """List the file of a module, or all files of a package."""
-    from importlib.util import find_spec
-
-    spec = find_spec(module)
-    if spec is None or not spec.origin:
-        raise ModuleNotFoundError(module)
-    file = Path(spec.origin)
-    return [file] if spec.submodule_search_locations is None else sorted(file.parent.rglob("*.py"))
-
-
-@cache
-def find_library_origin(library: str) -> str | None:
-    """Return where and when a library was installed, without importing it; None when it is not installed."""
-    from importlib.util import find_spec
-
-    spec = find_spec(library)
-    if spec is None or not spec.origin:
-        return None
-    return f"{spec.origin} {os.stat(spec.origin).st_mtime_ns}"
 
 
 class _StoredEntry(MutableMapping[str, "Arrays"]):

@@ -349,5 +349,5 @@ def _select_outermost_points(points: Array) -> Array:
         is_farther = heights[rows, highest] > farthest
         farthest[is_farther] = heights[rows, highest][is_farther]
         places[is_farther] = start + highest[is_farther]
-    outermost: Array = points[np.unique(places)]
+    outermost: Array = points[sorted(set(places.tolist()))]  # numpy's unique would load its module for masked arrays
     return outermost

@@ -94,7 +94,8 @@ def compute_least_volume(points: Array) -> float:
 
     Most questions about a large volume are settled by it, in a hundredth of the time.
     """
-    outermost = points[np.unique([points.argmin(axis=0), points.argmax(axis=0)])]
+    # numpy's unique would load its module for masked arrays.
+    outermost = points[sorted({*points.argmin(axis=0).tolist(), *points.argmax(axis=0).tolist()})]
     corners = np.array(list(combinations(outermost, 4))).reshape(-1, 4, 3)
     edges = corners[:, 1:] - corners[:, :1]
     volumes = np.abs(np.linalg.det(edges)) / 6.0

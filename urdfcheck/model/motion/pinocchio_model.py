@@ -29,7 +29,7 @@ from urdfcheck.source.text.grammar import (
 )
 from urdfcheck.source.text.values import parse_numbers, read_attribute_number
 from urdfcheck.source.text.xml import Element, quote_attribute
-from urdfcheck.system.array_cache import compute_code_version, find_library_origin
+from urdfcheck.system.code_version import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.model.robot import Model
