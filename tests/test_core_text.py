@@ -75,6 +75,29 @@ def test_a_part_of_another_side_is_not_another_spelling(name: str, known: str, n
     assert find_nearest_name(name, [known]) == near
 
 
+@pytest.mark.parametrize(
+    ("name", "known", "near"),
+    [
+        ("base_joint", "eg_joint", None),
+        ("front_left_calf", "front_left_foot", None),
+        ("laser_link", "base_link", None),
+        ("lite_grey", "light_grey", "light_grey"),
+        ("front_left_wheel_joint", "front_left_steering_joint", None),
+        ("iiwa14_limits.xacro", "iiwa14.xacro", "iiwa14.xacro"),
+        ("wheel_left_link", "left_wheel_link", "left_wheel_link"),
+        ("leftThumbMotorRoll", "leftThumbRoll", "leftThumbRoll"),
+    ],
+)
+def test_a_name_with_another_word_is_not_another_spelling(name: str, known: str, near: str | None) -> None:
+    assert find_nearest_name(name, [known], likeness=0.6) == near
+
+
+def test_a_name_that_lacks_a_word_of_several_names_none_of_them() -> None:
+    assert find_nearest_name("right_wheel", ["front_right_wheel", "back_right_wheel"]) is None
+    assert find_nearest_name("right_wheel", ["front_right_wheel", "front_left_wheel"]) == "front_right_wheel"
+    assert find_nearest_name("rigth_wheel", ["right_wheel", "back_right_wheel"]) == "right_wheel"
+
+
 def test_a_name_is_edited_only_if_no_name_of_either_side_is_near() -> None:
     known = ["r_forearm_link", "forearm_link"]
     assert find_nearest_name("l_forearm_link", known) == "forearm_link"

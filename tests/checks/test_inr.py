@@ -289,11 +289,19 @@ def edit_tensor(finding: Finding, text: str) -> list[str]:
 
 def test_a_tensor_that_misses_by_little_becomes_the_nearest_about_its_own_com(tmp_path: Path) -> None:
     # The part that is drawn has another COM and another tensor, and both are the author's business.
-    text = make_arm(inertial(2, com="0.01 0.02 0.03", ixx="1.000000", iyy="2.000000", izz="3.030000") + BOX)
+    text = make_arm(inertial(2, com="0.01 0.02 0.03", ixx="0.200000", iyy="0.400000", izz="0.606000") + BOX)
     (finding,) = find(tmp_path, text, "INR003")
     assert "nearest" in (finding.fix.title if finding.fix else "")
-    assert edit_tensor(finding, text)[6:] == ["1.01502", "0", "0", "2.01502", "0", "3.030000"]
+    assert edit_tensor(finding, text)[6:] == ["0.203004", "0", "0", "0.403004", "0", "0.606000"]
     assert "0.01 0.02 0.03" in text
+
+
+def test_a_small_change_is_no_repair_of_a_tensor_that_is_far_from_the_drawn_part_s(tmp_path: Path) -> None:
+    text = make_arm(inertial(2, ixx="1.000000", iyy="2.000000", izz="3.030000") + BOX)
+    (finding,) = find(tmp_path, text, "INR003")
+    assert finding.fix is not None
+    assert "nearest" not in finding.fix.title
+    assert 'ixx="0.3333" iyy="0.3333" izz="0.3333" (the drawn part' in finding.fix.title
 
 
 @pytest.mark.parametrize("value", ["0.001", "1e-6"])
@@ -470,7 +478,7 @@ def test_a_mass_that_stands_for_none_is_in_no_wrong_unit(tmp_path: Path, rule: s
     light = inertial("1e-9") + '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
     (finding,) = find(tmp_path, make_arm(light, base=block(5.2, 0.2)), rule)
     assert finding.fix is not None
-    assert finding.fix.title.startswith("write the mass of the part: 1e-9 stands for none")
+    assert finding.fix.title.startswith("write the mass of the part (1e-9 stands for none")
 
 
 @pytest.mark.parametrize(("other", "unit"), [(11.7, "grams"), (151.3, None)])
@@ -745,3 +753,10 @@ def test_a_copied_tensor_names_all_its_links(tmp_path: Path) -> None:
 def test_a_frame_behind_a_joint_without_type_may_be_meant_as_fixed(tmp_path: Path) -> None:
     text = make_arm(SOUND, more=fixed("camera", "").replace('type="fixed"', ""))
     assert not [f for f in find(tmp_path, text, "INR001") if f.severity > Severity.INFO]
+
+
+def test_a_part_without_a_material_gets_a_mass_first(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_arm(inertial(1e-9, 0)), "INR004")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write the mass of the part (1e-9 stands for none")
+    assert finding.fix.title.endswith(", and the tensor")

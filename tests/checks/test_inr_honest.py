@@ -251,7 +251,7 @@ def test_a_com_that_disagrees_is_what_the_finding_says(tmp_path: Path) -> None:
     assert (finding.message_id, finding.severity) == ("disagrees", Severity.INFO)
     assert finding.headline == "arm: COM 15.7 mm from that of the drawn part"
     assert finding.fix is not None
-    assert 'write xyz="0 0 0.002437"' in finding.fix.title
+    assert 'for comparison: xyz="0 0 0.002437"' in finding.fix.title
 
 
 @pytest.mark.parametrize(("factor", "severity"), [(0.02, Severity.INFO), (0.005, Severity.WARNING)])

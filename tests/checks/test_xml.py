@@ -967,7 +967,8 @@ def test_an_attribute_for_isaac_gym_is_known(tmp_path: Path) -> None:
     [
         ('<gazebo><plugin name="p" filename="p.so"><ns>$(arg ns)</ns></plugin></gazebo>', "gazebo", Severity.WARNING),
         ('<gazebo reference="$(arg ns)"/>', "gazebo", Severity.WARNING),
-        ('<link name="$(arg ns)"/><gazebo reference="$(arg ns)"/>', "not_expanded", Severity.ERROR),
+        ('<link name="${ns}"/><gazebo reference="$(arg ns)"/>', "not_expanded", Severity.ERROR),
+        ('<link name="$(arg ns)"/><gazebo reference="$(arg ns)"/>', "part", Severity.WARNING),
     ],
 )
 def test_substitutions_that_only_gazebo_reads_are_a_warning(

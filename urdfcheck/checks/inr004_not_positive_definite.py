@@ -16,6 +16,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_triangle_excess,
     measure_tensor_rounding,
 )
+from urdfcheck.facts.inertials.placeholders import describe_unknown_mass
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_all_numbers
@@ -205,7 +206,9 @@ def _guess_cause(components: Sequence[float]) -> str | None:
     if _is_possible(diagonal_first):
         return "diagonal_first"
     # In the rows of the full matrix, xx xy xz | yx yy yz, the fourth number repeats the second.
-    return "rows" if components[1] == components[3] != 0 else None
+    xx, xy, xz, yx, yy, yz = components
+    is_possible_row = xx * yy > xy * xy and xx > 0.0 and (xy, xz, yz) != (xx, xx, xx)
+    return "rows" if xy == yx != 0 and is_possible_row else None
 
 
 def _check_singular_links(
@@ -294,7 +297,10 @@ def _collect_remedy(
     from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial
 
     remedy = _FORMULAS[message]
-    if placeholder is not None:
+    unknown = {describe_unknown_mass(declared.inertial.mass or 0.0) for declared in links}
+    if len(unknown) == 1 and unknown != {""}:
+        remedy = f"{unknown.pop()}, and the tensor"
+    elif placeholder is not None:
         remedy = "compute the tensor of each link from its mesh or dimensions and its mass"
     elif drawn := describe_drawn_inertial(model, links[0].link):
         remedy = f"write {drawn}" if len(links) == 1 else f"{links[0].link.name}: write {drawn}; the others likewise"

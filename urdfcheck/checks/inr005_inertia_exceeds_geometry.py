@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
@@ -26,15 +28,18 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
     list_half_units,
 )
-from urdfcheck.facts.inertials.materials import DENSEST_PART
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
-from urdfcheck.facts.mesh.convex_hull import compute_convex_hull, compute_least_volume
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
-from urdfcheck.model.inertials.inertial_hull import EnclosedInertial, enclosed_inertials, has_negligible_moment
+from urdfcheck.model.inertials.inertial_hull import (
+    EnclosedInertial,
+    enclosed_inertials,
+    has_negligible_moment,
+    is_stand_in,
+)
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import (
     compute_drawn_tensor,
@@ -62,13 +67,27 @@ _OTHER_PART = 100.0
 _ABOUT_ORIGIN = frozenset({"about_origin", "positive_notation"})
 # Moments that were computed from a shape are its own to within this share.
 _TYPED = 5e-3
+_LONE_FRAME = "remove the <inertial> if the link is only a frame, or "
 _LACKS_COM = ". Mass and tensor are the drawn part's: only the COM is missing"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Advice:
+    """What the report says about the repair of one link."""
+
+    repair: InertialRepair | None = None
+    remedy: str = ""
+    """How the advice begins, with the comma behind it: the numbers to write where a mistake is known."""
+    comparison: str = ""
+    """How the advice ends where none is: the drawn part's numbers. They are not a repair: mass or drawing may be wrong."""
+    explained: str = ""
+    """The end of the message, about the cause."""
 
 
 def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
     # Wheels with one inertia are one finding.
     findings = _check_each_link(model, rule, ratio=ratio, margin=margin)
-    yield from merge_identical(rule, findings, "link", varying=("computed",))
+    yield from merge_identical(rule, findings, "link", varying=("remedy", "comparison"))
 
 
 def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
@@ -84,7 +103,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
             continue
-        if (excess < VAST and _is_stand_in(part)) or has_unknown_mass(model, part.link, part.mass, declared.tensor):
+        if (excess < VAST and is_stand_in(part)) or has_unknown_mass(model, part.link, part.mass, declared.tensor):
             continue
         # The COM is then as likely to be wrong as the tensor.
         is_elsewhere = any(
@@ -94,20 +113,21 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         if unit is not None and not _has_other_unit(model, part.link.name, unit.name):
             in_unit.append((declared, is_vast))
             continue
-        repair, computed, explained = _propose(model, part, declared, ratio=ratio, excess=excess)
+        advice = _advise(model, part, declared, ratio=ratio, excess=excess)
         is_uneven = not is_elsewhere and not any(
             has_excess_moment(points, part.com, part.covariance, margin * measure_extent(points))
             for points in part.readings
         )
-        if is_uneven and repair is None:
-            computed = _describe_odd_moment(model, declared) or computed
+        if is_uneven and advice.repair is None and (odd := _describe_odd_moment(model, declared)):
+            advice = _Advice(remedy=f"{odd}, or ", explained=advice.explained)
         yield rule.finding(
             "com" if is_elsewhere else "uneven" if is_uneven else "exceeds",
             at=declared.element,
             severity=Severity.ERROR if is_vast else None,
-            edits=() if repair is None else repair.edits,
-            computed=computed,
-            explained=explained,
+            edits=() if advice.repair is None else advice.repair.edits,
+            remedy=advice.remedy,
+            comparison=advice.comparison,
+            explained=advice.explained,
             link=part.link.name,
             ratio=float(f"{excess:.3g}"),
             wider=float(f"{excess**0.5:.3g}"),
@@ -161,19 +181,8 @@ def _build_unit_finding(
     )
 
 
-def _is_stand_in(part: EnclosedInertial) -> bool:
-    """Whether no part of any ordinary material is so heavy in the hull: then the drawing is that of a smaller thing, such as the
-    rod in the middle of a leg."""
-    with np.errstate(all="ignore"):  # other rules report impossible numbers
-        if any(part.mass <= DENSEST_PART * compute_least_volume(points) for points in part.readings):
-            return False
-        return part.mass > DENSEST_PART * max(compute_convex_hull(points).volume for points in part.readings) > 0.0
-
-
-def _propose(
-    model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, ratio: float, excess: float
-) -> tuple[InertialRepair | None, str, str]:
-    """Return a repair, what the advice says about it, and the end of the message about its cause."""
+def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, ratio: float, excess: float) -> _Advice:
+    """Say what is known of the repair: the numbers of one mistake undone, or only those of the drawn part to compare with."""
     diagnosed = inertial_diagnoses(model).get(part.link.name)
     is_explained = (
         diagnosed is not None
@@ -182,31 +191,31 @@ def _propose(
     )
     if diagnosed is not None and is_explained and (undo := propose_undo(model, part.link)) is not None:
         if diagnosed.diagnosis.cause == "com_missing" and lacks_only_com(model, part.link):
-            return undo, f"write {undo.words}", _LACKS_COM
+            return _Advice(undo, f"write {undo.words}, or ", explained=_LACKS_COM)
         mistake = describe_mistake(diagnosed.diagnosis.cause or "", diagnosed.diagnosis.detail)
-        return undo, f"write {undo.words} if that is the mistake", f". One mistake explains it: {mistake}"
+        explained = f". One mistake explains it: {mistake}"
+        return _Advice(undo, f"write {undo.words} if that is the mistake, or ", explained=explained)
     is_known = has_drawn_shape(part.link) and part.is_drawn and len(part.readings) == 1
     drawn = describe_drawn_inertial(model, part.link, with_com=has_com_apart(model, part.link)) if is_known else ""
-    computed = f"write {drawn}" if drawn else _describe_computation(part)
-    if (like_others := _propose_undo_of_others(model, part, declared, ratio=ratio)) is not None:
-        return None, *like_others
+    unknown = _Advice(
+        remedy=_LONE_FRAME if _is_lone_frame(part) else "", comparison=drawn and f"; for comparison: {drawn}"
+    )
+    if (like_others := _advise_undo_of_others(model, part, declared, ratio=ratio)) is not None:
+        return like_others
     if part.link.name in (about_root := find_root_tensors(model)):
         root = f"the origin of {model.tree.root}, the root link"
-        return (
-            None,
-            computed,
-            f". Of {len(about_root)} links the tensor is the drawn part's about {root}, not about the COM",
-        )
+        explained = f". Of {len(about_root)} links the tensor is the drawn part's about {root}, not about the COM"
+        return _Advice(remedy=f"write {drawn}, or " if drawn else "", explained=explained)
     if excess >= VAST and (unit := _guess_unit(model, part, ratio)) is not None:
         name, factor = unit
         tensor = [
             f'{axis}="{factor * value:.6g}"' for axis, value in zip(TENSOR_NAMES, declared.components, strict=True)
         ]
         fits = f". The same numbers fit the drawn part in {name}"
-        return None, f"write {' '.join(tensor)} if they are in {name}", fits
+        return _Advice(remedy=f"write {' '.join(tensor)} if they are in {name}, or ", explained=fits)
     if is_known and lacks_only_com(model, part.link):
-        return None, computed, _LACKS_COM
-    return None, computed, _describe_missing_com(model, part.link)
+        return _Advice(remedy=f"write {drawn}, or " if drawn else "", explained=_LACKS_COM)
+    return replace(unknown, explained=_describe_missing_com(model, part.link))
 
 
 def _describe_odd_moment(model: Model, declared: DeclaredTensor) -> str:
@@ -222,21 +231,15 @@ def _describe_odd_moment(model: Model, declared: DeclaredTensor) -> str:
     return f'write {name}="{wanted[off[0]]:.4g}", as the shape has: the other moments are its own'
 
 
-def _describe_computation(part: EnclosedInertial) -> str:
-    """Say where the numbers of a part come from that are not known."""
-    if not part.is_drawn:
-        return "compute them from the real part"
-    if has_drawn_shape(part.link):
-        return "compute them from the mesh"
-    if part.is_single_link or part.mass_share == 1.0:
-        return "compute them from the parts that belong to it"
-    return "remove the <inertial> if the link is only a frame"
+def _is_lone_frame(part: EnclosedInertial) -> bool:
+    """Whether a link draws nothing, and what it is fixed to has most of the mass: it may be a frame that needs no inertial."""
+    return part.is_drawn and not has_drawn_shape(part.link) and not part.is_single_link and part.mass_share != 1.0
 
 
-def _propose_undo_of_others(
+def _advise_undo_of_others(
     model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, ratio: float
-) -> tuple[str, str] | None:
-    """Return what the advice and the message say where other links have their tensors about the link's origin, and without this
+) -> _Advice | None:
+    """Return the advice where other links have their tensors about the link's origin, and without this
     mistake the tensor is possible inside the geometry; None elsewhere."""
     causes = {
         name: judged.diagnosis.cause
@@ -258,9 +261,9 @@ def _propose_undo_of_others(
         return None
     numbers = DeclaredInertial(mass=part.mass, com=matrix[:3, 3], tensor=undone, rotation=rotation)
     what, names = describe_mistake(next(iter(causes.values())) or "", ""), join_names(causes)
-    return (
-        f"write {build_inertial_repair(inertial, numbers).text} if it has the mistake of {names} (INR009)",
-        f". It is possible without the mistake of {names}: {what}",
+    return _Advice(
+        remedy=f"write {build_inertial_repair(inertial, numbers).text} if it has the mistake of {names} (INR009), or ",
+        explained=f". It is possible without the mistake of {names}: {what}",
     )
 
 

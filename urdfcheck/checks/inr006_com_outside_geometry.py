@@ -13,7 +13,12 @@ from urdfcheck.core.text import format_length
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
+from urdfcheck.model.inertials.inertial_hull import (
+    NEGLIGIBLE_SHARE,
+    EnclosedInertial,
+    enclosed_inertials,
+    is_stand_in,
+)
 from urdfcheck.model.inertials.shared_mistakes import measure_turn_of_tensor
 from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
@@ -40,7 +45,7 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
         distances = [(measure_hull_distance(points, part.com), measure_extent(points)) for points in part.readings]
         # If programs disagree about the size (MSH008) or the up axis of a mesh, it must be outside in all readings.
         distance, size = min(distances, key=lambda pair: pair[0] / pair[1] if pair[1] else 0.0)
-        if not size or distance <= margin * size:
+        if not size or distance <= margin * size or (distance < size and is_stand_in(part)):
             continue
         sign = _find_sign_repair(model, part)
         missing = sign is None and not any(part.inertial.origin.xyz or ())

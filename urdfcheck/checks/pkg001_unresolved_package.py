@@ -90,7 +90,7 @@ def _build_finding(
         remedy=f"--package {shlex.quote(package)}=FOLDER" if package and kind == "expansion" else "",
         files=files,
         amount=format_count(len(files), "file"),
-        listed=join_names([get_path_in_package(f, package) for f in files], 3),
+        listed=join_names([get_path_in_package(f, package) or f for f in files], 3),
         looked=source.finder.describe_search_places(),
         places="; ".join(source.finder.describe_search_places()),
         near=near,

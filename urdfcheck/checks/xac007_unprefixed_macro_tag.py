@@ -37,6 +37,11 @@ WITHOUT_INERTIA = {
 }
 
 
+# Rules whose findings say what a robot lacks, or measure it as a whole: without the parts of a call it is not the author's robot.
+_RULES_ABOUT_WHOLE_ROBOTS = (
+    *("COL003", "CTL001", "CTL002", "CTL004", "CTL007", "DYN004", "DYN005", "DYN006", "DYN007", "GZB001", "INR015"),
+    *("INR016", "JNT009", "KIN005", "KIN010", "LCH005", "SRD001", "SRD003"),
+)
 # Tags that only give a name a value.
 _VALUE_TAGS = frozenset({"property", "arg"})
 
@@ -98,15 +103,17 @@ def _is_dead(source: Source, element: Element) -> bool:
 def _sort_by_weight(source: Source, elements: Sequence[Element]) -> list[Element]:
     """Return elements in the order of what the robot misses: calls that make links or joints, what else makes something,
     values."""
-    macros = collect_macros(source.trees)
 
     def weigh(element: Element) -> int:
-        macro = macros.get(element.tag)
-        if macro is not None and any(made.tag in {"link", "joint"} for made in macro.element.walk()):
-            return 0
-        return 2 if element.tag in _VALUE_TAGS else 1
+        return 0 if _makes_parts(source, element) else 2 if element.tag in _VALUE_TAGS else 1
 
     return sorted(elements, key=weigh)
+
+
+def _makes_parts(source: Source, call: Element) -> bool:
+    """Whether the macro that a tag would call makes links or joints."""
+    macro = collect_macros(source.trees).get(call.tag)
+    return macro is not None and any(made.tag in {"link", "joint"} for made in macro.element.walk())
 
 
 def _describe_consequences(source: Source, elements: Sequence[Element]) -> dict[str, str]:
@@ -129,13 +136,10 @@ def _list_explained(source: Source) -> list[str]:
     if root is None:
         return []
     # The links of a robot without links are in the macros that it does not call, and so is its mass.
-    explained = [
-        f"{code} {root.subject}" for code in ("KIN007", "INR015", "INR001") if has_unprefixed_calls(source, root)
-    ]
-    made = collect_uncalled_links(source.trees, root)
-    explained += _list_joints_to(made, root)
-    blocks = (block for block in root.find_children("gazebo") if block.get("reference") in made)
-    return explained + [f"GZB001 {block.subject}" for block in blocks]
+    explained = [f"{code} {root.subject}" for code in ("KIN007", "INR001") if has_unprefixed_calls(source, root)]
+    if any(_makes_parts(source, call) for call in find_unprefixed_tags(source.trees, root, only_calls=True)):
+        explained += [f"{code} *" for code in _RULES_ABOUT_WHOLE_ROBOTS]
+    return explained + _list_joints_to(collect_uncalled_links(source.trees, root), root)
 
 
 def _list_joints_to(made: set[str], root: Element) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import format_count, truncate_text
+from urdfcheck.core.text import format_count, join_names, truncate_text
 from urdfcheck.source.load import RESULT_OF_XACRO, Source, has_unbound_xacro
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, SUBSTITUTION, is_unexpanded, iter_urdf_elements
@@ -24,6 +24,7 @@ CONSEQUENCES = {
 }
 
 
+_ARGUMENT = re.compile(r"\$\(arg ([\w.-]+)\)")
 # What xacro reads and writes nothing for.
 _DEFINITIONS = frozenset({"<xacro:arg>", "<xacro:macro>", "<xacro:property>"})
 
@@ -75,6 +76,16 @@ def _build_plain_finding(
     if remaining and not has_read:
         text = _shorten_expression(text)
         return rule.finding("gazebo", at=where, severity=Severity.WARNING, text=text, held=held)
+    if remaining and (names := _list_handed_arguments(texts)):
+        return rule.finding(
+            "part",
+            at=where,
+            severity=Severity.WARNING,
+            consequences=_predict_mesh_consequences(iter_urdf_elements(root)),
+            held=held,
+            names=join_names(names),
+            count=format_count(len(names), "argument"),
+        )
     if remaining:
         return rule.finding(
             "not_expanded",
@@ -98,6 +109,14 @@ def _build_plain_finding(
         held=held,
         launch=launch,
     )
+
+
+def _list_handed_arguments(texts: Sequence[str]) -> list[str]:
+    """List the arguments that a file reads where it holds nothing else of xacro, so that only a file that includes it can give
+    them. Empty elsewhere."""
+    names = [match[1] for text in texts for match in _ARGUMENT.finditer(text)]
+    is_alone = all(not is_unexpanded(_ARGUMENT.sub("", text)) and not text.startswith("<") for text in texts)
+    return list(dict.fromkeys(names)) if is_alone else []
 
 
 def _is_left_over(source: Source, texts: Iterable[str]) -> bool:

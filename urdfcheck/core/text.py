@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 
 # A name this much like another is a slip of it. `leftThumbMotorRoll` may mean `leftThumbRoll`, which is worth a question, but
@@ -15,6 +16,10 @@ _SIDES = frozenset({"l", "left", "r", "right"})
 # From so many times on, a share is told as a factor.
 _MANY_TIMES = 10
 _DIGITS = re.compile(r"\d")
+# Names that are looked at for a spelling, and the share of letters that two spellings of one word have in common.
+_MOST_ALIKE = 5
+# Few slips change the first letter: `laser` is not `base`.
+_SAME_WORD, _SAME_BUT_FIRST_LETTER = 0.65, 0.8
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
 
@@ -22,20 +27,40 @@ def find_nearest_name(name: str, known: Iterable[str], likeness: float = 0.75) -
     """Return the known name that is spelled most like ``name``, or None (likeness 1 is equal, 0.75 shares most letters).
 
     A name that differs only in its digits is another part of the same kind, not another spelling; one with other sides is a
-    part elsewhere: ``r_gripper_palm`` is not ``r_gripper_l_finger``.
+    part elsewhere: ``r_gripper_palm`` is not ``r_gripper_l_finger``. Nor is a name with another word a spelling:
+    ``front_left_calf`` is not ``front_left_foot``, however many letters they share. A name that lacks a word of several others
+    names none of them: ``right_wheel`` beside ``front_right_wheel`` and ``rear_right_wheel``.
     """
     sides = _find_sides(name)
-    return _find_similar_name(name, (o for o in known if not sides or _find_sides(o) in (set(), sides)), likeness)
+    same_side = (o for o in known if not sides or _find_sides(o) in (set(), sides))
+    spellings = [o for o in _list_similar_names(name, same_side, likeness) if not _has_other_word(name, o)]
+    is_one_of_several = len(spellings) > 1 and all(_count_words(name) < _count_words(other) for other in spellings[:2])
+    return spellings[0] if spellings and not is_one_of_several else None
 
 
-def _find_similar_name(name: str, known: Iterable[str], likeness: float) -> str | None:
-    """Return the name with most letters in common, on whatever side, or None."""
+def _list_similar_names(name: str, known: Iterable[str], likeness: float) -> list[str]:
+    """List the names with most letters in common, on whatever side, the most similar first."""
     letters = _DIGITS.sub("", name)
     candidates = sorted(other for other in set(known) - {""} if _DIGITS.sub("", other) != letters)
     import difflib  # few names are misspelt
 
-    close = difflib.get_close_matches(name, candidates, n=1, cutoff=likeness)
-    return close[0] if close else None
+    return difflib.get_close_matches(name, candidates, n=_MOST_ALIKE, cutoff=likeness)
+
+
+def _has_other_word(name: str, other: str) -> bool:
+    """Whether each of two names has words that the other one lacks, and these are not spellings of each other."""
+    import difflib
+
+    ours, theirs = _count_words(name), _count_words(other)
+    only_ours, only_theirs = ("".join((one - two).elements()) for one, two in ((ours, theirs), (theirs, ours)))
+    if not only_ours or not only_theirs:
+        return False
+    least = _SAME_WORD if only_ours[0] == only_theirs[0] else _SAME_BUT_FIRST_LETTER
+    return difflib.SequenceMatcher(None, only_ours, only_theirs).ratio() < least
+
+
+def _count_words(name: str) -> Counter[str]:
+    return Counter(map(str.lower, split_name_words(name)))
 
 
 def _find_sides(name: str) -> set[str]:
@@ -46,7 +71,7 @@ def _find_sides(name: str) -> set[str]:
 def find_only_near_name(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
     """Return the known name that is spelled like ``name`` if it is the only one: an edit may write it."""
     near = find_nearest_name(name, known, likeness)
-    return None if near is None or _find_similar_name(name, set(known) - {near}, likeness) else near
+    return None if near is None or _list_similar_names(name, set(known) - {near}, likeness) else near
 
 
 def format_name_hint(name: str, known: Iterable[str]) -> str:

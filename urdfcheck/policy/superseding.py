@@ -18,7 +18,8 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
     The stronger finding lists the dropped codes in its data (``hides``). A finding is dropped if all elements of its subjects
     belong to stronger findings. A finding about a difference, which names one element in its subjects and all in its data
     (``between``), is dropped if one of these does. A finding that is the cause of others names them in its data
-    (``explains``: ``JNT007 joint[knee]``), whatever their pages say; these are dropped too. A finding that takes the place of
+    (``explains``: ``JNT007 joint[knee]``, or ``JNT007 *`` for all of a rule), whatever their pages say; these are dropped too. A
+    finding that takes the place of
     the one for which the model could not be checked is the cause in its stead.
     """
     findings = list(findings)
@@ -46,7 +47,10 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
             if (code, element) in index_by_element
         }
         superseding |= {
-            element: explained[finding.code, element] for element in elements if (finding.code, element) in explained
+            element: explained[finding.code, place]
+            for element in elements
+            for place in ("*", element)
+            if (finding.code, place) in explained
         }
         if elements <= superseding.keys() or between & superseding.keys():
             dropped.add(index)

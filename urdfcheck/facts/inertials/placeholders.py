@@ -57,7 +57,7 @@ def describe_unknown_mass(mass: float) -> str:
     """Say what to do about the ``mass`` (kg) that a program writes where it knows none; empty for any other mass."""
     if mass != _UNKNOWN_MASS:
         return ""
-    return "write the mass of the part: 1e-9 stands for none (onshape-to-robot writes it for parts without a material)"
+    return "write the mass of the part (1e-9 stands for none: onshape-to-robot writes it for parts without a material)"
 
 
 def is_unknown_mass(mass: float, tensor: Array, solid: Solid) -> bool:

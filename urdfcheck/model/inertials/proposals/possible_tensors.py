@@ -17,7 +17,7 @@ from urdfcheck.model.inertials.proposals.slip_repairs import (
     propose_slipped_moment,
 )
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal, is_possible_tensor
-from urdfcheck.model.inertials.proposals.tensor_sizes import propose_other_size
+from urdfcheck.model.inertials.proposals.tensor_sizes import is_unlike_drawn, propose_other_size
 from urdfcheck.model.inertials.proposals.undone_mistakes import propose_undo
 from urdfcheck.model.inertials.proposals.zero_moments import describe_zero_moments, has_lost_moment
 from urdfcheck.model.parts import Link
@@ -41,7 +41,8 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
 
     In this order: products that were filled in; the one mistake that explains the numbers, by the drawn part or a twin; the only
     number in which a link of the same mass and shape differs; other signs of the products; where little is missing, or the digits
-    are too few, the nearest tensor that a body can have, about the author's own COM. Only then the inertia of the drawn part.
+    are too few, the nearest tensor that a body can have, about the author's own COM, unless the drawn part's is far from it. Only
+    then the inertia of the drawn part.
     """
     declared = model.tensor_by_name.get(link.name)
     if declared is None:
@@ -74,9 +75,10 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     if other_size is not None:
         return other_size
     change = find_nearest_tensor(declared.components)[1]
-    if is_rounded and (change < _LARGEST_CHANGE or not is_drawn_otherwise(model, declared)):
+    is_near = change < _LARGEST_CHANGE and not is_unlike_drawn(model, declared)
+    if is_rounded and (is_near or not is_drawn_otherwise(model, declared)):
         return propose_nearest(declared, "digits", digits=typed.typed_digits + _MORE_DIGITS)
-    if change < _LARGEST_CHANGE:
+    if is_near:
         return propose_nearest(declared, None)
     drawn = describe_possible_inertial(model, link)
     return InertialProposal(message=describe_zero_moments(declared), remedy=f"write {drawn}, or " if drawn else "")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
+from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_tensor, describe_possible_inertial
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 from urdfcheck.model.parts import DeclaredTensor
@@ -14,6 +15,8 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 # The moments of all mass at twice the drawn part's size exceed those of any part like it: no small change makes a tensor right
 # that has more.
 _OTHER_SIZE = 1.0
+# Real parts are not uniform, but a principal moment that is so many times the drawn part's, or a part of it, is another number.
+_UNLIKE = 2.0
 
 
 def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialProposal | None:
@@ -26,6 +29,16 @@ def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialPropos
     times, least = _format_factor(_compare_with_drawn(model, declared)), _format_factor(excess)
     claim = f"; for this mass the moments are {times} times the drawn part's, and at least {least} times what its size allows"
     return InertialProposal(message=claim, remedy=f"write {drawn}, or " if drawn else "", oversize=times)
+
+
+def is_unlike_drawn(model: Model, declared: DeclaredTensor) -> bool:
+    """Whether a link draws a closed solid, and a principal moment is less than half or more than twice that solid's: then a small
+    change that makes the tensor possible does not make it right."""
+    geometry, drawn = measure_link_geometry(model, declared.link), compute_drawn_tensor(model, declared)
+    if geometry is None or not geometry.closed or drawn is None:
+        return False
+    moments, wanted = compute_principal_moments(declared.tensor)[0], compute_principal_moments(drawn)[0]
+    return bool(((moments > _UNLIKE * wanted) | (_UNLIKE * moments < wanted)).any())
 
 
 def _measure_size_excess(model: Model, declared: DeclaredTensor) -> float:
