@@ -162,17 +162,3 @@ def test_boxes_around_two_drawings_that_differ_are_right(tmp_path: Path, height:
 def write_boxes(path: Path, boxes: list[tuple[tuple[float, float, float], tuple[float, float, float]]]) -> None:
     parts = [trimesh.creation.box(size, trimesh.transformations.translation_matrix(place)) for size, place in boxes]
     trimesh.util.concatenate(parts).export(path)
-
-
-@pytest.mark.parametrize(("root", "found"), [("world", False), ("mount", True)])
-def test_the_mass_of_what_is_bolted_to_the_world_plays_no_part(tmp_path: Path, root: str, found: bool) -> None:
-    text = robot(
-        link(root),
-        link("stand", inertial(10, 0.1), visual(box("0.2 0.2 0.2"))),
-        joint("j0", root, "stand", kind="fixed"),
-        link("dial", inertial(0.001, 1e-6), visual(box("0.02 0.02 0.02"))),
-        joint("j1", "stand", "dial", kind="continuous"),
-        link("arm", inertial(5, 0.1), visual(box("0.2 0.2 0.2"))),
-        joint("j2", "stand", "arm", kind="continuous"),
-    )
-    assert bool(find(tmp_path, text, "INR011", pedantic=True)) == found

@@ -42,6 +42,20 @@ def test_a_check_that_crashes_is_URC900_and_exit_2_and_the_others_run(
     assert compute_exit_code(outcome, "never") == FAILED
 
 
+@pytest.mark.parametrize(("library", "is_skipped"), [("scipy.optimize", True), ("numpy", False)])
+def test_a_library_that_urdfcheck_core_leaves_out_skips_a_check_and_any_other_is_a_crash(
+    library: str, is_skipped: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def lack(*_: object, **__: object) -> Iterator[Finding]:
+        raise ModuleNotFoundError(f"No module named {library!r}", name=library)
+
+    monkeypatch.setattr("urdfcheck.run.unit_audit.load_check", lambda rule: lack)
+    outcome = check_text(tmp_path, f'<robot name="r"><link name="a">{INERTIA}</link></robot>', codes={"INR004"})
+    reasons = [skip.reason for skip in outcome.skipped]
+    assert reasons == (["scipy is not installed (it comes with urdfcheck, not with urdfcheck-core)"] * is_skipped)
+    assert bool(outcome.failures) != is_skipped
+
+
 AUDIT = pipeline._audit_in_worker
 
 

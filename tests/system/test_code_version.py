@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.system import code_version
+from urdfcheck.system import installation
 
 GROUPS = (
     ("urdfcheck.facts.mesh", "urdfcheck.model.meshes"),
@@ -17,21 +17,21 @@ GROUPS = (
 
 @pytest.fixture(autouse=True)
 def start_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(code_version, "_recalled", {})
-    monkeypatch.setattr(code_version, "_digest_module", code_version.cache(code_version._digest_module.__wrapped__))
+    monkeypatch.setattr(installation, "_recalled", {})
+    monkeypatch.setattr(installation, "_digest_module", installation.cache(installation._digest_module.__wrapped__))
 
 
 def list_versions(monkeypatch: pytest.MonkeyPatch, folder: Path | None) -> tuple[list[str], bool]:
     """The versions as a new process computes them, and whether it reads sources for that."""
-    code_version._recalled.clear()
-    code_version._digest_module.cache_clear()
+    installation._recalled.clear()
+    installation._digest_module.cache_clear()
     read: list[Path] = []
     with monkeypatch.context() as patch:
         read_bytes = Path.read_bytes
         patch.setattr(Path, "read_bytes", lambda path: read.append(path) or read_bytes(path))  # type: ignore[func-returns-value]
         if folder is not None:
-            code_version.recall_digests(folder)
-        versions = [code_version.compute_code_version(*modules, library="x") for modules in GROUPS]
+            installation.recall_digests(folder)
+        versions = [installation.compute_code_version(*modules, library="x") for modules in GROUPS]
     return versions, any(path.suffix == ".py" for path in read)
 
 
@@ -50,13 +50,13 @@ def test_a_damaged_copy_and_another_installation_read_the_sources(
     (kept,) = (tmp_path / "code").iterdir()
     kept.write_bytes(kept.read_bytes()[:-9])
     assert list_versions(monkeypatch, tmp_path) == direct
-    monkeypatch.setattr(code_version, "compute_installation_stamp", lambda: "0" * 64)
+    monkeypatch.setattr(installation, "compute_installation_stamp", lambda: "0" * 64)
     assert list_versions(monkeypatch, tmp_path) == direct
 
 
 def test_a_changed_module_has_another_version(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     before, _ = list_versions(monkeypatch, None)
-    changed = Path(code_version.__file__).parent.parent / "facts" / "arrays.py"
+    changed = Path(installation.__file__).parent.parent / "facts" / "arrays.py"
     read_bytes = Path.read_bytes
     monkeypatch.setattr(Path, "read_bytes", lambda path: read_bytes(path) + b"#" * (path == changed))
     after, _ = list_versions(monkeypatch, None)

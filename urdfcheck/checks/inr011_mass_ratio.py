@@ -10,7 +10,6 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
 
 # A shaft of some grams on a vehicle of a tonne is a part (kg); a milligram is a placeholder, or another unit.
@@ -40,14 +39,13 @@ class _JointMasses:
 
 def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[Finding]:
     pairs = [pair for pair in _collect_joint_masses(model) if not _has_no_mass(model, pair)]
-    root, bolted = frozenset(model.tree.list_body_links(model.tree.root)), list_bolted_links(model)
+    root = frozenset(model.tree.list_body_links(model.tree.root))
     # The slack keeps 1/1000 itself, which has no exact double, from being below 1/1000.
     most = light * (1 - 1e-9)
     lighter = [
         pair
         for pair in pairs
         if pair.ratio < most
-        and pair.joint.parent not in bolted
         and not _is_small_part(model, pair)
         and not (pair.joint.parent in root and _is_on_stand(model, pair, most))
     ]

@@ -31,7 +31,7 @@ def start_warm_worker(tier: str | None = None, cache: Path | None = None) -> Wor
     """
     from urdfcheck.rules import load_rules, recall_rules
     from urdfcheck.system import libraries, process_pool
-    from urdfcheck.system.code_version import recall_digests
+    from urdfcheck.system.installation import recall_digests
 
     if not process_pool.FORKS:
         return None

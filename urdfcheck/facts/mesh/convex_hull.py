@@ -9,6 +9,7 @@ most points at once. The rest is compared with every face.
 from __future__ import annotations
 
 from itertools import combinations, product
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -68,9 +69,25 @@ class _CentredPoints:
     """(3, n)"""
 
 
+def _load_hulls() -> ModuleType:
+    """Load what computes hulls: a module with ``ConvexHull`` and ``QhullError``.
+
+    :raises ImportError: when neither scipy nor Manifold is installed.
+    """
+    try:
+        return load_qhull()
+    except ImportError:
+        from urdfcheck.system import manifold_hull
+
+        return manifold_hull
+
+
 def compute_convex_hull(points: Array) -> MeshHull:
-    """Compute the convex hull of ``points`` (n, 3); of more than `MOST_EXACT`, within `MOST_EXCESS`."""
-    qhull = load_qhull()
+    """Compute the convex hull of ``points`` (n, 3); of more than `MOST_EXACT`, within `MOST_EXCESS`.
+
+    :raises ImportError: when neither scipy nor Manifold is installed.
+    """
+    qhull = _load_hulls()
     try:
         bounded = _bound_hull(points) if len(points) > MOST_EXACT else None
         hull = bounded or qhull.ConvexHull(points)
@@ -117,7 +134,7 @@ def _bound_hull(points: Array) -> ConvexHull | None:
     The first are the outermost in many directions. Of the points outside, the farthest from each face follow, as in quickhull
     (Barber, Dobkin and Huhdanpaa, *The quickhull algorithm for convex hulls*, 1996), until there are none.
     """
-    qhull = load_qhull()
+    qhull = _load_hulls()
     seen = _centre_points(points)
     if seen is None:
         return None

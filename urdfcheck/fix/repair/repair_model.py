@@ -25,7 +25,7 @@ from urdfcheck.fix.repair.steps import STAGES, RepairOptions, RepairStep
 from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit
 from urdfcheck.source.reach import is_below
-from urdfcheck.system import libraries, sandbox
+from urdfcheck.system import installation, libraries, sandbox
 from urdfcheck.system.process_pool import WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 # How often the elements that a stage makes worse are left out before it is left out whole.
@@ -249,6 +249,11 @@ def _plan_in_worker(
         return f"planning the stage {stage} took more than {limits.seconds:g} s (--timeout)"
     except UrdfcheckError as error:
         return str(error)
+    except ImportError as error:
+        missing = installation.describe_left_out(error)
+        if missing is None:
+            raise
+        return f"the stage {stage} cannot be planned: {missing}"
     except MemoryError:
         return f"planning the stage {stage} takes more than {limits.memory} MiB (--memory)"
 

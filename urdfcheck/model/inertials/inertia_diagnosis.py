@@ -36,7 +36,7 @@ from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.repeated_drawings import find_repeated_drawings
-from urdfcheck.system.code_version import compute_code_version
+from urdfcheck.system.installation import compute_code_version
 
 # The modules and packages that decide a verdict, besides the numbers and the drawing.
 _CODE_MODULES = (

@@ -20,7 +20,7 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.source.text.values import read_attribute_number
-from urdfcheck.system.code_version import compute_code_version, find_library_origin
+from urdfcheck.system.installation import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

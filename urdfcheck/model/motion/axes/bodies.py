@@ -15,7 +15,7 @@ from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
-from urdfcheck.system.code_version import compute_code_version, find_library_origin
+from urdfcheck.system.installation import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Mat4

@@ -27,7 +27,7 @@ from urdfcheck.model.parts import Joint, Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS
 from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
-from urdfcheck.system.code_version import compute_code_version, find_library_origin
+from urdfcheck.system.installation import compute_code_version, describe_left_out, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices
@@ -218,8 +218,8 @@ def make_colliders(placed: Sequence[PlacedGeometry]) -> Colliders:
     """
     try:
         return Colliders(placed)
-    except ImportError:
-        raise FactUnavailableError("coal is not installed (there are no wheels of it for this platform)") from None
+    except ImportError as error:
+        raise FactUnavailableError(describe_left_out(error) or str(error)) from None
 
 
 def make_geometry(model: Model, shape: Shape) -> CollisionGeometry:
