@@ -314,7 +314,8 @@ class _UnitAudit:
         if self.options.index and source is not None:
             from urdfcheck.export.index.index_builder import build_index  # only editors pay for it
 
-            self.index = self.run_guarded("server", lambda: build_index(source, self.model, self.unit.id))
+            build = partial(build_index, with_expansion=self.options.expansion)
+            self.index = self.run_guarded("server", lambda: build(source, self.model, self.unit.id))
 
     def run_drop_test(self, model: Model) -> DropTest | None:
         """Drop the model on a plane; None where that is impossible."""

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from urdfcheck.policy.policy import TIERS
 from urdfcheck.server.check_client import CheckClient, CheckProcessError
-from urdfcheck.server.check_messages import CheckAnswer, CheckJob
+from urdfcheck.server.check_messages import CheckAnswer, CheckJob, RenameWish
 from urdfcheck.server.diagnostics import CheckedState
 from urdfcheck.server.documents import DocumentStore, OpenDocument
 from urdfcheck.server.index_store import IndexStore
@@ -95,6 +95,14 @@ class CheckSchedule:
         """
         return await self.client.run_job(self._make_job(None, [only.path], fixes=True))
 
+    async def find_rename(self, wish: RenameWish) -> CheckAnswer:
+        """Return the edits of a renaming, or why there are none. It does not wait for the job that computes everything.
+
+        :raises CheckProcessError: if the check process died.
+        """
+        self._interrupt()
+        return await self.client.run_job(self._make_job(None, [wish.path], rename=wish))
+
     def _interrupt(self) -> None:
         """End the job that computes everything; the fast one is rather finished."""
         if self._running is None and len(self._delays) > 1:
@@ -174,7 +182,13 @@ class CheckSchedule:
         self._answered = asyncio.Event()
 
     def _make_job(
-        self, tier: str | None, paths: list[str], *, has_index: bool = False, fixes: bool = False
+        self,
+        tier: str | None,
+        paths: list[str],
+        *,
+        has_index: bool = False,
+        fixes: bool = False,
+        rename: RenameWish | None = None,
     ) -> CheckJob:
         self._numbers += 1
         forgets, self._forgets = self._forgets, False
@@ -187,6 +201,7 @@ class CheckSchedule:
             index=has_index,
             forgets=forgets,
             fixes=fixes,
+            rename=rename,
         )
 
 
