@@ -151,6 +151,7 @@ def _build_report(resolver: ConfigResolver, config: Config, path: Path, *, basel
         ),
         make_setting("target", ", ".join(effective.policy.targets), on_command_line=given.target is not None),
         make_setting("exclude", ", ".join(config.exclude)),
+        *(Setting("exclude", pattern, COMMAND_LINE) for pattern in given.exclude),
         *(Setting("packages", f"{n} = {format_path(p)}", at["packages", n]) for n, p in config.packages.items()),
         make_setting("package-path", ", ".join(map(format_path, config.package_path))),
         Setting("baseline", "", DEFAULT)
