@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.version import __version__
 
 

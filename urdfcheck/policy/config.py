@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.suppression import SuppressionEntry
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.toml import Key

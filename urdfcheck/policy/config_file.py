@@ -8,8 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import tomli
-
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.policy.config import (
     OWN_FILE,
@@ -90,6 +88,8 @@ def _read_text(path: Path) -> str:
 
 
 def _parse_toml(path: Path, text: str) -> dict[str, Any]:
+    import tomli  # most repositories have no configuration
+
     try:
         table: dict[str, Any] = tomli.loads(text)
         return table

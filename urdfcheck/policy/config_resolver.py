@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.baseline import DEFAULT_NAME, STALE_BASELINE
 from urdfcheck.policy.config import Config, Section
 from urdfcheck.policy.config_file import read_folder_config

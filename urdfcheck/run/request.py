@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import TIERS, Policy
 from urdfcheck.run.jobs import SAMPLES, AuditOptions, PackageFolders, Request

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from urdfcheck.core import Edit, Finding
+from urdfcheck.core.records import dataclass
 from urdfcheck.export.index.source_index import SourceIndex
 
 HEADER = struct.Struct("<Q")

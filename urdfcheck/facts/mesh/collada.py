@@ -12,13 +12,13 @@ import logging
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 from xml.parsers import expat
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
 from urdfcheck.system.encodings import UnreadableEncodingError, decode_xml
 

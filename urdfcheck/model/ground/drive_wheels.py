@@ -8,9 +8,9 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_shape_corners

@@ -15,6 +15,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
 )
 from urdfcheck.facts.inertials.mistakes.mixing_mistakes import ABOUT_ORIGIN, TENSOR_ALONE
+from urdfcheck.facts.median import compute_medians
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import APPROXIMATIONS, SIMILAR, measure_difference
@@ -128,7 +129,7 @@ def describe_median_agreement(model: Model, links: Sequence[Link]) -> str:
         distances.append([float(np.linalg.norm(numbers.com - drawn.solid.com)) for numbers in pair])
     if not shares:
         return "they agree better with the drawn parts"
-    (before, after), (far, near) = np.median(shares, axis=0), np.median(distances, axis=0)
+    (before, after), (far, near) = compute_medians(shares), compute_medians(distances)
     claims = []
     if after < before:
         claims.append(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.gazebo import GazeboSensor, list_sensors
 from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model

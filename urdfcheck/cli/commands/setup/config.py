@@ -6,13 +6,14 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.cli.options import EPILOG, CommandParser, add_options, read_options
 from urdfcheck.cli.terminal import OK, print_document, say
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from rich.text import Text

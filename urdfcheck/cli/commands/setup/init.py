@@ -8,7 +8,6 @@ import os
 import re
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from urdfcheck.cli.options import CommandParser
 from urdfcheck.cli.output_files import CheckedFolders, write_file
 from urdfcheck.cli.terminal import NOTHING, OK, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from urdfcheck.core import ModelInfo, Run
