@@ -342,3 +342,11 @@ def test_a_wheel_stands_on_its_rollers(tmp_path: Path, kind: str, found: list[st
         joint("peg_joint", "left_wheel", "peg", kind=kind, xyz="0 0 -0.045", axis="1 0 0"),
     ]
     assert [one.message_id for one in find(tmp_path, robot(*parts), {"DYN006"})] == found
+
+
+def test_moments_that_are_all_below_the_drawn_part_s_are_not_too_large(tmp_path: Path) -> None:
+    """A plate of 0.5 x 0.4 x 0.05 m has 0.68, 1.05 and 1.71 kg m² at 50 kg, and is too thin for one moment about all axes."""
+    placeholder = inertial(50, 0.35, com="0 0 -0.02")
+    (finding,) = find(tmp_path, arm_on_base(placeholder, visual(box("0.5 0.4 0.05"))), {"INR005"})
+    assert finding.message_id == "uneven"
+    assert "mm beyond the drawing" in finding.message

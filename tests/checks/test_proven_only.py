@@ -113,6 +113,25 @@ def test_copies_that_are_both_far_from_their_drawing_are_not_copied(tmp_path: Pa
     assert ("is right, write" in finding.fix.title) == (message == "pair")
 
 
+@pytest.mark.parametrize(
+    ("coms", "message"),
+    [(("0.06 0.03 0.01", "0.05 0.01 0.02"), "neither_com"), (("0.0367 0.02 0.01", "0.05 0.01 0.02"), "pair")],
+)
+def test_of_two_coms_that_are_both_beside_the_drawn_one_neither_is_called_right(
+    tmp_path: Path, coms: tuple[str, str], message: str
+) -> None:
+    write_prism(tmp_path / "part.stl", [(0, 0), (0.1, 0), (0.01, 0.06)])
+    tensor = {"ixx": 2.33e-4, "iyy": 5.39e-4, "izz": 7.06e-4, "ixy": 1.33e-4}
+    parts = [
+        link(name, inertial(1, com=com, **tensor), visual(mesh("part.stl")))
+        + joint(f"{name}_joint", "base", name, kind="continuous", xyz=xyz, axis="0 0 1")
+        for name, com, xyz in zip(("one", "two"), coms, ("0.2 0 0", "0 0.3 0.1"), strict=True)
+    ]
+    (finding,) = find(tmp_path, robot(link("base"), *parts), "SYM003")
+    assert finding.message_id == message
+    assert ("(36.67, 20, " in finding.message) == (message == "neither_com")
+
+
 # -- wheels: SYM005, SYM006, CTL007 ----------------------------------------------------------------------------------------
 
 

@@ -312,12 +312,13 @@ def _compute_tensor_scale(declared: DeclaredInertial, reference: Reference) -> f
 def _undo_steiner_missing(suspect: Suspect) -> Corrected:
     geometry, declared = suspect.geometry, suspect.declared
     if geometry is not None and len(geometry.pieces) > 1:
-        term = _compute_term_of_pieces(geometry, declared.mass, declared.rotation)
+        term = compute_term_of_pieces(geometry, declared.mass, declared.rotation)
         yield make_mistake("steiner_missing"), replace(declared, tensor=declared.tensor + term)
 
 
-def _compute_term_of_pieces(geometry: VisualGeometry, mass: float, rotation: Mat3) -> Mat3:
-    """Compute what the parallel-axis theorem adds for the pieces of a part of uniform density, in the inertial frame's axes."""
+def compute_term_of_pieces(geometry: VisualGeometry, mass: float, rotation: Mat3) -> Mat3:
+    """Compute what the parallel-axis theorem adds (3, 3, kg m²) for the pieces of a part of uniform density and this ``mass``
+    (kg), in the inertial frame's axes, whose columns in the link's are ``rotation`` (3, 3)."""
     volumes = np.array([piece.volume for piece in geometry.pieces])
     levers = (np.array([piece.com for piece in geometry.pieces]) - geometry.solid.com) @ rotation
     return compute_covariance_inertia((levers.T * (volumes / volumes.sum())) @ levers, mass)
@@ -329,7 +330,7 @@ def _undo_own_missing(suspect: Suspect) -> Corrected:
     geometry, declared = suspect.geometry, suspect.declared
     if geometry is None or len(geometry.pieces) < 2:
         return
-    term = _compute_term_of_pieces(geometry, declared.mass, declared.rotation)
+    term = compute_term_of_pieces(geometry, declared.mass, declared.rotation)
     own = declared.rotation.T @ compute_solid_inertia(geometry.solid, declared.mass) @ declared.rotation
     off = float(np.linalg.norm(declared.tensor - term))
     if off < _SAME_TERM * float(np.linalg.norm(term)) and np.linalg.norm(own - term) > EFFECT * np.linalg.norm(own):
