@@ -22,6 +22,7 @@ from urdfcheck.version import __version__
 sys.path.insert(0, str(REPOSITORY / "tools"))
 try:
     import check_distribution
+    import check_image
     import print_release_notes
 finally:
     sys.path.pop(0)
@@ -85,6 +86,25 @@ def test_the_wheel_audits_car_3_without_the_checkout(wheel: Path, tmp_path: Path
     assert Path(found.stdout.strip()).is_relative_to(tmp_path / "installed")
     command = [sys.executable, "-m", "urdfcheck"]
     assert check_distribution.list_faults_of_command(command, __version__, tmp_path, environment) == []
+
+
+def test_an_image_is_tried_as_the_caller_and_by_default_not_as_root(tmp_path: Path) -> None:
+    """With a program in place of Docker, which runs the command of this checkout."""
+    engine, said, folder = tmp_path / "engine", tmp_path / "said", tmp_path / "folder"
+    folder.mkdir()
+    engine.write_text(f"""#!/bin/sh
+echo "$*" >> "{said}"
+if [ "$4" = id ]; then echo 0; exit; fi
+shift 8 # run --rm --user=… --volume … --workdir … TAG
+exec "{sys.executable}" -m urdfcheck "$@"
+""")
+    engine.chmod(0o755)
+    faults = check_image.list_faults_of_image(str(engine), "tag", check_image.read_version(), folder)
+    assert faults == ["the image runs as user '0'"]
+    asked, *calls = said.read_text().splitlines()
+    assert asked == "run --rm --entrypoint id tag -u"
+    user = f"--user={os.getuid()}:{os.getgid()}"
+    assert all(call.startswith(f"run --rm {user} --volume {folder}:{folder} --workdir {folder} tag ") for call in calls)
 
 
 def list_files(wheel: Path) -> set[str]:

@@ -33,7 +33,7 @@ CORE_SKIPS = {
 # The sources of urdfcheck-core, in the checkout and in the sdist.
 CORE = Path("packages", "urdfcheck-core")
 # What a wheel must not hold: robots of the tests, and files that attack a linter.
-FOREIGN = ("fixtures/", "tests/", "benchmarks/", "report-ui/")
+FOREIGN = ("fixtures/", "tests/", "benchmarks/", "report-ui/", "editors/", "integrations/", "packaging/")
 
 
 def list_faults_of_wheel(wheel: Path) -> list[str]:
@@ -43,7 +43,8 @@ def list_faults_of_wheel(wheel: Path) -> list[str]:
     pages = {f"urdfcheck/_rules/{page.name}" for page in (REPOSITORY / "rules").glob("*.md")}
     demos = REPOSITORY / "fixtures" / "demos"
     robots = {f"urdfcheck/_demos/{file.relative_to(demos).as_posix()}" for file in demos.rglob("*") if file.is_file()}
-    needed = {"urdfcheck/py.typed", "urdfcheck/output/report.schema.json", *pages, *robots}
+    samples = {f"urdfcheck/_vscode/{file.name}" for file in (REPOSITORY / "integrations/vscode").iterdir()}
+    needed = {"urdfcheck/py.typed", "urdfcheck/output/report.schema.json", *pages, *robots, *samples}
     missing = [f"{wheel.name} lacks {name}" for name in sorted(needed - names)]
     return missing + [f"{wheel.name} holds {name}" for name in sorted(names) if name.startswith(FOREIGN)]
 

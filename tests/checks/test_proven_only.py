@@ -210,6 +210,21 @@ def test_a_wheel_is_as_large_as_it_collides_and_as_far_as_its_middle(tmp_path: P
     assert found == pytest.approx({"radius": 0.05, "separation": 0.24}, rel=1e-4)
 
 
+@pytest.mark.parametrize(("diameter", "real"), [(0.08, 0.1), (0.1, None), (0.104, None), (0.12, 0.1)])
+def test_a_bump_of_a_wheel_is_not_its_radius(tmp_path: Path, diameter: float, real: float | None) -> None:
+    tyre = visual('<cylinder radius="0.05" length="0.03"/>', rpy="1.5708 0 0") + visual(
+        '<sphere radius="0.002"/>', xyz="0 0 0.05"
+    )
+    parts = [
+        link(f"{name}_wheel", tyre) + joint(name, "base", f"{name}_wheel", kind="continuous", xyz=place, axis="0 1 0")
+        for name, place in (("l", "0 0.1 0"), ("r", "0 -0.1 0"))
+    ]
+    numbers = f"<wheel_diameter>{diameter}</wheel_diameter>"
+    block = DRIVE.format("libgazebo_ros_diff_drive.so", "d", name_sides("l", "r", numbers))
+    found = [f.data["real"] for f in find(tmp_path, robot(link("base"), *parts, block), "CTL007")]
+    assert found == ([] if real is None else [pytest.approx(real, rel=2e-3)])
+
+
 @pytest.mark.parametrize(
     ("filename", "more", "odometry"),
     [

@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 
 from urdfcheck.facts.arrays import Array
 from urdfcheck.facts.mesh import convex_hull
-from urdfcheck.facts.mesh.convex_hull import MOST_EXCESS, MeshHull, compute_convex_hull
+from urdfcheck.facts.mesh.convex_hull import MOST_EXCESS, MeshHull, compute_convex_hull, compute_least_volume
 from urdfcheck.facts.mesh.measure import measure_mesh
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.system import manifold_hull, qhull
@@ -135,6 +135,25 @@ def test_the_reach_of_a_mesh_is_exact_where_its_hull_is_not() -> None:
     assert facts.hull.excess == MOST_EXCESS
     np.testing.assert_allclose(facts.compute_reach(directions), (facts.vertices @ directions.T).max(axis=0), rtol=1e-12)
     assert ((facts.hull.vertices @ directions.T).max(axis=0) < facts.compute_reach(directions) - 1e-6).any()
+
+
+@pytest.mark.parametrize("count", [1, 3, 4, 5, 20, 400])
+def test_the_least_volume_is_not_above_that_of_the_hull(count: int) -> None:
+    random = np.random.default_rng(count)
+    for flatness in (1.0, 1e-3, 0.0):
+        points = random.normal(size=(count, 3)) * (1.0, 1.0, flatness) + (5.0, 0.0, 1.0)
+        least = compute_least_volume(points)
+        assert 0.0 <= least <= compute_convex_hull(points).volume + 1e-12
+    if count > 5:
+        points = random.normal(size=(count, 3))
+        assert compute_least_volume(points) > 0.02 * compute_convex_hull(points).volume
+
+
+def test_the_least_volume_of_a_tetrahedron_is_its_volume() -> None:
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    assert compute_least_volume(corners) == pytest.approx(1 / 6, rel=1e-5)
+    corners[1] = np.inf
+    assert not compute_least_volume(corners) > 0
 
 
 # -- without scipy -----------------------------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ from urdfcheck.rules import load_check, load_rules
 from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.run.pipeline import run
+from urdfcheck.system import process_pool
 
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial>'
 
@@ -191,6 +192,33 @@ def test_a_worker_sees_nothing_around_what_is_checked(tmp_path: Path, monkeypatc
         seen = {folder for folder in settings.visible_folders if not folder.endswith("rules")}
     assert {unit.kind for unit in units} >= {"launch", "package"}
     assert seen == {str(tmp_path / "repo")}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not process_pool.FORKS, reason="there is no warm worker where processes cannot be forked")
+def test_a_single_file_is_looked_for_in_the_process_that_audits_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = tmp_path / "r.urdf"
+    model.write_text('<robot name="r"><link name="base"/></robot>')
+    worker = process_pool.Worker.start()
+    monkeypatch.setattr(process_pool.Worker, "start", lambda *_: pytest.fail("another process was started"))
+    try:
+        _, units = pipeline.plan_units(make_request(model), warm_worker=worker)
+        assert [unit.id for unit in units] == ["r.urdf"]
+        outcome = run(make_request(model), pipeline.Execution(warm_worker=worker))
+        assert [m.status for m in outcome.models] == ["checked"]
+    finally:
+        worker.end()
+
+
+@pytest.mark.slow
+def test_a_folder_is_searched_in_a_process_of_its_own(tmp_path: Path) -> None:
+    """What the search leaves in memory must not count for an audit."""
+    (tmp_path / "r.urdf").write_text('<robot name="r"><link name="base"/></robot>')
+    worker = process_pool.Worker.start()
+    worker.end()
+    assert pipeline.plan_units(make_request(tmp_path), warm_worker=worker)[1]
 
 
 @pytest.mark.slow

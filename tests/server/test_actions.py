@@ -161,7 +161,8 @@ def test_findings_are_added_to_the_baseline_that_the_command_writes(editor: Edit
 
 
 def test_the_page_of_a_rule_is_opened(editor: Editor, path: Path) -> None:
-    (action,) = [action for action in ask_all(editor, path, "KIN002") if isinstance(action, types.Command)]
+    commands = [action for action in ask_all(editor, path, "KIN002") if isinstance(action, types.Command)]
+    (action,) = [command for command in commands if command.title.startswith("Open the page")]
     params = types.ExecuteCommandParams(action.command, action.arguments)
     editor.wait(editor.client.workspace_execute_command_async(params))
     assert Path(editor.client.shown_documents[-1].uri).name == "KIN002-unknown-link.md"

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.engine_floors import MUJOCO_REFUSAL, is_refused_by_mujoco
 from urdfcheck.facts.inertials.inertia_tensor import (

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial

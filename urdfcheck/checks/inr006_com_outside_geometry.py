@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_diameter, measure_extent, measure_hull_distance

@@ -14,6 +14,7 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_d
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.median import compute_median
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
@@ -304,7 +305,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
 
 def _compute_median_mismatch(judged: Sequence[DiagnosedInertial], *, is_mended: bool) -> float:
     """Return the median of how far the inertials are from the drawn parts; a tensor that no body has is infinitely far."""
-    return float(np.median([measure_mismatch(one.diagnosis, is_mended=is_mended) for one in judged]))
+    return compute_median([measure_mismatch(one.diagnosis, is_mended=is_mended) for one in judged])
 
 
 def _build_cause_finding(

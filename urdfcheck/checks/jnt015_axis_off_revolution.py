@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Edit, FactUnavailableError, Finding, Location, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_point
 from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import find_only_near_name, format_name_hint
 from urdfcheck.model import Model
 from urdfcheck.model.likeness.sibling_robots import PackageNames, package_names

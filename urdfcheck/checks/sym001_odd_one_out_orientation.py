@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Confidence, Edit, Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.likeness.symmetry import (
     OddFrame,

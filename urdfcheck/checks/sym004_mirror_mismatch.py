@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import FAR
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance

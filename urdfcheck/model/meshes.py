@@ -5,19 +5,21 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.gltf_buffers import FORMATS as GLTF_FORMATS
 from urdfcheck.model.gltf_buffers import Buffers, resolve_buffers
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import PackageFinder, Resource
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.system.array_cache import ArrayCache, compute_code_version, find_library_origin
+from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
+from urdfcheck.system.installation import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.facts.mesh.decode_limits import MeshError

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, ModelInfo, NotChecked, SkippedCheck
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.suppression import BaselineEntries, CommentUsage

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from urdfcheck.core import Edit, Finding
+from urdfcheck.core.records import dataclass
 from urdfcheck.export.index.source_index import SourceIndex
 
 HEADER = struct.Struct("<Q")
@@ -28,7 +29,7 @@ class RenameWish:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckJob:
-    """A run over the open documents, or the search for their safe fixes or for the edits of a renaming."""
+    """A run over the open documents, the search for their safe fixes or the edits of a renaming, or the report on one of them."""
 
     number: int
     """Increases with each job."""
@@ -48,6 +49,8 @@ class CheckJob:
     """Whether the safe fixes are wanted instead of the findings."""
     rename: RenameWish | None = None
     """The renaming that is wanted instead of the findings."""
+    report: bool = False
+    """Whether the report is wanted instead of the findings."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,4 +97,8 @@ class CheckAnswer:
     """Those of the renaming."""
     refusal: str = ""
     """Why there are none, in a sentence."""
+    report: bytes = b""
+    """The report as an HTML document."""
+    failure: str = ""
+    """Why there is none."""
     is_cancelled: bool = False

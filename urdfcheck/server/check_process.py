@@ -26,6 +26,7 @@ from urdfcheck.api import ask_engines
 from urdfcheck.core import Run
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.fix.fixer import compute_fixes
+from urdfcheck.output import html
 from urdfcheck.policy.policy import TIERS
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Request
@@ -141,7 +142,9 @@ class _CheckProcess:
     def _answer(self, job: CheckJob) -> CheckAnswer:
         if job.rename is not None:
             return self._rename(job, job.rename)
-        return self._find_fixes(job) if job.fixes else self._check_projects(job)
+        if job.fixes:
+            return self._find_fixes(job)
+        return self._render_report(job) if job.report else self._check_projects(job)
 
     def _check_projects(self, job: CheckJob) -> CheckAnswer:
         projects = []
@@ -218,8 +221,18 @@ class _CheckProcess:
         except UrdfcheckError as error:  # of the configuration
             return CheckAnswer(number=job.number, refusal=f"The name is not changed: {error}.")
 
-    def _make_request(self, paths: tuple[str, ...], job: CheckJob, *, tier: str | None) -> Request:
-        request, _ = make_request(replace(self.options, paths=paths, tier=tier or self.options.tier))
+    def _render_report(self, job: CheckJob) -> CheckAnswer:
+        try:
+            request = self._make_request(job.paths, job, tier=None, scene=True)
+        except UrdfcheckError as error:  # of its configuration
+            return CheckAnswer(number=job.number, failure=str(error))
+        audited = run_audit(request, Execution(spare_workers=self.spare_workers))
+        if audited.outcome.partial:
+            raise KeyboardInterrupt
+        return CheckAnswer(number=job.number, report=html.render(ask_engines(audited)).encode())
+
+    def _make_request(self, paths: tuple[str, ...], job: CheckJob, *, tier: str | None, scene: bool = False) -> Request:
+        request, _ = make_request(replace(self.options, paths=paths, tier=tier or self.options.tier), scene=scene)
         return replace(request, options=replace(request.options, texts=job.texts, index=job.index))
 
 

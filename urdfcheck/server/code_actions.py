@@ -12,8 +12,10 @@ from lsprotocol import types
 from urdfcheck.core import Applicability, Edit, Fix
 from urdfcheck.fix.patch import EditableFiles, EditRefusedError
 from urdfcheck.server.check_messages import CheckAnswer
+from urdfcheck.server.check_schedule import is_checked
 from urdfcheck.server.diagnostics import SOURCE, CheckedState, ShownFinding
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions, iter_differences, make_workspace_edit
+from urdfcheck.server.report.commands import make_view_command
 from urdfcheck.source.text.suppression_comments import MARK
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import overlay_files
@@ -42,6 +44,8 @@ def list_actions(
         repairs += [] if repair is None else [repair]
         others += _iter_suppressions(found, document, documents)
         others.append(_make_rule_command(found))
+        if is_checked(document):
+            others.append(make_view_command(found, document.uri))
     repairs.sort(key=lambda action: not action.is_preferred)
     return [*repairs, *_drop_repeated(others)]
 

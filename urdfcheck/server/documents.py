@@ -7,13 +7,14 @@ import os
 import re
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from lsprotocol import types
 from pygls import uris
 
 from urdfcheck.core import NEWLINE, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.xml import SourceFile, XmlError
 

@@ -33,6 +33,7 @@ from urdfcheck.server.hover import describe_position
 from urdfcheck.server.names.navigation import find_definitions, find_references
 from urdfcheck.server.names.rename_answers import make_rename_edit, prepare_rename
 from urdfcheck.server.names.rename_plan import RenameRefusedError
+from urdfcheck.server.report.commands import add_report_commands
 from urdfcheck.server.symbols import list_folding_ranges, list_inlay_hints, list_symbols
 from urdfcheck.version import __version__
 
@@ -101,6 +102,7 @@ def make_server(options: RunOptions) -> UrdfcheckServer:
     _add_renaming(server)
     _add_actions(server)
     _add_commands(server)
+    add_report_commands(server, server.schedule, server.documents)
     return server
 
 

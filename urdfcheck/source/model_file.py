@@ -5,10 +5,10 @@ from __future__ import annotations
 import fnmatch
 import glob
 import re
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.file_kinds import is_srdf, is_xacro
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.root_attributes import read_root_attributes

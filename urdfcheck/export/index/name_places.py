@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from urdfcheck.core import Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.export.index.source_index import ARGUMENT, FILE, MACRO, PARAMETER, PROPERTY, NamePlace
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.handed_values import EXPRESSION

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from urdfcheck.core.findings import Span
+from urdfcheck.core.records import dataclass
 
 LINK, JOINT, MATERIAL = "link", "joint", "material"
 PROPERTY, PARAMETER, ARGUMENT, MACRO = "property", "parameter", "argument", "macro"

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from urdfcheck.core.mechanism import MechanismShape
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.arrays import Array, Mat4
 from urdfcheck.facts.comparison.home_pose import invert_pose
 from urdfcheck.facts.mesh.surface_distance import measure_surface_distance

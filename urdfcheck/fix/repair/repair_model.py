@@ -10,13 +10,14 @@ import re
 import shutil
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Applicability, Finding, ModelInfo, Run, Severity, UrdfcheckError
 from urdfcheck.core.errors import ModelNotCheckedError, ModelTimeout
 from urdfcheck.core.findings import iter_occurrences
+from urdfcheck.core.records import dataclass
 from urdfcheck.fix.fixer import compute_fixes, iter_fixable, select_disjoint
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError, write_files
 from urdfcheck.fix.repair.copy_sources import CopiedModel, copy_model, ensure_target

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import Diagnosis
 from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
@@ -36,7 +37,7 @@ from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.repeated_drawings import find_repeated_drawings
-from urdfcheck.system.array_cache import compute_code_version
+from urdfcheck.system.installation import compute_code_version
 
 # The modules and packages that decide a verdict, besides the numbers and the drawing.
 _CODE_MODULES = (

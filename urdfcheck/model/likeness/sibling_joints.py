@@ -127,7 +127,7 @@ def is_drawn_in_place(model: Model, joint: Joint, like: Joint, expected: Array) 
         for renaming in _list_axis_renamings():
             linear = turn @ renaming
             shift = axis * float((other.centroid - linear @ one.centroid) @ axis)
-            best = min(best, measure_outline_mismatch(one, other, linear=linear, shift=shift))
+            best = min(best, measure_outline_mismatch(one, other, linear=linear, shift=shift, limit=best))
         return best
 
     in_place = measure_best(back)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from urdfcheck.core import Edit, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.export.index.source_index import ARGUMENT, MACRO, NamePlace, SourceIndex
 from urdfcheck.server.check_messages import RenameWish
 from urdfcheck.server.names.name_groups import find_same_names

@@ -10,10 +10,11 @@ import os
 import re
 import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.core import Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.launch.launch_file import load_launch
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunchReader
 from urdfcheck.source.launch.python_texts import (

@@ -6,11 +6,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import SRDF_SUFFIXES, is_model, is_xacro
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path, load_package

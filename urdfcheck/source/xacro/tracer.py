@@ -10,12 +10,13 @@ import warnings
 from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 from xml.dom import minidom
 
 from urdfcheck.core import Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import Attribute, Definition
 from urdfcheck.source.xacro.expansion_state import CYCLE, ActiveCall, ExpansionTrace, describe_value
 from urdfcheck.source.xacro.expressions.compile_expression import (

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.collision_geometry import PlacedGeometry, compute_shape_box
 from urdfcheck.facts.motion.gaps import Gaps, is_within, sample_vertices
 from urdfcheck.model.motion import poses
