@@ -34,6 +34,8 @@ LOADED = {
     "audio": "src",
 }
 
+_VAGUE = {"click here", "here", "information", "learn more", "more", "read more", "see more", "start", "this"}
+
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -172,7 +174,7 @@ def test_without_scripts_the_index_is_whole(address: str, browser: Any) -> None:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_every_text_can_be_read(address: str, browser: Any, scheme: str) -> None:
+def test_anyone_can_use_it(address: str, browser: Any, scheme: str) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     page = browser.new_page(color_scheme=scheme)
     page.route("**/sample/*", lambda route: route.abort())  # the report has tests of its own
@@ -182,9 +184,15 @@ def test_every_text_can_be_read(address: str, browser: Any, scheme: str) -> None
         "/rules/INR003/",
         "/guides/demos/",
         "/guides/fix/",
+        "/guides/install/",
         "/reference/configuration/",
+        "/reference/python-api/",
     ):
         page.goto(f"{address}{place}")
-        asked = {"runOnly": ["color-contrast", "link-in-text-block", "empty-table-header"], "iframes": False}
+        # Material's script puts the buttons of each block of code into a landmark without a name.
+        asked = {"rules": {"landmark-unique": {"enabled": False}}, "iframes": False}
         found = axe.Axe().run(page, options=asked).response["violations"]
         assert not [(place, rule["id"], node["html"]) for rule in found for node in rule["nodes"]]
+        # What Lighthouse calls a name that says nothing about the page that a link leads to.
+        links = page.locator("a[href]").all_text_contents()
+        assert _VAGUE.isdisjoint(" ".join(text.split()).lower() for text in links), place

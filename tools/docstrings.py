@@ -25,7 +25,7 @@ def render_class(node: ast.ClassDef, heading: str) -> str:
         elif isinstance(item, ast.FunctionDef) and not item.name.startswith("_"):
             rows.append(_format_row(_format_signature(item, method=True), _format_return(item), read_summary(item)))
     doc = read_summary(node)
-    return f"\n## {heading}\n\n{doc}\n\n| name | type | |\n|---|---|---|\n{''.join(rows)}"
+    return f"\n## {heading}\n\n{doc}\n\n| name | type | meaning |\n|---|---|---|\n{''.join(rows)}"
 
 
 def list_functions(module: ast.Module, *, of_model: bool) -> Iterator[str]:

@@ -29,7 +29,7 @@ class Section:
     entries: tuple[Page | Section, ...]
 
 
-START = Page("index.md", title="Start")
+START = Page("index.md", title="Overview")
 SAMPLE = Page("sample/index.md", title="Sample report")
 RULES_INDEX = Page("rules/index.md", "rules/README.md")
 CONFIGURATION = Page("reference/configuration.md", "docs/configuration-keys.md")

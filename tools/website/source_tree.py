@@ -56,6 +56,7 @@ def write_source_tree(folder: Path) -> Path:
         _copy(REPOSITORY / path, pages / address)
     for name in ("logo.svg", "rules.js", "site.css"):
         _copy(start_page.ASSETS / name, pages / "assets" / name)
+    _copy(start_page.ASSETS / "theme/main.html", folder / "theme/main.html")
     start_page.write_report(_make_room(pages / start_page.REPORT))
     start_page.write_recordings(pages / "assets")
     start_page.write_pictures(pages)
