@@ -54,7 +54,7 @@ def write_source_tree(folder: Path) -> Path:
         _write(pages / address, text)
     for path, address in list_copied_files().items():
         _copy(REPOSITORY / path, pages / address)
-    for name in ("logo.svg", "rules.js", "site.css"):
+    for name in ("logo.svg", "regions.js", "rules.js", "site.css"):
         _copy(start_page.ASSETS / name, pages / "assets" / name)
     _copy(start_page.ASSETS / "theme/main.html", folder / "theme/main.html")
     start_page.write_report(_make_room(pages / start_page.REPORT))
