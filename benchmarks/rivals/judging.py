@@ -33,8 +33,8 @@ NAMING = {
     "collision_offset": r"collision|offset|overlap|apart|away|beside",
     "com_outside": r"\bcom\b|cent(er|re) of (mass|gravity)|inertial origin",
     "missing_mesh": r"mesh|file|not found|missing",
-    "joint_into_parent": r"inside|overlap|penetrat|collide|intersect|through|embedded|sink|origin|frame|apart|away|beside|hover|gap"
-    r"|twin|symmetr|mirror",
+    "joint_into_parent": r"inside|overlap|penetrat|collide|intersect|through|embedded|sink|origin|frame|apart|away|beside|hover"
+    r"|gap|twin|symmetr|mirror",
 }  # fmt: skip
 # Names in quotes, and numbers, which differ in another file although the finding is the same. A digit in a name is none.
 _NUMBER = re.compile(r"('[^']*')|(?<![\w.])[-+]?\d[\d.]*(?:e[-+]?\d+)?")
