@@ -22,7 +22,9 @@ class Program:
     kind: str
     """``checker``: made to find defects; ``loader``: made to read models, and refuses some."""
     requirement: str
-    """What pip installs."""
+    """The package and its version."""
+    installer: str = "pip"
+    """``apt`` for a library of the system: any Python loads it."""
     adapter: str
     """Module of the folder ``adapters``."""
     asked: str
@@ -55,9 +57,9 @@ PROGRAMS = (
     Program(name="MuJoCo", kind="loader", requirement="mujoco==4.0.0", adapter="ask_mujoco",
             asked='its compiler with `strippath="false"`, so that it finds the meshes'),
     Program(name="Drake", kind="loader", requirement="drake==1.51.1", adapter="ask_drake",
-            asked="its parser and `Finalize`, without shapes: it reads no STL"),
-    Program(name="sdformat", kind="loader", requirement="", adapter="ask_sdformat",
-            asked="12.3.0 of Debian 12, the function behind `gz sdf --check`"),
+            asked="its parser and `Finalize`, without shapes: it makes no hulls of STL files"),
+    Program(name="sdformat", kind="loader", requirement="libsdformat-dev==12.3.0", installer="apt", adapter="ask_sdformat",
+            asked="the library of Debian 12, by the function behind `gz sdf --check`"),
     Program(name="yourdfpy", kind="loader", requirement="yourdfpy==0.0.60", adapter="ask_yourdfpy",
             asked="its loader with collision meshes, and `validate`"),
     Program(name="check_urdf", kind="loader", requirement="cmeel-urdfdom==6.0.0", adapter="ask_check_urdf",
@@ -66,11 +68,8 @@ PROGRAMS = (
 
 
 def find_python(program: Program, folder: Path) -> Path | None:
-    """Return the Python that asks a program; None if its environment is not in the folder.
-
-    sdformat is a library of the system: any Python loads it.
-    """
-    if not program.requirement:
+    """Return the Python that asks a program; None if its environment is not in the folder."""
+    if program.installer == "apt":
         return Path(sys.executable)
     python = folder / program.environment / "bin" / "python"
     return python if python.exists() else None
@@ -79,12 +78,12 @@ def find_python(program: Program, folder: Path) -> Path | None:
 def main() -> None:
     """Make the environments."""
     folder = Path(sys.argv[1])
-    for requirement in dict.fromkeys(program.requirement for program in PROGRAMS if program.requirement):
+    for requirement in dict.fromkeys(program.requirement for program in PROGRAMS if program.installer == "pip"):
         place = folder / requirement.partition("==")[0]
         venv.create(place, with_pip=True)
         done = subprocess.run([place / "bin" / "pip", "install", "--quiet", requirement], check=False)
         print(f"{requirement}: {'installed' if done.returncode == 0 else 'not installed'}")
-    print("sdformat: apt install libsdformat-dev")
+    print(*(f"apt install {program.environment}" for program in PROGRAMS if program.installer == "apt"), sep="\n")
 
 
 if __name__ == "__main__":
