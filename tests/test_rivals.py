@@ -191,6 +191,19 @@ def test_a_crash_and_a_timeout_are_answers_too(ask: object, said: list[object], 
     assert (answer["said"], answer["problem"]) == (said, problem)
 
 
+def test_mujoco_speaks_through_its_adapter(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    adapter = importlib.import_module("ask_mujoco")
+    file = tmp_path / "robot.urdf"
+    file.write_text(
+        '<robot name="r"><link name="a"/><link name="b"/>'
+        '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    ((severity, kind, _, text),) = adapter.ask(str(file))
+    assert (severity, kind) == ("error", "refused")
+    assert "'b'" in text
+
+
 def test_check_urdf_speaks_through_its_adapter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     adapter = importlib.import_module("ask_check_urdf")
     if not adapter.PROGRAM.exists():

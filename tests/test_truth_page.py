@@ -32,7 +32,8 @@ def test_rounds_come_in_their_order_with_date_build_and_what_was_drawn(
         (10, "1234abc", "2026-12-01", 2),
     ]
     table = rounds.render_rounds(read)
-    assert "none of 2 rounds reached it" in table
+    assert "it was reached in none of 2 rounds" in table
+    assert "| errors that are useful | at least 97 % | 1 of 2 (50 %) | none of 2 rounds |" in rounds.render_bars(read)
     assert "| 10 | 2026-12-01 | 1234abc | 3 | 1 | 0 | 1 | 0 | 1 | 1 of 2 (50 %) | 1 of 2 (50 %) |" in table
     assert "| 9 | 2026-12-01 | 1234abc | 3 | 1 | 0 | 1 | 0 | 1 | 1 of 2 (50 %) | 1 of 1 (100 %) |" in table
 
@@ -66,7 +67,9 @@ def test_programs_are_sorted_by_what_they_locate_and_loaders_come_last() -> None
         "weak",
         "loader",
     ]
-    assert "| strong 1 | checker | 2 | 2 | 1 |" in peers.render_programs(results)
+    assert "| strong 1 | checker | 2 | 2 | 1 | 1.0 × |" in peers.render_programs(results)
+    assert "| urdfcheck | 0 | 0 | 0 | 0 |" in peers.render_sound(results)
+    assert peers.count_others(results) == 3
     assert peers.find_next_best(results) == ("strong", 2)
     assert "| x | 1 | 1 | 1 | 0 | 1 |" in peers.render_operators(results)
 

@@ -17,8 +17,18 @@ from truth_page.peers import (
     render_asked,
     render_operators,
     render_programs,
+    render_sound,
 )
-from truth_page.rounds import FEWEST, count_useful, count_wrong, list_of, read_rounds, render_rounds, render_rules
+from truth_page.rounds import (
+    FEWEST,
+    count_useful,
+    count_wrong,
+    list_of,
+    read_rounds,
+    render_bars,
+    render_rounds,
+    render_rules,
+)
 from truth_page.tables import copy_summary, copy_table, render_share
 
 PAGE = Path(__file__).parent.parent / "docs" / "how-true-is-it.md"
@@ -41,6 +51,7 @@ def render_page() -> str:
         next_count=next_count,
         others=count_others(results),
         programs=render_programs(results),
+        sound=render_sound(results),
         operators=render_operators(results),
         asked=render_asked(results),
         last=last.number,
@@ -48,6 +59,7 @@ def render_page() -> str:
         errors=render_share(*count_useful(list_of(last.labels, "error"))),
         warnings=render_share(*count_useful(list_of(last.labels, "warning"))),
         wrong=render_share(*count_wrong(last.labels)),
+        bars=render_bars(rounds),
         rounds=render_rounds(rounds),
         fewest=FEWEST,
         rules=render_rules(rounds),

@@ -37,20 +37,23 @@ def find_next_best(results: Results) -> tuple[str, int]:
 
 
 def render_programs(results: Results) -> str:
-    """Return a table with a row for each program, those that locate most first; loaders after checkers."""
-    sound = len({row["robot"] for row in results["files"]})
+    """Return what each program found, those that locate most first; loaders after checkers."""
     rows = []
     for program in _sort_programs(results):
-        name = program["name"]
-        counts = [count_outcomes(results, name, letter) for letter in "fln"]
-        title = f"{name} {program['version']}".strip()
-        sure = (program["loud"], program["with_error"], program["warnings"], program["errors"])
-        rows.append((title, program["kind"], *counts, *sure, _render_times(program["times"])))
-    head = (
-        "program", "made as a", f"found of {len(results['files'])}", "located", "named",
-        f"of {sound} sound robots: with a warning or an error", "with an error", "warnings", "errors", "processor time",
-    )  # fmt: skip
+        counts = [count_outcomes(results, program["name"], letter) for letter in "fln"]
+        title = f"{program['name']} {program['version']}"
+        rows.append((title, program["kind"], *counts, _render_times(program["times"])))
+    head = ("program", "made as a", f"found of {len(results['files'])}", "located", "named", "processor time")
     return render_table(head, rows, text_columns=2)
+
+
+def render_sound(results: Results) -> str:
+    """Return what each program reports of the sound robots, in the same order."""
+    keys = ("loud", "with_error", "warnings", "errors")
+    rows = [(program["name"], *(program[key] for key in keys)) for program in _sort_programs(results)]
+    robots = len({row["robot"] for row in results["files"]})
+    head = ("program", f"robots with a warning or an error, of {robots}", "robots with an error", "warnings", "errors")
+    return render_table(head, rows)
 
 
 def render_operators(results: Results) -> str:

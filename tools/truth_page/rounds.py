@@ -88,12 +88,30 @@ def render_rounds(rounds: Sequence[Round]) -> str:
             )
         reached = _describe_reached(rounds, str(severity), bar)
         parts.append(
-            f"### {str(severity).capitalize()}s\n\nThe bar is {100 * bar:.0f} % useful; {reached}.\n\n"
+            f"### {str(severity).capitalize()}s\n\nThe bar is {100 * bar:.0f} % useful; it was reached in {reached}.\n\n"
             + render_table(head, rows, text_columns=3)
         )
     rows = [(one.number, render_share(*count_wrong(one.labels))) for one in rounds]
     title = f"### False or misleading, of all that was judged\n\nThe bar is {100 * MOST_WRONG:.1f} %.\n\n"
     return "\n\n".join([*parts, title + render_table(("round", "false or misleading"), rows)])
+
+
+def render_bars(rounds: Sequence[Round]) -> str:
+    """Return a table of the project's own bars, what the newest round gave, and how many rounds reached each."""
+    newest = rounds[-1].labels
+    rows = [
+        (
+            f"{severity}s that are useful",
+            f"at least {100 * bar:.0f} %",
+            render_share(*count_useful(list_of(newest, str(severity)))),
+            _describe_reached(rounds, str(severity), bar),
+        )
+        for severity, bar in BAR.items()
+    ]
+    few = sum(wrong <= MOST_WRONG * judged for wrong, judged in (count_wrong(one.labels) for one in rounds))
+    most = f"at most {100 * MOST_WRONG:.1f} %"
+    rows.append(("false or misleading", most, render_share(*count_wrong(newest)), _describe_count(few, len(rounds))))
+    return render_table(("judged findings", "bar", f"round {rounds[-1].number}", "reached in"), rows, text_columns=4)
 
 
 def render_rules(rounds: Sequence[Round]) -> str:
@@ -134,4 +152,8 @@ def _describe_reached(rounds: Sequence[Round], severity: str, bar: float) -> str
     for one in rounds:
         useful, decided = count_useful(list_of(one.labels, severity))
         reached += decided > 0 and useful >= bar * decided
-    return f"{reached or 'none'} of {len(rounds)} rounds reached it"
+    return _describe_count(reached, len(rounds))
+
+
+def _describe_count(reached: int, rounds: int) -> str:
+    return f"{reached or 'none'} of {rounds} rounds"
