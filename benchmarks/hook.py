@@ -1,9 +1,9 @@
 """Measure the pre-commit hook on one changed file whose meshes are cached.
 
 ``python benchmarks/hook.py [repeats]`` prints wall and processor time of whole processes and their ratios to an empty Python
-and to ``import pinocchio``. It runs the installed command as pre-commit does, in a repository with the robot, and changes the
-file before each turn, so that findings for the same text are never reused. The sides take turns. The budget: 0.5 s on an idle
-machine. ``URDFCHECK_CORPUS`` adds real robots.
+(E) and to ``import pinocchio`` (P). It runs the installed command as pre-commit does, in a repository with the robot, and
+changes the file before each turn, so that findings for the same text are never reused. The sides take turns. The budget:
+0.3 s on an idle machine. ``URDFCHECK_CORPUS`` adds real robots.
 """
 
 from __future__ import annotations
@@ -99,13 +99,15 @@ def main() -> None:
         for number in range(repeats + 1):
             for side in compared.values():
                 side.run_turn(number, cache)
-    print(f"median of {repeats} turns; least in brackets; × is against import pinocchio")
-    pinocchio = compared["import pinocchio"]
+    print(f"median of {repeats} turns; least in brackets; E, P: times an empty Python, an import of pinocchio")
+    empty, pinocchio = compared["empty python"], compared["import pinocchio"]
     for name, side in compared.items():
         columns = []
-        for times, others in ((side.walls[1:], pinocchio.walls[1:]), (side.processors[1:], pinocchio.processors[1:])):
-            ratio = statistics.median(times) / statistics.median(others)
-            columns.append(f"{statistics.median(times) * 1e3:6.0f} ms ({min(times) * 1e3:5.0f}) {ratio:5.2f} ×")
+        for kind in ("walls", "processors"):
+            times = getattr(side, kind)[1:]
+            typical = statistics.median(times)
+            ratios = [typical / statistics.median(getattr(other, kind)[1:]) for other in (empty, pinocchio)]
+            columns.append(f"{typical * 1e3:6.0f} ms ({min(times) * 1e3:5.0f}) {ratios[0]:5.1f} E {ratios[1]:5.2f} P")
         print(f"{name:20} wall {columns[0]}   processor {columns[1]}")
 
 

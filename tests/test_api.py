@@ -108,6 +108,7 @@ def test_what_is_wrong_with_a_model_is_a_finding_and_what_is_missing_a_failure(t
         ({"package_paths": "nowhere"}, "^package_paths nowhere: is not a folder"),
         ({"allow_read": ["nowhere"]}, "^allow_read nowhere: is not a folder"),
         ({"baseline": "nowhere.json"}, "nowhere.json"),
+        ({"config": "nowhere.toml"}, "nowhere.toml"),
     ],
 )
 def test_a_wrong_argument_is_an_error(tmp_path: Path, words: dict[str, object], complaint: str) -> None:

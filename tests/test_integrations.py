@@ -31,6 +31,7 @@ WORKFLOWS = sorted((INTEGRATIONS / "github").glob("*.yml"))
 # What tests and releases urdfcheck itself.
 OWN_WORKFLOWS = sorted((REPOSITORY / ".github/workflows").glob("*.yml"))
 PINNED = re.compile(r"uses: [\w./-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+$", re.MULTILINE)
+ACTIONLINT = shutil.which("actionlint")
 
 SOUND = '<robot name="sound"><link name="base"/></robot>'
 # An inertia that no body has.
@@ -91,6 +92,17 @@ def test_zizmor_finds_nothing_in_workflows_and_action() -> None:
         text=True,
     )
     assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.skipif(ACTIONLINT is None, reason="ACTIONLINT IS NOT INSTALLED: it does not look at the workflows")
+def test_actionlint_finds_nothing_in_workflows(tmp_path: Path) -> None:
+    words = [str(ACTIONLINT), "-no-color", "-shellcheck=", "-pyflakes="]
+    done = subprocess.run([*words, *OWN_WORKFLOWS, *WORKFLOWS], cwd=REPOSITORY, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "")
+    wrong = tmp_path / "wrong.yml"
+    wrong.write_text(OWN_WORKFLOWS[0].read_text(encoding="utf-8").replace("${{ github.ref }}", "${{ github.reff }}"))
+    done = subprocess.run([*words, wrong], capture_output=True, text=True)
+    assert 'property "reff" is not defined' in done.stdout
 
 
 def test_workflows_call_what_there_is() -> None:

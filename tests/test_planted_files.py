@@ -27,6 +27,7 @@ import yaml
 from conftest import REPOSITORY, make_once
 
 from urdfcheck.cli.commands.setup import init
+from urdfcheck.cli.install_origin import InstallOrigin
 
 pytestmark = [
     pytest.mark.slow,
@@ -128,7 +129,7 @@ def write_by_init(folder: Path, patch: pytest.MonkeyPatch, *, gitlab: bool) -> l
     (repository / "robot.urdf").write_text(ROBOT)
     if gitlab:
         (repository / init.GITLAB).write_text("build:\n  script: [make]\n")
-    patch.setattr(init, "find_install_origin", lambda: ("", ""))
+    patch.setattr(init, "find_install_origin", InstallOrigin)
     assert init.main([str(repository)]) == 0
     text = (repository / (init.GITLAB if gitlab else init.GITHUB)).read_text(encoding="utf-8")
     return read_gitlab(text) if gitlab else read_workflow(text)

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import tomli
 import yaml
 from conftest import FIXTURES, REPOSITORY
 
@@ -28,6 +29,19 @@ def test_the_manifest_is_valid() -> None:
         [sys.executable, "-m", "pre_commit", "validate-manifest", str(REPOSITORY / ".pre-commit-hooks.yaml")]
     )
     assert done.returncode == 0
+
+
+@pytest.mark.smoke
+def test_the_light_hook_of_the_guide_is_ours_with_another_distribution() -> None:
+    guide = (REPOSITORY / "docs" / "continuous-integration.md").read_text(encoding="utf-8")
+    (block,) = (block for block in re.findall(r"```yaml\n(.*?)```", guide, re.DOTALL) if "repo: local" in block)
+    ((light,),) = (entry["hooks"] for entry in yaml.safe_load(block))
+    (needed,) = light.pop("additional_dependencies")
+    name, _, folder = needed.partition("@")[0].strip(), *needed.partition("#subdirectory=")[1:]
+    project = tomli.loads((REPOSITORY / folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert name == project["name"] == "urdfcheck-core"
+    hooks = {hook["id"]: hook for hook in yaml.safe_load((REPOSITORY / ".pre-commit-hooks.yaml").read_text())}
+    assert light.items() <= hooks["urdfcheck"].items()
 
 
 @pytest.fixture(scope="module")

@@ -173,11 +173,13 @@ def list_files() -> list[Path]:
         "integrations/**/*.md",
         "benchmarks/**/*.md",
         "tools/website/**/*.md",
+        "editors/vscode/*.md",
     ]
     pages.append("fixtures/demos/*.md")
     code = [
         "urdfcheck/**/*.py",
         "report-ui/src/*.ts",
+        "editors/vscode/src/**/*.ts",
         "tools/make_*.py",
         "tools/website/*.py",
         "rules/families.toml",

@@ -42,6 +42,8 @@ def check(
     package_paths: Paths = (),
     allow_read: Paths = (),
     environment: Words = (),
+    config: AnyPath | None = None,
+    exclude: Iterable[str] = (),
     baseline: AnyPath | None = None,
     isolated: bool = False,
     samples: int = SAMPLES,
@@ -83,6 +85,9 @@ def check(
     :param package_paths: folders that hold packages.
     :param allow_read: folders whose files may be opened, besides those around the paths and packages.
     :param environment: names of environment variables that a xacro may read.
+    :param config: the configuration of everything that is checked; None: the nearest one above each file.
+    :param exclude: patterns of files and folders that are skipped too when a folder is checked, relative to the working
+        directory.
     :param baseline: file of accepted findings; None: the one beside the configuration.
     :param isolated: whether to ignore configurations, comments and baselines of the repository, which may be untrusted.
     :param samples: number of joint configurations (joint positions drawn within the limits) in which motion is examined.
@@ -111,6 +116,8 @@ def check(
         tier=tier,
         unchecked=unchecked,
         all_arguments=all_arguments,
+        config=config,
+        exclude=tuple(exclude),
         baseline=baseline,
         isolated=isolated,
         samples=samples,

@@ -7,8 +7,6 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
-import tomli
-
 from urdfcheck.system.installation import find_pages_folder as find_pages_folder
 
 TITLE = re.compile(r"# ([A-Z]{3}\d{3}) ([a-z0-9]+(?:-[a-z0-9]+)*)\n")
@@ -30,6 +28,8 @@ def list_pages() -> list[Path]:
 
 def summarize_page(page: str) -> str:
     """Return the line of a page in a list: code, severity, confidence and name."""
+    import tomli
+
     code, name = page.partition("\n")[0].removeprefix("# ").split()
     meta = tomli.loads(split_page(page)[0].partition("\n[")[0])  # the tables take most of the time
     return f"{code}  {meta['severity']:7}  {meta['confidence']:9}  {name}"
@@ -44,6 +44,8 @@ def split_page(page: str) -> tuple[str, str]:
 
 def explain_page(page: str) -> str:
     """Return a page for a reader: its header in words instead of TOML, then its sections unchanged."""
+    import tomli
+
     header, rest = split_page(page)
     meta = tomli.loads(header)
     messages = meta["messages"]

@@ -7,7 +7,9 @@ only link, there is no registry.
 from __future__ import annotations
 
 import importlib
-import importlib.util
+import io
+import os
+import pickle
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
@@ -15,13 +17,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-import tomli
-
 from urdfcheck import rule_pages
 from urdfcheck.core import Applicability, Confidence, Rule, RuleFamily, RuleOption, Severity, UrdfcheckError
 from urdfcheck.rule_pages import TITLE, list_pages, split_page
 from urdfcheck.rule_pages import find_page as find_page
 from urdfcheck.rule_pages import find_pages_folder as find_pages_folder
+from urdfcheck.system.cache_folder import read_checked, write_checked
+from urdfcheck.system.installation import compute_installation_stamp
+from urdfcheck.system.plain_pickle import load_plain
 
 Check = Callable[..., Iterable[Any]]
 
@@ -60,6 +63,8 @@ def load_families() -> Mapping[str, RuleFamily]:
 
     :raises UrdfcheckError: when ``rules/families.toml`` is malformed.
     """
+    import tomli
+
     path = find_pages_folder() / "families.toml"
     try:
         families = tomli.loads(path.read_text(encoding="utf-8"))
@@ -70,11 +75,33 @@ def load_families() -> Mapping[str, RuleFamily]:
         raise UrdfcheckError(f"{path}: {type(error).__name__}: {error}") from error
 
 
+# What was recalled, for `load_rules`.
+_recalled: list[tuple[Rule, ...]] = []
+
+
 @cache
 def load_rules() -> Mapping[str, Rule]:
     """Return all rules by code, in the order of their codes."""
-    loaded = [load_page(page) for page in list_pages()]
+    loaded = _recalled.pop() if _recalled else tuple(map(load_page, list_pages()))
     return MappingProxyType({rule.code: rule for rule in loaded})
+
+
+def recall_rules(folder: Path) -> Mapping[str, Rule]:
+    """Do what :func:`load_rules` does, from a copy of what an earlier process read there.
+
+    To parse the pages takes as long as half of the other modules that a run loads. ``folder``: that of the cache. A page that
+    changes makes another copy.
+    """
+    if load_rules.cache_info().currsize:
+        return load_rules()
+    path = folder / "rules" / compute_installation_stamp()
+    data = read_checked(path)
+    if data is not None:
+        _recalled.append(load_plain(io.BytesIO(data)))
+        return load_rules()
+    rules = load_rules()
+    write_checked(path, pickle.dumps(tuple(rules.values()), pickle.HIGHEST_PROTOCOL))
+    return rules
 
 
 def load_page(path: Path) -> Rule:
@@ -82,6 +109,8 @@ def load_page(path: Path) -> Rule:
 
     :raises UrdfcheckError: if the file is not a rule page; the message names the page and what is missing.
     """
+    import tomli  # not where a copy of the pages was read
+
     text = path.read_text(encoding="utf-8")
     title, header = TITLE.match(text), split_page(text)[0]
     if not title or not header:
@@ -174,12 +203,14 @@ def describe_pedantic(rule: Rule) -> str:
 
 def has_check(rule: Rule) -> bool:
     """Whether the rule has a check module; most rules about urdfcheck itself (URC) have none."""
-    return _has_module(get_check_module(rule))
+    return rule.stem in _list_check_modules()
 
 
-@cache  # each unit of a run asks about each rule
-def _has_module(name: str) -> bool:
-    return importlib.util.find_spec(name) is not None
+@cache
+def _list_check_modules() -> frozenset[str]:
+    """Return the names of all check modules: to look for each by itself takes a hundred times as long."""
+    folders = importlib.import_module("urdfcheck.checks").__path__
+    return frozenset(name.partition(".")[0] for folder in folders for name in os.listdir(folder))
 
 
 def get_check_module(rule: Rule) -> str:

@@ -29,8 +29,12 @@ def compare(corpus: Path, every: int, repeats: int) -> None:
             cold, warm = [], []
             for _ in range(repeats):
                 with tempfile.TemporaryDirectory() as cache:
-                    cold.append(took((*CHECK, folder, "--jobs", str(jobs)), cache=cache).seconds)
-                    warm.append(took((*CHECK, folder, "--jobs", str(jobs)), cache=cache).seconds)
+                    cold.append(
+                        took((*CHECK, folder, "--jobs", str(jobs), "--allow-read", str(corpus)), cache=cache).seconds
+                    )
+                    warm.append(
+                        took((*CHECK, folder, "--jobs", str(jobs), "--allow-read", str(corpus)), cache=cache).seconds
+                    )
             for name, times, target in (("cold", cold, 10), ("warm", warm, 30)):
                 seconds = statistics.median(times)
                 ratio = script / seconds

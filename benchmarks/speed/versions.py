@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from process import CHECK, took
-from robots import write_robots
+from robots import list_readable, write_robots
 
 DIFF = (sys.executable, "-m", "urdfcheck", "diff")
 # The most that a comparison may take, in times of the two checks.
@@ -36,14 +36,14 @@ def compare(corpus: Path | None, repeats: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for name, robot in write_robots(Path(folder), corpus).items():
             for edit, change in EDITS.items():
-                checks, diff = _measure(robot, change, repeats)
+                checks, diff = _measure(robot, change, repeats, list_readable(corpus))
                 missed = "  MISSED" if diff / checks > TARGET else ""
                 times = f"{checks * 1e3:8.0f} ms {diff * 1e3:6.0f} ms"
                 print(f"{name:12} {edit:16} {times}   {diff / checks:6.2f}{missed}", flush=True)
     print(f"target: <= {TARGET:.2f}", flush=True)
 
 
-def _measure(robot: Path, change: Callable[[str], str], repeats: int) -> tuple[float, float]:
+def _measure(robot: Path, change: Callable[[str], str], repeats: int, options: list[str]) -> tuple[float, float]:
     """Return the medians of the two checks together and of the comparison, which take turns, with filled caches."""
     checks, diffs = [], []
     with tempfile.TemporaryDirectory() as folder:
@@ -53,8 +53,8 @@ def _measure(robot: Path, change: Callable[[str], str], repeats: int) -> tuple[f
             path.write_text(version, encoding="utf-8")
         old, new = map(str, paths)
         cache = str(Path(folder, "cache"))
-        took((*DIFF, old, new), cache=cache)
+        took((*DIFF, old, new, *options), cache=cache)
         for _ in range(repeats):
-            checks.append(sum(took((*CHECK, path), cache=cache).seconds for path in (old, new)))
-            diffs.append(took((*DIFF, old, new), cache=cache).seconds)
+            checks.append(sum(took((*CHECK, path, *options), cache=cache).seconds for path in (old, new)))
+            diffs.append(took((*DIFF, old, new, *options), cache=cache).seconds)
     return statistics.median(checks), statistics.median(diffs)

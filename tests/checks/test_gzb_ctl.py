@@ -653,3 +653,25 @@ def test_wheels_that_turn_across_the_line_between_them_do_not_drive(
     block = f'<gazebo><plugin filename="libgazebo_ros_diff_drive.so" name="d">{plugin}</plugin></gazebo>'
     messages = [f.message_id for f in find(tmp_path, robot(link("base"), *parts, block), "CTL007")]
     assert messages == (["sideways"] if found else [])
+
+
+@pytest.mark.parametrize(("typed", "found"), [("0.29", ["narrow"]), ("0.31", []), ("0.8", []), ("", []), ("0", [])])
+def test_the_track_of_a_skid_steer_is_tuned_wider_and_never_far_below_the_narrowest_pair(
+    tmp_path: Path, typed: str, found: list[str]
+) -> None:
+    wheels = {
+        "front_left": "0.2 0.25 0",
+        "rear_left": "-0.2 0.4 0",
+        "front_right": "0.2 -0.25 0",
+        "rear_right": "-0.2 -0.4 0",
+    }
+    parts = [
+        link(f"{name}_wheel") + joint(name, "base", f"{name}_wheel", kind="continuous", xyz=place, axis="0 1 0")
+        for name, place in wheels.items()
+    ]
+    names = "".join(f"<{name.partition('_')[2]}_joint>{name}</{name.partition('_')[2]}_joint>" for name in wheels)
+    plugin = f"{names}<wheel_separation>{typed}</wheel_separation>"
+    block = f'<gazebo><plugin filename="libgazebo_ros_diff_drive.so" name="d">{plugin}</plugin></gazebo>'
+    reported = find(tmp_path, robot(link("base"), *parts, block), "CTL007")
+    assert [f.message_id for f in reported] == found
+    assert [f.data["real"] for f in reported] == pytest.approx([0.5] * len(found))

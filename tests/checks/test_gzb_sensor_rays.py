@@ -55,6 +55,21 @@ def test_an_arm_may_be_elsewhere_and_a_wheel_is_where_it_is(tmp_path: Path) -> N
     assert list_seen(tmp_path, link("base"), wheel, sensor("gpu_ray")) == ["camera"]
 
 
+@pytest.mark.parametrize("kind", ["continuous", "revolute"])
+def test_all_of_a_rocker_that_carries_wheels_is_seen(tmp_path: Path, kind: str) -> None:
+    limits, turn = (limit(-1, 1) if kind == "revolute" else ""), '<axis xyz="0 1 0"/>'
+    rocker = joint("rock", "base", "rocker", limits, turn, kind=kind, xyz="0.5 0 0") + link(
+        "rocker", visual(box("0.1 0.2 0.1"))
+    )
+    rim = link("wheel", visual('<cylinder radius="0.2" length="0.1"/>', rpy="1.5708 0 0"))
+    wheel = joint("roll", "rocker", "wheel", turn, kind="continuous", xyz="0.1 0.6 0") + rim
+    arm = joint("roll", "rocker", "wheel", limit(-1, 1), turn, kind="revolute", xyz="0.1 0.6 0") + rim
+    assert list_seen(tmp_path, link("base"), rocker, wheel, sensor("gpu_ray")) == ["rocker, wheel"]
+    assert list_seen(tmp_path, link("base"), rocker, arm, sensor("gpu_ray")) == (
+        ["rocker"] if kind == "continuous" else []
+    )
+
+
 def test_a_housing_and_a_mesh(tmp_path: Path) -> None:
     (tmp_path / "nose.obj").write_text(TETRAHEDRON, encoding="utf-8")
     housing = link("base", visual(box("0.3 0.3 0.3")), collision(box("0.3 0.3 0.3")))

@@ -261,3 +261,37 @@ def test_a_headline_of_several_links_keeps_the_cause_and_drops_a_number() -> Non
         == "a: wrong inertia (z y x) (+1 place)"
     )
     assert fill_joint_headline("{link}: wrong ({share:g} %)", data, names, "links") == "a, b: wrong"
+
+
+@pytest.mark.parametrize(
+    ("times", "cause"),
+    [
+        (1095.0, "inertia_unit"),
+        (1044.0, "inertia_unit"),
+        (1300.0, "other_mass"),  # 1.3 kg is no 1 kg
+        (730.0, "other_mass"),
+    ],
+)
+def test_a_mass_of_one_digit_hides_no_unit(tmp_path: Path, times: float, cause: str) -> None:
+    """The author rounded 1.1 kg to 1 kg, and left the tensor of 1.1 kg in g·m²."""
+    solid = geometry(CASTING).solid
+    numbers = uniform(solid, 1.0)
+    text = make_chain((replace(numbers, tensor=times * numbers.tensor), list(CASTING)))
+    (finding,) = find(tmp_path, text, {"INR005", "INR009"})
+    assert finding.cause is not None
+    assert (finding.code, finding.cause.id) == ("INR009", cause)
+
+
+@pytest.mark.parametrize(
+    ("mass", "times", "is_named"),
+    [
+        (8.0968940262146127, 0.897, False),  # both numbers are of one export: two materials
+        (8.0968940262146127, 0.7, True),
+        (8.1, 0.8, True),
+    ],
+)
+def test_numbers_of_one_export_have_no_other_mass(tmp_path: Path, mass: float, times: float, is_named: bool) -> None:
+    numbers = uniform(geometry(CASTING).solid, mass)
+    part = format_inertial(replace(numbers, tensor=times * numbers.tensor), 16)
+    found = find(tmp_path, arm_on_base(part, drawn_boxes(CASTING)), {"INR009"})
+    assert [finding.cause and finding.cause.id for finding in found] == ["other_mass"] * is_named

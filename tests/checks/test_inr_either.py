@@ -36,6 +36,35 @@ def test_what_a_file_computes_was_not_copied(tmp_path: Path, value: str, words: 
     assert words in finding.fix.title
 
 
+FORMULAS = ("${m*(y*y+z*z)/12}", "${m*(x*x+z*z)/12}", "${m*(x*x+z*z)/12}")
+POWERS = ("${m/12*(d**2 + h**2)}", "${m/12*(w**2 + h**2)}", "${ m/12*(w**2+h**2) }")
+ROUND = ("${m*(3*x*x+z*z)/12}", "${m*(3*x*x+z*z)/12}", "${m*x*x*4*2}")
+
+
+@pytest.mark.parametrize(
+    ("moments", "repair"),
+    [
+        (FORMULAS, "correct the formula of izz: it repeats that of iyy, but that of a box squares x and y"),
+        (POWERS, "correct the formula of iyy or izz: they are the same, but one of a box squares d and w"),
+        (ROUND, None),
+    ],
+)
+def test_a_moment_of_a_box_that_repeats_another_is_named(
+    tmp_path: Path, moments: tuple[str, str, str], repair: str | None
+) -> None:
+    xx, yy, zz = moments
+    tensor = f'<inertia ixx="{xx}" ixy="0" ixz="0" iyy="{yy}" iyz="0" izz="{zz}"/>'
+    lengths = {"x": 0.01, "y": 0.3, "z": 0.01, "w": 0.01, "d": 0.3, "h": 0.01, "m": 1}
+    properties = "".join(f'<xacro:property name="{name}" value="{value}"/>' for name, value in lengths.items())
+    arm = f'<inertial><mass value="1"/>{tensor}</inertial>'
+    turning = joint("j", "base", "arm", kind="continuous")
+    text = robot(properties, link("base"), link("arm", arm), turning, xacro=True)
+    (finding,) = find(tmp_path, text, {"INR003"}, name="robot.urdf.xacro")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair or "export the inertia tensor again")
+    assert not finding.fix.edits
+
+
 @pytest.mark.parametrize(("com", "has_com"), [("0.01 0 0", False), ("0 0.5 0", True)])
 def test_a_tensor_that_is_replaced_brings_its_com(tmp_path: Path, com: str, has_com: bool) -> None:
     text = arm_on_base(inertial(1, 0.01, com=com, iyz=0.03), visual(box("0.2 0.1 0.1")))
@@ -313,3 +342,11 @@ def test_a_wheel_stands_on_its_rollers(tmp_path: Path, kind: str, found: list[st
         joint("peg_joint", "left_wheel", "peg", kind=kind, xyz="0 0 -0.045", axis="1 0 0"),
     ]
     assert [one.message_id for one in find(tmp_path, robot(*parts), {"DYN006"})] == found
+
+
+def test_moments_that_are_all_below_the_drawn_part_s_are_not_too_large(tmp_path: Path) -> None:
+    """A plate of 0.5 x 0.4 x 0.05 m has 0.68, 1.05 and 1.71 kg m² at 50 kg, and is too thin for one moment about all axes."""
+    placeholder = inertial(50, 0.35, com="0 0 -0.02")
+    (finding,) = find(tmp_path, arm_on_base(placeholder, visual(box("0.5 0.4 0.05"))), {"INR005"})
+    assert finding.message_id == "uneven"
+    assert "mm beyond the drawing" in finding.message

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import box, collision, cylinder, find, inertial, joint, link, robot, visual
+from builders import box, collision, cylinder, find, inertial, joint, link, mesh, robot, visual
 from castings import CASTING, DeclaredInertial, edited, format_inertial, geometry, uniform, write_stl
 from numpy.typing import NDArray
 
 from urdfcheck.core import Severity
-from urdfcheck.facts.inertials.hull_bounds import measure_hull_distance
+from urdfcheck.facts.inertials.hull_bounds import measure_diameter, measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
 from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
@@ -199,6 +199,41 @@ def test_a_centre_of_mass_that_was_not_given_is_told(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_arm(replace(Part(place=(0.15, 0, 0)), com=(0, 0, 0))), {"INR006"})
     assert finding.cause is not None
     assert finding.cause.id == "missing"
+
+
+@pytest.mark.parametrize(
+    ("times", "others", "message"),
+    [(1.0, 0, "drawn"), (2.0, 0, "outside"), (2.0, 3, "drawn")],
+    ids=["the mesh's tensor", "another tensor", "the custom of the file"],
+)
+def test_a_mesh_at_the_com_with_another_zero_is_drawn_in_the_wrong_place(
+    tmp_path: Path, times: float, others: int, message: str
+) -> None:
+    blocks = [((0.05, 0.03, 0.02), (0.0, 0.017, 0.199))]
+    write_stl(tmp_path / "part.stl", blocks)
+    true = uniform(geometry(blocks).solid)
+
+    def make_link(name: str, com: Sequence[float], file: str) -> str:
+        shape = visual(mesh(file), xyz=" ".join(map(str, com)))
+        return link(name, format_inertial(replace(true, com=np.array(com), tensor=times * true.tensor)), shape)
+
+    parts = [make_link("arm", (0.012345678, -0.000458903, -0.0137673), "part.stl")]
+    for i in range(others):
+        parts.append(joint(f"j{i}", "arm", f"l{i}", kind="continuous"))
+        parts.append(make_link(f"l{i}", (0.02 * i, 0.0154321, 0.0), "absent.stl"))
+    parts += [joint("j", "base", "arm", kind="continuous"), link("base")]
+    (finding,) = find(tmp_path, robot(*parts), {"INR006"})
+    assert finding.message_id == message
+    assert ("visual" in finding.location.subject) == (message == "drawn")
+
+
+@pytest.mark.parametrize("count", [2, 600])
+def test_the_size_that_is_told_is_the_greatest_distance(count: int) -> None:
+    """The corners crowd at one end, so that their mean is not in the middle."""
+    crowd = np.tile((0.0, 0.0, 0.0), (count, 1))
+    points = np.concatenate((crowd, [(0.3, 0.4, 0.0)]))
+    assert measure_diameter(points) == pytest.approx(0.5)
+    assert measure_extent(points) > 0.5
 
 
 def test_nothing_is_said_about_a_link_whose_mesh_is_missing(tmp_path: Path) -> None:

@@ -148,3 +148,39 @@ def test_the_signs_of_the_products_are_mended_before_the_term_is_added(tmp_path:
     assert finding.fix is not None
     repaired = edited(text, finding.fix.edits)
     assert not find(tmp_path / "repaired", repaired, {"INR003", "INR005", "INR009"})
+
+
+def test_a_copy_of_such_a_part_has_the_mistake_wherever_its_com_is(tmp_path: Path) -> None:
+    added = ADDED(uniform(DRAWN.solid), DRAWN)
+    files = make_robot(added, add_without_term())
+    copies = [
+        joint("k", "arm", "near", kind="continuous", xyz="-0.5 0 0"),
+        link("near", format_inertial(added, 8), drawn_boxes(CASTING)),
+        joint("l", "arm", "shifted", kind="continuous", xyz="0 0 0.7"),
+        link("shifted", format_inertial(replace(added, com=added.com + 0.04), 8), drawn_boxes(CASTING)),
+    ]
+    files["robot.urdf"] = files["robot.urdf"].replace("</robot>", "".join(copies) + "</robot>")
+    (finding,) = (one for one in find(tmp_path, files, "INR009") if one.message_id == "habit")
+    named = {subject.partition("/")[0] for subject in finding.subjects}
+    assert named == {"link[arm]", "link[elbow]", "link[near]", "link[shifted]"}
+
+
+@pytest.mark.parametrize("com", [0.0, 0.02])
+def test_more_pieces_than_the_mesh_shows_get_the_drawn_tensor(tmp_path: Path, com: float) -> None:
+    """The fin is two pieces in the CAD program, and one in the drawing."""
+    (edges, (x, y, z)) = CASTING[1]
+    half = (edges[0], edges[1] / 2, edges[2])
+    finer = geometry((CASTING[0], (half, (x, y - edges[1] / 4, z)), (half, (x, y + edges[1] / 4, z)), CASTING[2]))
+    true = uniform(DRAWN.solid)
+    numbers = replace(ADDED(true, finer), com=true.com + com)
+    text = robot(
+        link("base"),
+        joint("j", "base", "arm", kind="continuous"),
+        link("arm", format_inertial(numbers, 8), drawn_boxes(CASTING)),
+    )
+    (finding,) = find(tmp_path, text, "INR009")
+    assert finding.cause is not None
+    assert finding.cause.id == "steiner_missing"
+    assert finding.fix is not None
+    written = float(edited(text, finding.fix.edits).partition('ixx="')[2].partition('"')[0])
+    assert (abs(written / true.tensor[0, 0] - 1.0) < 1e-3) == (com == 0.0)

@@ -193,7 +193,17 @@ def test_a_mesh_that_we_read_and_assimp_refuses_is_an_error(tmp_path: Path) -> N
     content = collada(1.0, 1.0).replace('source="#a" count="4"', 'source="#a" count="12"')
     finding = find_broken(tmp_path, "part.dae", content)
     assert (finding.severity, finding.message_id) == (Severity.ERROR, "refused")
-    assert "counts 36 numbers, and its array has 12; Assimp refuses it" in finding.message
+    assert "counts 12 numbers instead of 4 vectors; Assimp refuses it" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write the number of vectors as the count of each such <accessor>")
+
+
+def test_an_accessor_that_counts_too_many_vectors_has_no_repair_by_a_number(tmp_path: Path) -> None:
+    content = collada(1.0, 1.0).replace('source="#a" count="4"', 'source="#a" count="5"')
+    finding = find_broken(tmp_path, "part.dae", content)
+    assert "counts 15 numbers, and its array has 12; Assimp refuses it" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title == "export or download the file again"
 
 
 def test_entities_are_an_error_only_where_assimp_refuses_them_too(tmp_path: Path) -> None:

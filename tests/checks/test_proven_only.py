@@ -113,6 +113,25 @@ def test_copies_that_are_both_far_from_their_drawing_are_not_copied(tmp_path: Pa
     assert ("is right, write" in finding.fix.title) == (message == "pair")
 
 
+@pytest.mark.parametrize(
+    ("coms", "message"),
+    [(("0.06 0.03 0.01", "0.05 0.01 0.02"), "neither_com"), (("0.0367 0.02 0.01", "0.05 0.01 0.02"), "pair")],
+)
+def test_of_two_coms_that_are_both_beside_the_drawn_one_neither_is_called_right(
+    tmp_path: Path, coms: tuple[str, str], message: str
+) -> None:
+    write_prism(tmp_path / "part.stl", [(0, 0), (0.1, 0), (0.01, 0.06)])
+    tensor = {"ixx": 2.33e-4, "iyy": 5.39e-4, "izz": 7.06e-4, "ixy": 1.33e-4}
+    parts = [
+        link(name, inertial(1, com=com, **tensor), visual(mesh("part.stl")))
+        + joint(f"{name}_joint", "base", name, kind="continuous", xyz=xyz, axis="0 0 1")
+        for name, com, xyz in zip(("one", "two"), coms, ("0.2 0 0", "0 0.3 0.1"), strict=True)
+    ]
+    (finding,) = find(tmp_path, robot(link("base"), *parts), "SYM003")
+    assert finding.message_id == message
+    assert ("(36.67, 20, " in finding.message) == (message == "neither_com")
+
+
 # -- wheels: SYM005, SYM006, CTL007 ----------------------------------------------------------------------------------------
 
 
@@ -189,6 +208,21 @@ def test_a_wheel_is_as_large_as_it_collides_and_as_far_as_its_middle(tmp_path: P
     block = DRIVE.format("libgazebo_ros_diff_drive.so", "d", name_sides("l", "r", numbers))
     found = {f.message_id: f.data["real"] for f in find(tmp_path, robot(link("base"), *parts, block), "CTL007")}
     assert found == pytest.approx({"radius": 0.05, "separation": 0.24}, rel=1e-4)
+
+
+@pytest.mark.parametrize(("diameter", "real"), [(0.08, 0.1), (0.1, None), (0.104, None), (0.12, 0.1)])
+def test_a_bump_of_a_wheel_is_not_its_radius(tmp_path: Path, diameter: float, real: float | None) -> None:
+    tyre = visual('<cylinder radius="0.05" length="0.03"/>', rpy="1.5708 0 0") + visual(
+        '<sphere radius="0.002"/>', xyz="0 0 0.05"
+    )
+    parts = [
+        link(f"{name}_wheel", tyre) + joint(name, "base", f"{name}_wheel", kind="continuous", xyz=place, axis="0 1 0")
+        for name, place in (("l", "0 0.1 0"), ("r", "0 -0.1 0"))
+    ]
+    numbers = f"<wheel_diameter>{diameter}</wheel_diameter>"
+    block = DRIVE.format("libgazebo_ros_diff_drive.so", "d", name_sides("l", "r", numbers))
+    found = [f.data["real"] for f in find(tmp_path, robot(link("base"), *parts, block), "CTL007")]
+    assert found == ([] if real is None else [pytest.approx(real, rel=2e-3)])
 
 
 @pytest.mark.parametrize(

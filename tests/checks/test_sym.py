@@ -235,6 +235,32 @@ def test_a_pair_of_which_nobody_can_say_more_is_named_as_a_pair(tmp_path: Path, 
     assert not edits(finding)
 
 
+PIN = WHEEL.replace('xyz="0 0.002 0.001"', 'xyz="0 0.002 0"')
+
+
+@pytest.mark.parametrize(("part", "is_named"), [(PIN, False), (PIN.replace('izz="6.6e-6"', 'izz="7.1e-6"'), True)])
+def test_a_pin_has_no_zero_that_may_differ_from_another_s(tmp_path: Path, part: str, is_named: bool) -> None:
+    text = axle("0 0.75239 0", "0 0.31234 0").replace(WHEEL, part)
+    assert [f.message_id for f in find(tmp_path, text, "SYM001")] == ["pair"] * is_named
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "severity"),
+    [
+        ("idler1", PIN, Severity.INFO),
+        ("front_left", PIN, Severity.WARNING),
+        ("idler1", WHEEL, Severity.WARNING),
+    ],
+    ids=["a round idler", "a round wheel", "an idler with its COM off the axis"],
+)
+def test_the_zero_of_a_round_wheel_that_nothing_drives_is_on_request(
+    tmp_path: Path, name: str, part: str, severity: Severity
+) -> None:
+    text = car(front_left="0 0.3 0").replace(WHEEL, part).replace("front_left", name)
+    (finding,) = find(tmp_path, text, "SYM001")
+    assert (finding.message_id, finding.severity) == ("zero", severity)
+
+
 def test_the_pair_is_reported_at_the_angle_that_nobody_chooses(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, axle("0 0.2 0", "0 0.75239 0"), "SYM001")
     assert finding.location.subject == "joint[right]/origin@rpy"

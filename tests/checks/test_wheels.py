@@ -490,3 +490,18 @@ def test_legs_are_only_mentioned(tmp_path: Path) -> None:
     (finding,) = find_in_car(tmp_path / "b", "DYN004", table(com=0.3))
     assert finding.severity is Severity.INFO
     assert not find_in_car(tmp_path / "c", "DYN004", table(com=0.3, names="finger"))
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "said"),
+    [(0, 0, True), (-3.1416, 3.1416, True), (-0.6, 0.6, False)],
+    ids=["empty", "turn", "steer"],
+)
+def test_a_revolute_wheel_is_judged_unless_its_range_may_be_that_of_a_steering(
+    tmp_path: Path, lower: float, upper: float, said: bool
+) -> None:
+    cars = [changed(FOUR, 0, kind="revolute", offset=offset).text() for offset in (0.03, 0)]
+    limit = f'<limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/></joint>'
+    cam, sound = (text.replace("</joint>", limit, 1) for text in cars)
+    assert [f.message_id for f in find(tmp_path / "a", cam, "JNT015")] == ["eccentric"] * said
+    assert not find(tmp_path / "b", sound, "JNT015")

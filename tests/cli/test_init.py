@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 import subprocess
 import sys
@@ -16,14 +17,22 @@ from services import accepts
 
 from urdfcheck import cli
 from urdfcheck.cli.commands.setup import init
-from urdfcheck.cli.commands.setup.init import HOOKS, LOCAL_HOOKS, add_hooks
+from urdfcheck.cli.commands.setup.init import HOOKS, LOCAL_HOOKS, PINNED_HOOKS, add_hooks
+from urdfcheck.cli.install_origin import InstallOrigin, find_install_origin
 from urdfcheck.policy import config_resolver
+from urdfcheck.version import __version__
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("one_process")]
 
 ARM = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <xacro:if value="${'$(arg side)' == 'left'}"/><xacro:if value="${'$(arg side)' == 'right'}"/>
 <link name="$(arg side)_${'$(arg n)'}"/></robot>"""
+
+
+def make_origin(address: str) -> InstallOrigin:
+    return (
+        InstallOrigin(address=address, revision="abc", requirement=f"git+{address}@abc") if address else InstallOrigin()
+    )
 
 
 @pytest.fixture
@@ -113,6 +122,10 @@ def test_the_hooks_are_those_of_the_manifest() -> None:
     for hook in manifest:  # which Python has the urdfcheck that is installed, only its own command knows
         hook["entry"] = hook["entry"].removeprefix("python -I -m ")
     assert [{k: h.get(k) for k in same} for h in entry["hooks"]] == [{k: h.get(k) for k in same} for h in manifest]
+    (entry,) = yaml.safe_load(PINNED_HOOKS.format(requirement='"urdfcheck==1"'))
+    assert [{k: h.get(k) for k in ("id", "types_or", "files")} for h in entry["hooks"]] == [
+        {k: h.get(k) for k in ("id", "types_or", "files")} for h in manifest
+    ]
     (entry,) = yaml.safe_load(HOOKS.format(address="https://example.org/urdfcheck", revision="abc"))
     assert [hook["id"] for hook in entry["hooks"]] == [hook["id"] for hook in manifest]
 
@@ -178,7 +191,7 @@ def test_what_is_there_is_added_to(repository: Path) -> None:
 def test_what_is_written_for_a_service_is_valid_whatever_the_folder_is_called(
     repository: Path, monkeypatch: pytest.MonkeyPatch, address: str, ci: str | None
 ) -> None:
-    monkeypatch.setattr(init, "find_install_origin", lambda: (address, "abc" if address else ""))
+    monkeypatch.setattr(init, "find_install_origin", lambda: make_origin(address))
     strange = """  it's "a" \\ # robot: $(touch broken) %s -x: [é😀] &a *b """
     (repository / "urdf").rename(repository / strange)
     if ci is not None:
@@ -209,7 +222,7 @@ def test_what_is_written_for_a_service_is_valid_whatever_the_folder_is_called(
 def test_a_folder_whose_name_would_be_syntax_is_refused(
     repository: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str, address: str
 ) -> None:
-    monkeypatch.setattr(init, "find_install_origin", lambda: (address, "abc" if address else ""))
+    monkeypatch.setattr(init, "find_install_origin", lambda: make_origin(address))
     (repository / "urdf").rename(repository / name)
     before = set(repository.rglob("*"))
     assert cli.main(["init", name]) == cli.FAILED
@@ -274,20 +287,70 @@ def test_the_address_is_taken_from_what_pip_wrote_down(monkeypatch: pytest.Monke
     import importlib.metadata
 
     class Installed:
-        def __init__(self, text: str | None) -> None:
+        def __init__(self, text: str | None, name: str = "urdfcheck") -> None:
             self.text = text
+            self.metadata = {"Name": name}
 
         def read_text(self, name: str) -> str | None:
             return self.text if name == "direct_url.json" else None
 
+    commit = InstallOrigin(requirement="git+https://example.org/u@abc", address="https://example.org/u", revision="abc")
     for text, expected in (
+        ('{"url": "https://example.org/u", "vcs_info": {"vcs": "git", "commit_id": "abc"}}', commit),
         (
-            '{"url": "https://example.org/u", "vcs_info": {"vcs": "git", "commit_id": "abc"}}',
-            ("https://example.org/u", "abc"),
+            '{"url": "https://example.org/u.whl", "archive_info": {}}',
+            InstallOrigin(requirement="urdfcheck @ https://example.org/u.whl"),
         ),
-        ('{"url": "file:///x", "dir_info": {"editable": true}}', ("", "")),
-        (None, ("", "")),
-        ("{", ("", "")),
+        (None, InstallOrigin(requirement=f"urdfcheck=={__version__}")),  # from an index
+        ('{"url": "file:///u.whl", "archive_info": {}}', InstallOrigin()),
+        ('{"url": "file:///x", "dir_info": {"editable": true}}', InstallOrigin()),
+        ("{", InstallOrigin()),
     ):
         monkeypatch.setattr(importlib.metadata, "distribution", lambda _, text=text: Installed(text))
-        assert init.find_install_origin() == expected
+        assert find_install_origin() == expected
+    light = (
+        '{"url": "https://example.org/u", "vcs_info": {"commit_id": "abc"}, "subdirectory": "packages/urdfcheck-core"}'
+    )
+    for text, requirement in (
+        (None, f"urdfcheck-core=={__version__}"),
+        (light, "urdfcheck-core @ git+https://example.org/u@abc#subdirectory=packages/urdfcheck-core"),
+    ):
+        monkeypatch.setattr(importlib.metadata, "distribution", lambda _, text=text: Installed(text, "urdfcheck-core"))
+        assert find_install_origin() == InstallOrigin(requirement=requirement)
+
+
+def test_what_came_from_an_index_is_installed_by_its_version(
+    repository: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(init, "find_install_origin", lambda: InstallOrigin(requirement="urdfcheck==1.2.3"))
+    assert cli.main(["init"]) == cli.OK
+    assert init.UNKNOWN not in capsys.readouterr().out
+    (entry,) = yaml.safe_load((repository / ".pre-commit-config.yaml").read_text(encoding="utf-8"))["repos"]
+    for hook in entry["hooks"]:
+        assert (hook["language"], hook["additional_dependencies"]) == ("python", ["urdfcheck==1.2.3"])
+        assert hook["entry"] == "python -I -m urdfcheck --allow-empty"
+    job = yaml.safe_load((repository / ".github/workflows/urdfcheck.yml").read_text(encoding="utf-8"))
+    steps = job["jobs"]["urdfcheck"]["steps"]
+    assert [step["env"]["URDFCHECK"] for step in steps if "URDFCHECK" in step.get("env", {})] == ["urdfcheck==1.2.3"]
+
+
+def test_files_for_vs_code_are_written_where_it_looks(
+    repository: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert cli.main(["init", "urdf", "--vscode", "--dry-run"]) == cli.OK
+    assert not (repository / ".vscode").exists()
+    assert len(capsys.readouterr().out) < 10_000
+    assert cli.main(["init", "urdf", "--vscode"]) == cli.OK
+    assert "wrote     urdfcheck.schema.json" in capsys.readouterr().out
+    check, schema = json.loads((repository / ".vscode/tasks.json").read_text(encoding="utf-8"))["tasks"]
+    # The model that needs arguments is not checked.
+    assert cli.main(check["args"]) == cli.FINDINGS
+    assert "urdf/arm.urdf.xacro: not checked" in capsys.readouterr().out
+    assert cli.main(schema["command"].partition(" > ")[0].split()[1:]) == cli.OK
+    assert capsys.readouterr().out == (repository / "urdfcheck.schema.json").read_text(encoding="utf-8")
+    before = {path: path.read_bytes() for path in repository.rglob("*") if path.is_file()}
+    (repository / ".vscode/settings.json").write_text('{ "a": 1 } // mine')
+    assert cli.main(["init", "urdf", "--vscode"]) == cli.OK
+    assert "kept      .vscode/settings.json: it may have comments" in capsys.readouterr().out
+    before[repository / ".vscode/settings.json"] = b'{ "a": 1 } // mine'
+    assert {path: path.read_bytes() for path in repository.rglob("*") if path.is_file()} == before

@@ -186,6 +186,32 @@ def test_a_mistake_without_effect_is_none() -> None:
         assert judged(BY_ID[id](true, plate), plate).sound
 
 
+@pytest.mark.parametrize(
+    ("signs", "cause"), [((1, -1, 1, 1, -1, 1), "unmirrored"), ((1, -1, -1, 1, -1, 1), "products_sign")]
+)
+def test_a_small_product_that_is_right_shows_that_not_all_signs_are_wrong(signs: tuple[int, ...], cause: str) -> None:
+    drawn = geometry((((0.1, 0.08, 0.12), (0.0, 0.0, 0.0)), ((0.04, 0.04, 0.04), (0.0005, 0.06, 0.08))))
+    true = uniform(drawn.solid)
+    ratio = abs(slots(true)[2]) / slots(true)[0]
+    assert 1e-4 < ratio < 5e-3  # next to nothing in how far the tensor is off
+    details = np.array((1.002, 1.01, 1.04, 1.001, 1.004, 1.002))  # what rounded edges and tessellation change
+    found = judged(with_slots(true, np.array(slots(true)) * signs * details), drawn)
+    assert found.cause == cause
+    assert found.mended is not None
+    assert_allclose(slots(found.mended), np.array(slots(true)) * details)
+
+
+def test_a_tensor_without_products_is_the_box_s_and_not_the_hull_s() -> None:
+    """A tray with one low wall, whose hull is hardly less than its box; the box was typed a little lower than it is."""
+    walls = [((0.75, 0.01, 0.13), (-0.025, y, 0.065)) for y in (-0.195, 0.195)]
+    ends = [((0.01, 0.4, 0.13), (-0.395, 0.0, 0.065)), ((0.01, 0.4, 0.08), (0.395, 0.0, 0.04))]
+    drawn = geometry((((0.8, 0.4, 0.004), (0.0, 0.0, 0.002)), *walls, *ends))
+    found = judged(uniform(transform_solid(make_box_solid((0.8, 0.4, 0.12)), np.eye(3), drawn.solid.com), 5.0), drawn)
+    assert found.cause == "bounding_box"
+    assert drawn.hull is not None
+    assert judged(uniform(drawn.hull, 5.0), drawn).cause == "convex_hull"
+
+
 # -- small parts, and parts with a formula ------------------------------------------------------------------------------
 
 

@@ -671,7 +671,7 @@ def test_an_accessor_beyond_its_array_is_read_by_us_and_refused_by_assimp(tmp_pa
     content = dae(*TETRAHEDRON).replace(b'<accessor source="#a" count="4"', b'<accessor source="#a" count="12"')
     facts = measure_file(tmp_path, content)
     assert (facts.n_triangles, facts.assimp) == (4, "refuses")
-    assert facts.flaw == "is inconsistent: the <accessor> in line 6 counts 36 numbers, and its array has 12"
+    assert facts.flaw == "is inconsistent: the <accessor> in line 6 counts 12 numbers instead of 4 vectors"
     assert measure_mesh(content, "dae").flaw is None  # nobody was asked
 
 

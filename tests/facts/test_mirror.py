@@ -228,3 +228,14 @@ def test_the_mirrored_range_reaches_the_mirrored_poses(
     ]
     wanted = sorted((p * (1, -1, 1, 1)).tolist() for p in reached)
     assert_allclose(sorted(p.tolist() for p in mirrored), wanted, atol=1e-12)
+
+
+def test_a_limit_saves_only_what_is_not_below_it() -> None:
+    random = np.random.default_rng(3)
+    clouds = [random.normal(size=(30, 3)) * (1.0, 2.0, 3.0) for _ in range(2)]
+    one, other = (PartOutline(c.mean(axis=0), np.cov(c.T), c) for c in clouds)
+    for turn in (np.eye(3), np.diag([1.0, -1.0, -1.0]), np.eye(3)[[1, 2, 0]]):
+        exact = measure_outline_mismatch(one, other, linear=turn, shift=np.zeros(3))
+        for limit in (0.0, exact / 2.0, exact * 2.0):
+            limited = measure_outline_mismatch(one, other, linear=turn, shift=np.zeros(3), limit=limit)
+            assert limited == exact or limit <= limited <= exact

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
+from urdfcheck.facts.mesh import number_text
+from urdfcheck.facts.mesh.decode import decode_mesh
 from urdfcheck.facts.mesh.number_text import BadTokenError, TokenizedText
 
 
@@ -62,3 +66,35 @@ def test_lines_and_words() -> None:
     assert text.find_line_starts().tolist() == [0, 3, 5]
     assert text.match_word(b"vn").tolist() == [False, False, False, True, False, False, False]
     assert text.match_word(b"v").tolist() == [True, *[False] * 6]
+
+
+@pytest.mark.parametrize("block", [1, 2, 7, 1000])
+def test_positions_do_not_depend_on_the_blocks(monkeypatch: pytest.MonkeyPatch, block: int) -> None:
+    data = b"v 1.5 -2.25 3.e2\n\n  f 1/2 2//3\t3 \nlong_word_here 0.125"
+    whole = TokenizedText(data)
+    monkeypatch.setattr(number_text, "_BLOCK", block)
+    text = TokenizedText(data)
+    assert text.starts.tolist() == whole.starts.tolist()
+    assert [text.get_token(index) for index in range(len(text))] == data.split()
+    assert text.parse_numbers(np.array([1, 2, 3])).tolist() == [1.5, -2.25, 300.0]
+    assert text.parse_indices(np.array([5, 6, 7])).tolist() == [1, 2, 3]
+
+
+def test_words_are_found_among_some_tokens() -> None:
+    text = TokenizedText(b"v 1 2 3\nf v v V\n")
+    lines = text.find_line_starts()
+    assert text.match_word(b"v", lines).tolist() == [True, False]
+    assert np.flatnonzero(text.match_word(b"v")).tolist() == [0, 5, 6, 7]
+
+
+@pytest.mark.parametrize("kind", ["obj", "off"])
+def test_memory_is_a_small_multiple_of_the_file(kind: str) -> None:
+    mesh = trimesh.creation.icosphere(subdivisions=5)
+    data = mesh.export(file_type=kind).encode()
+    decode_mesh(data, kind)
+    tracemalloc.start()
+    decoded = decode_mesh(data, kind)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert decoded.n_triangles == len(mesh.faces)
+    assert peak < 8 * len(data)

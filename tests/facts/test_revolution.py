@@ -78,3 +78,12 @@ def test_about_another_line_a_disc_is_not_round() -> None:
 def test_lines_have_no_direction() -> None:
     assert measure_line_angle((0, 0, 2), (0, 0, -3)) == 0.0
     assert measure_line_angle((1, 0, 0), (-1, 1, 0)) == pytest.approx(math.pi / 4)
+
+
+@pytest.mark.parametrize("corners", [10, 16, 17, 64])
+def test_the_usual_radius_is_that_of_the_corners_and_no_bump_changes_it(corners: int) -> None:
+    bump = np.array(((0.0, 0.0517, 0.0),))
+    found = measure_outline(np.concatenate((disc(corners), bump)), (0, 0, 1), (0, 0, 0))
+    assert found.usual_radius == pytest.approx(0.05)
+    assert found.radius == pytest.approx(0.0517)
+    assert measure_outline(np.zeros((3, 3)), (0, 0, 1)).usual_radius == 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -224,6 +225,65 @@ class TestExclude:
     def test_a_pattern_that_would_take_for_ever_does_not(self, tmp_path: Path) -> None:
         deep = "/".join(["a"] * 300)
         assert not match_any_pattern(["**/a/" * 200 + "b"], split_relative_path(tmp_path / deep, tmp_path))
+
+    def test_the_command_line_excludes_more_from_the_working_directory(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        write(tmp_path / "src/urdfcheck.toml", 'exclude = ["vendor"]\n')
+        for name in ("a.urdf", "b.urdf", "vendor/c.urdf", "old/d.urdf"):
+            write(tmp_path / "src" / name, BROKEN.format("l"))
+        monkeypatch.chdir(tmp_path)
+        words = ["src", "--exclude", "src/b.urdf", "--exclude", "old", "--format", "json", "--select", "INR003"]
+        assert cli.main(words) == FINDINGS
+        assert [m["path"] for m in json.loads(capsys.readouterr().out)["models"]] == ["src/a.urdf"]
+        # What is named is checked, and the configuration's patterns stay relative to its folder.
+        assert cli.main(["src/b.urdf", "--exclude", "b.urdf", "--select", "INR003"]) == FINDINGS
+        assert cli.main(["src", "--exclude", "*.urdf", "--allow-empty"]) == OK
+
+
+class TestNamed:
+    """``--config FILE``: one configuration for everything, wherever it lies."""
+
+    def test_it_takes_the_place_of_those_above_the_files(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        write(tmp_path / "src/a.urdf", BROKEN.format("l"))
+        write(tmp_path / "src/b/b.urdf", BROKEN.format("l"))
+        write(tmp_path / "src/urdfcheck.toml", 'ignore = ["INR"]\n')
+        shared = write(tmp_path / "shared/robots.toml", '[[paths]]\nmatch = ["src/b/**"]\nignore = ["INR003"]\n')
+        monkeypatch.chdir(tmp_path)
+        for isolated in ([], ["--isolated"]):
+            words = ["src", "--config", str(shared), "--select", "INR003", "--format", "json", *isolated]
+            assert cli.main(words) == FINDINGS
+            assert {m["id"] for m in json.loads(capsys.readouterr().out)["models"]} == {"src/a.urdf", "src/b/b.urdf"}
+        assert cli.main(["src/b", "--config", str(shared), "--format", "json"]) == OK
+        assert cli.main(["src/a.urdf", "--config", str(shared), "--format", "json"]) == FINDINGS
+
+    def test_a_project_file_holds_a_table(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        model = write(tmp_path / "a.urdf", BROKEN.format("l"))
+        project = write(tmp_path / "other/pyproject.toml", '[tool.urdfcheck]\nfail-on = "never"\n')
+        assert cli.main([str(model), "--config", str(project)]) == OK
+        assert cli.main(["config", str(model), "--config", str(project), "--exclude", "x"]) == OK
+        shown = capsys.readouterr().out
+        assert "other/pyproject.toml:2" in shown.replace(os.sep, "/")
+        assert re.search(r"exclude +x +", shown)
+
+    @pytest.mark.parametrize(
+        ("name", "text", "complaint"),
+        [
+            ("a.toml", "no = 1\n", "a.toml:1: unknown key .no."),
+            ("pyproject.toml", "[tool.other]\n", r"pyproject.toml: has no table \[tool.urdfcheck\]"),
+            ("none.toml", None, "none.toml"),
+        ],
+    )
+    def test_what_is_wrong_with_it_ends_the_run(
+        self, name: str, text: str | None, complaint: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        model = write(tmp_path / "a.urdf", BROKEN.format("l"))
+        if text is not None:
+            write(tmp_path / name, text)
+        assert cli.main([str(model), "--config", str(tmp_path / name)]) == 2
+        assert re.search(complaint, capsys.readouterr().err)
 
 
 class TestModels:

@@ -19,6 +19,7 @@ from urdfcheck.rules import load_check, load_rules
 from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.run.pipeline import run
+from urdfcheck.system import process_pool
 
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial>'
 
@@ -39,6 +40,20 @@ def test_a_check_that_crashes_is_URC900_and_exit_2_and_the_others_run(
     assert {"URC900", "INR003"} <= codes
     assert "INR004 crashed" in outcome.failures[0]
     assert compute_exit_code(outcome, "never") == FAILED
+
+
+@pytest.mark.parametrize(("library", "is_skipped"), [("scipy.optimize", True), ("numpy", False)])
+def test_a_library_that_urdfcheck_core_leaves_out_skips_a_check_and_any_other_is_a_crash(
+    library: str, is_skipped: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def lack(*_: object, **__: object) -> Iterator[Finding]:
+        raise ModuleNotFoundError(f"No module named {library!r}", name=library)
+
+    monkeypatch.setattr("urdfcheck.run.unit_audit.load_check", lambda rule: lack)
+    outcome = check_text(tmp_path, f'<robot name="r"><link name="a">{INERTIA}</link></robot>', codes={"INR004"})
+    reasons = [skip.reason for skip in outcome.skipped]
+    assert reasons == (["scipy is not installed (it comes with urdfcheck, not with urdfcheck-core)"] * is_skipped)
+    assert bool(outcome.failures) != is_skipped
 
 
 AUDIT = pipeline._audit_in_worker
@@ -177,6 +192,33 @@ def test_a_worker_sees_nothing_around_what_is_checked(tmp_path: Path, monkeypatc
         seen = {folder for folder in settings.visible_folders if not folder.endswith("rules")}
     assert {unit.kind for unit in units} >= {"launch", "package"}
     assert seen == {str(tmp_path / "repo")}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not process_pool.FORKS, reason="there is no warm worker where processes cannot be forked")
+def test_a_single_file_is_looked_for_in_the_process_that_audits_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = tmp_path / "r.urdf"
+    model.write_text('<robot name="r"><link name="base"/></robot>')
+    worker = process_pool.Worker.start()
+    monkeypatch.setattr(process_pool.Worker, "start", lambda *_: pytest.fail("another process was started"))
+    try:
+        _, units = pipeline.plan_units(make_request(model), warm_worker=worker)
+        assert [unit.id for unit in units] == ["r.urdf"]
+        outcome = run(make_request(model), pipeline.Execution(warm_worker=worker))
+        assert [m.status for m in outcome.models] == ["checked"]
+    finally:
+        worker.end()
+
+
+@pytest.mark.slow
+def test_a_folder_is_searched_in_a_process_of_its_own(tmp_path: Path) -> None:
+    """What the search leaves in memory must not count for an audit."""
+    (tmp_path / "r.urdf").write_text('<robot name="r"><link name="base"/></robot>')
+    worker = process_pool.Worker.start()
+    worker.end()
+    assert pipeline.plan_units(make_request(tmp_path), warm_worker=worker)[1]
 
 
 @pytest.mark.slow

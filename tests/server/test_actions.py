@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from conftest import command
 from lsprotocol import types
 
 from .editor import Editor
@@ -132,8 +133,36 @@ def test_a_finding_is_suppressed_once_it_has_a_reason(editor: Editor, path: Path
     assert not {"KIN002", "URC903"} & set(editor.codes(path))
 
 
+def test_findings_are_added_to_the_baseline_that_the_command_writes(editor: Editor, path: Path) -> None:
+    """One after the other, in a file that the first of them makes; in the end it is what the command writes at once."""
+    folder = path.parent.parent
+    (folder / "urdfcheck.toml").write_text("")
+    file = folder / "urdfcheck-baseline.json"
+    wanted = folder / "wanted.json"
+    command("baseline", "write", str(path), "--tier", "source", "--baseline", str(wanted), cwd=folder)
+    editor.save(path)
+    for _ in range(9):
+        accepting = [action for action in ask(editor, path) if action.title.startswith("Accept ")]
+        if not accepting:
+            break
+        assert accepting[0].title.endswith(" here: add it to urdfcheck-baseline.json")
+        assert accepting[0].edit is not None
+        made, *others = accepting[0].edit.document_changes or ()
+        if isinstance(made, types.CreateFile):
+            assert not file.exists()
+            file.write_text("")
+            editor.open(file)
+            made = others[0]
+            assert isinstance(made, types.TextDocumentEdit)
+            made.text_document.version = 1
+        apply(editor, types.WorkspaceEdit(document_changes=[made]))
+    assert [d for d in editor.diagnostics(path) if d.code == "KIN002"] == []
+    assert editor.texts[file] == wanted.read_text()
+
+
 def test_the_page_of_a_rule_is_opened(editor: Editor, path: Path) -> None:
-    (action,) = [action for action in ask_all(editor, path, "KIN002") if isinstance(action, types.Command)]
+    commands = [action for action in ask_all(editor, path, "KIN002") if isinstance(action, types.Command)]
+    (action,) = [command for command in commands if command.title.startswith("Open the page")]
     params = types.ExecuteCommandParams(action.command, action.arguments)
     editor.wait(editor.client.workspace_execute_command_async(params))
     assert Path(editor.client.shown_documents[-1].uri).name == "KIN002-unknown-link.md"

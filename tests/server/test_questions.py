@@ -108,7 +108,7 @@ def test_an_expression_shows_its_value_and_what_it_was_computed_from(editor: Edi
 def test_links_and_joints_show_their_physics(editor: Editor, robot: tuple[Path, Path]) -> None:
     user, macros = robot
     text = hover(editor, user, editor.find(user, 'parent="base"', part="base"))
-    assert text == "", "a text that a macro is given is not a name yet"
+    assert "**link base**" in text, "the text that a macro is given becomes a name"
     text = hover(editor, user, editor.find(user, 'link name="base"', part="base"))
     assert "**link base**" in text
     text = hover(editor, macros, editor.find(macros, "<mass value", part="mass"))
@@ -150,9 +150,12 @@ def test_uses_are_found_across_includes(editor: Editor, robot: tuple[Path, Path]
     assert refer(editor, macros, density) == [("arm.xacro", 4)]
     assert refer(editor, macros, density, declared=True) == [("arm.xacro", 2), ("arm.xacro", 4)]
     assert refer(editor, macros, editor.find(macros, 'name="arm"', part="arm")) == [(user.name, 8), (user.name, 9)]
-    assert refer(editor, user, editor.find(user, 'link name="base"', part="base")) == [("arm.xacro", 13)]
+    assert refer(editor, user, editor.find(user, 'link name="base"', part="base")) == [
+        ("arm.xacro", 13),
+        (user.name, 8),
+    ]
     length = editor.find(macros, "length:=0.4")
-    assert refer(editor, macros, length) == [("arm.xacro", 4), ("arm.xacro", 7)]
+    assert refer(editor, macros, length) == [("arm.xacro", 4), ("arm.xacro", 7), (user.name, 8)]
 
 
 def test_the_outline_is_the_kinematic_tree(editor: Editor, robot: tuple[Path, Path]) -> None:
@@ -181,6 +184,45 @@ def test_values_are_beside_their_expressions(editor: Editor, robot: tuple[Path, 
     shown = {hint.position.line + 1: hint.label for hint in found}
     assert shown[4] == "= 5.0 | 4.0"
     assert shown[7] == "= 0 0 0.25 | 0 0 0.2"
+
+
+def list_lenses(editor: Editor, path: Path) -> dict[str, str]:
+    """The code lenses of a file by the text that they are above."""
+    params = types.CodeLensParams(editor.identify(path))
+    found = editor.wait(editor.client.text_document_code_lens_async(params)) or []
+    lines = editor.texts[path].split("\n")
+    return {lines[lens.range.start.line].strip()[:22]: lens.command.title for lens in found if lens.command is not None}
+
+
+def test_a_macro_shows_who_uses_it_and_what_is_wrong_with_it(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, macros = robot
+    unused = '  <xacro:macro name="unused" params=""/>\n</robot>'
+    editor.type(macros, MACROS.replace('ixx="0.02"', 'ixx="0.2"').replace("</robot>", unused))
+    (macros.parent / "other.urdf.xacro").write_text(ROBOT.replace("two_arms", "other"), encoding="utf-8")
+    other = types.FileEvent((macros.parent / "other.urdf.xacro").as_uri(), types.FileChangeType.Created)
+    editor.client.workspace_did_change_watched_files(types.DidChangeWatchedFilesParams([other]))
+    editor.rest()
+    assert list_lenses(editor, macros) == {
+        '<robot xmlns:xacro="ht': "used by 2 robots · 1 error",
+        '<xacro:macro name="arm': "used by 2 robots · 1 error",
+        '<xacro:macro name="unu': "used by no robot",
+    }
+    assert list_lenses(editor, user) == {'<robot name="two_arms"': "3 links · 2 joints · 1 error · 1 warning"}
+
+
+def test_elements_and_comments_of_several_lines_can_be_folded(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, _ = robot
+    editor.type(
+        user,
+        "<robot>\n  <!-- a\n 🤖 -->\n  <link name='a>b'\n    id='1'>\n    <x/>\n    <y>\n  </link>\n  <z></z>\n</robot>\n",
+    )
+    params = types.FoldingRangeParams(editor.identify(user))
+    found = editor.wait(editor.client.text_document_folding_range_async(params)) or []
+    assert {(fold.start_line, fold.end_line, fold.kind) for fold in found} == {
+        (0, 8, None),
+        (1, 2, types.FoldingRangeKind.Comment),
+        (3, 6, None),
+    }
 
 
 def test_answers_survive_a_text_that_does_not_parse(editor: Editor, robot: tuple[Path, Path]) -> None:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import random
@@ -17,6 +18,7 @@ from pathlib import Path
 import pytest
 from conftest import FIXTURES, command
 from lsprotocol import types
+from pygls.exceptions import JsonRpcException
 
 from .editor import Editor
 
@@ -169,5 +171,12 @@ def _ask(editor: Editor, path: Path, chance: random.Random) -> None:
     editor.wait(client.text_document_hover_async(types.HoverParams(document, at)))
     editor.wait(client.text_document_definition_async(types.DefinitionParams(document, at)))
     editor.wait(client.text_document_document_symbol_async(types.DocumentSymbolParams(document)))
+    editor.wait(client.text_document_folding_range_async(types.FoldingRangeParams(document)))
+    editor.wait(client.text_document_code_lens_async(types.CodeLensParams(document)))
+    known = types.ReferenceContext(include_declaration=True)
+    editor.wait(client.text_document_references_async(types.ReferenceParams(known, document, at)))
+    if chance.random() < 0.3:
+        with contextlib.suppress(JsonRpcException):  # a refusal
+            editor.wait(client.text_document_rename_async(types.RenameParams(document, at, "renamed")))
     context = types.CodeActionContext([])
     editor.wait(client.text_document_code_action_async(types.CodeActionParams(document, types.Range(at, at), context)))

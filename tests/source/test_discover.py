@@ -18,6 +18,7 @@ from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.plan import ModelTarget, Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import FileReach
+from urdfcheck.source.text.xml import parse_xml
 
 pytestmark = pytest.mark.slow
 
@@ -876,3 +877,21 @@ def test_a_part_of_a_semantic_description_checks_the_models_of_the_description(w
         },
     )
     assert models(f"arm/srdf/{name}") == ["arm/urdf/arm.urdf"]
+
+
+def test_a_file_that_was_seen_before_is_not_parsed_again(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An editor plans after each key; what is typed in the one file that differs counts at once."""
+    write(
+        workspace,
+        {"package.xml": "<package/>", "a.xacro": xacro(LINK + include("b.xacro")), "b.xacro": xacro(MACRO, "")},
+    )
+    assert models("a.xacro") == ["a.xacro"]
+    parsed = []
+    monkeypatch.setattr(
+        "urdfcheck.source.model_file._parse", lambda source: (parsed.append(source), parse_xml(source))[1]
+    )
+    assert models("a.xacro") == ["a.xacro"]
+    assert parsed == []
+    write(workspace, {"a.xacro": xacro(include("b.xacro"), "")})
+    assert len(models("b.xacro")) == 1
+    assert len(parsed) == 1

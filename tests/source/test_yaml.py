@@ -102,3 +102,20 @@ def test_no_file_out_of_reach_is_read(tmp_path: Path) -> None:
         assert (read_controller_config(tmp_path / "c.yaml", finder) is not None) == read
         assert bool(read_joint_limits(tmp_path / "l.yaml", finder)) == read
         assert (find_yaml_error(tmp_path / "broken.yaml", finder) is not None) == read
+
+
+def test_a_text_that_was_read_before_is_not_parsed_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The places are those of the file at hand; a merge, which PyYAML resolves in the nodes, makes them that file's own."""
+    import yaml
+
+    parsed: list[str] = []
+    compose = yaml.compose
+    monkeypatch.setattr(yaml, "compose", lambda text, **more: (parsed.append(text), compose(text, **more))[1])
+    text = "first: 1\nsecond: {third: 2}  # of this test only\n"
+    found = [parse_located_yaml(SourceFile(Path(name), name, text=text)) for name in ("a.yaml", "b.yaml")]
+    seconds = [one.get("second") for one in found if one is not None]
+    assert [second.span.file for second in seconds if second is not None] == ["a.yaml", "b.yaml"]
+    assert parsed == [text]
+    for _ in range(2):
+        value(TEXT, "other", "joints")
+    assert parsed == [text, TEXT, TEXT]

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import subprocess
+import sys
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from conftest import FIXTURES
 
 from urdfcheck.cli import main
@@ -66,6 +69,30 @@ def test_a_corrupt_file_is_dropped_without_harm(tmp_path: Path, damage: bytes) -
     assert not files_of(tmp_path)
     again["part"] = {"a": np.arange(2)}
     assert len(ArrayCache(tmp_path).entry("kind", KEY)["part"]["a"]) == 2
+
+
+@pytest.mark.parametrize("cut", [1, 12, 22, 40, 90, 200])
+def test_every_damage_is_noticed(tmp_path: Path, cut: int) -> None:
+    entry = ArrayCache(tmp_path).entry("kind", KEY)
+    entry["part"] = {"a": np.arange(20), "b": np.arange(3)}
+    (file,) = files_of(tmp_path)
+    data = file.read_bytes()
+    changed = bytearray(data)
+    changed[200] ^= 1  # a number of the first array
+    for damaged in (data[:-cut], data[cut:], data[: -cut // 2] + data, bytes(changed)):
+        file.write_bytes(damaged)
+        assert "part" not in ArrayCache(tmp_path).entry("kind", KEY)
+        assert not file.exists()
+
+
+def test_a_known_entry_needs_no_zipfile(tmp_path: Path) -> None:
+    ArrayCache(tmp_path).entry("kind", KEY)["part"] = {"a": np.arange(3)}
+    script = (
+        "import sys; from pathlib import Path; from urdfcheck.system.array_cache import ArrayCache;"
+        f"print(ArrayCache(Path(sys.argv[1])).entry('kind', {KEY!r})['part']['a'], 'zipfile' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", script, str(tmp_path)], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[0 1 2] False"
 
 
 def test_pickled_objects_are_not_loaded(tmp_path: Path) -> None:
@@ -234,3 +261,16 @@ def test_a_run_keeps_measurements_unless_told_not_to(
         outputs.append([line for line in capsys.readouterr().out.splitlines() if '"seconds"' not in line])
     assert outputs[0] == outputs[1]  # cold and warm say the same
     assert bool(files_of(tmp_path)) == (not flags)
+
+
+def test_bodies_are_compared_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    box = trimesh.creation.box((1, 1, 1))
+    inwards = trimesh.creation.box((0.5, 0.5, 0.5), transform=trimesh.transformations.translation_matrix((3, 0, 0)))
+    inwards.invert()
+    data = trimesh.util.concatenate([box, inwards]).export(file_type="stl")
+    cold = measure_mesh(data, "stl", ArrayCache(tmp_path).entry("meshes", KEY))
+    assert cold.has_mixed_orientation
+    monkeypatch.setattr("urdfcheck.facts.mesh.winding.has_body_against", None)
+    warm = restore_mesh_facts(ArrayCache(tmp_path).entry("meshes", KEY))
+    assert warm is not None
+    assert warm.has_mixed_orientation

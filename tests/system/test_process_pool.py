@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import signal
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -34,3 +36,27 @@ def test_workers_that_wait_are_used_again_and_dead_ones_are_not() -> None:
     assert find_process() != first
     spare.end()
     assert not [child for child in multiprocessing.active_children() if child.pid == first]
+
+
+def leave_garbage(size: int) -> tuple[int, int]:
+    """Leave an object that refers to itself and holds ``size`` bytes; return how often garbage was looked for before, and how
+    much memory the process has."""
+    loop: list[object] = [bytearray(b"x" * size)]
+    loop.append(loop)
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return gc.get_stats()[2]["collections"], pages * os.sysconf("SC_PAGESIZE")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere garbage is looked for before each job")
+def test_small_jobs_do_not_wait_for_a_search_for_garbage() -> None:
+    done = dict(process_pool.map_in_processes(leave_garbage, [(1024,)] * 5, 1))
+    assert len({collections for collections, _ in done.values()}) == 1
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="it is not known how much there is")
+def test_the_garbage_of_large_jobs_is_bounded() -> None:
+    size = 64 * 1024**2
+    done = dict(process_pool.map_in_processes(leave_garbage, [(size,)] * 12, 1))
+    memory = [done[index][1] for index in sorted(done, reverse=True)]
+    assert max(memory) - min(memory) < 5 * size
+    assert len({collections for collections, _ in done.values()}) > 3

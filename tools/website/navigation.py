@@ -140,6 +140,7 @@ NAVIGATION = (
         "Project",
         (
             Page("project/contributing.md", "CONTRIBUTING.md"),
+            Page("project/releasing.md", "docs/releasing.md"),
             Page("project/what-a-check-can-ask.md", "docs/what-a-check-can-ask.md"),
             Page("project/security.md", "SECURITY.md"),
             Page("project/code-of-conduct.md", "CODE_OF_CONDUCT.md"),

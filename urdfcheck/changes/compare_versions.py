@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.changes.effect_wording import describe_effect
@@ -23,6 +23,7 @@ from urdfcheck.changes.wording import describe_change, judge_change
 from urdfcheck.core import ModelInfo, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.core.model_diff import UNKNOWN, Diff, MechanismDiff, ModelDiff, SeamChange
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.seams import SeamFact
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import TIERS

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Run
 from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.core.model_diff import FindingsDiff
+from urdfcheck.core.records import dataclass
 
 _SUBJECT = re.compile(r"\b(link|joint)\[([^\]]*)\]")
 

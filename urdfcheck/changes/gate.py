@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, UNKNOWN, Diff, MechanismChange, MechanismDiff, ModelDiff
+from urdfcheck.core.records import dataclass
 
 # What `--fail-on` takes.
 KINDS = ("kinematic", "dynamic", "limits", "collision", "seams", "findings", "any", "never")

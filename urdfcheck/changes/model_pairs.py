@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from urdfcheck.core import ModelInfo
 from urdfcheck.core.mechanism import RobotMechanism
+from urdfcheck.core.records import dataclass
 
 # Least share of the names of links and joints that two models have in common to be two versions of one.
 LEAST_OVERLAP = 0.5

@@ -7,11 +7,11 @@ import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from urdfcheck.core import NEWLINE, Span
 from urdfcheck.core.mechanism import MechanismCondition, RobotMechanism, Trace
 from urdfcheck.core.model_diff import ChangeCause, MechanismChange
+from urdfcheck.core.records import dataclass
 
 # Lines of one cause that are shown of either version.
 MOST_LINES = 6

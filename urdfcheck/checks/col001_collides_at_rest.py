@@ -17,6 +17,7 @@ from urdfcheck.model.motion.collisions.self_collisions import (
     ensure_all_shapes_read,
     self_collisions,
 )
+from urdfcheck.model.motion.planning_limits import list_own_srdfs
 from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
 
@@ -32,6 +33,10 @@ _PADS = 2.0
 _SHALLOW_SHARE = 0.02
 # A deep one is at least this part.
 _DEEP_SHARE = 0.1
+# What MoveIt does with a pair that the SRDF disables, and what is to be done about the pair there.
+_DISABLED = "ignores the pair: the SRDF disables it"
+_INTENDED = "disable the pair in other programs too if the overlap is intended (the SRDF does for MoveIt)"
+_TO_DISABLE = "add <disable_collisions> for the pair to the SRDF if the overlap is intended"
 # Of the configurations.
 _RARELY, _USUALLY = 0.05, 0.5
 # Cosine of the angle between the stages: 0.1°.
@@ -292,6 +297,7 @@ def _build_overlap_finding(
     model: Model, rule: Rule, group: Sequence[tuple[CollisionPair, Contact]], *, samples: int
 ) -> Finding:
     pair, contact = group[0]
+    is_disabled = {frozenset(p.links) for p, _ in group} <= _list_disabled_pairs(model)
     place = _find_common_shape_index(group)
     shape, other = contact.shapes[place], contact.shapes[1 - place]
     others = [(p.links[p.links.index(pair.links[place]) - 1], c) for p, c in group]
@@ -303,7 +309,9 @@ def _build_overlap_finding(
             locate_geometry(other),
             *(locate_geometry(s) for _, c in group[1:] for s in c.shapes if s is not shape),
         ],
-        severity=Severity.INFO if all(_is_at_unused_pose(model, p) for p, _ in group) else None,
+        severity=Severity.INFO if is_disabled or all(_is_at_unused_pose(model, p) for p, _ in group) else None,
+        consequences={"moveit": _DISABLED} if is_disabled else None,
+        srdf=_INTENDED if is_disabled else _TO_DISABLE,
         link=pair.links[place],
         other=pair.links[1 - place],
         others=join_names([f"{name} ({c.depth * 1e3:.3g} mm)" for name, c in others]),
@@ -318,6 +326,11 @@ def _build_overlap_finding(
         seen=pair.hit_count,
         samples=samples,
     )
+
+
+def _list_disabled_pairs(model: Model) -> set[frozenset[str]]:
+    """List the pairs that a semantic description of the robot tells MoveIt not to check."""
+    return {pair.key for srdf in list_own_srdfs(model) for pair in srdf.disabled_pairs}
 
 
 def _find_common_shape_index(group: Sequence[tuple[CollisionPair, Contact]]) -> int:

@@ -12,6 +12,7 @@ from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.source.text.xml import Element
 
 _DRIVABLE = frozenset({"revolute", "continuous", "prismatic"})
+_ADDITION = "add them to the <ros2_control> block or give each a <transmission>"
 _SEPARATOR = re.compile(r"[\s,;]+")
 # Interfaces and transmissions of ros_control and pr2_mechanism that turn a joint's motor. Others only name joints:
 # franka_hw/FrankaModelInterface names the root and the tip of a chain.
@@ -19,6 +20,8 @@ _COMMANDS = re.compile(r"(?:Position|Velocity|Effort|PosVel|PosVelAcc)JointInter
 _DRIVES = re.compile(r"(?:Simple|Differential|FourBarLinkage|Wrist|Gripper)\w*Transmission")
 
 
+# Plugins that read joints and move none.
+_PUBLISHES = re.compile(r"joint_?state_?publisher", re.IGNORECASE)
 # Joints without motors, by their names.
 _PASSIVE = re.compile(r"cast[eo]r|swivel|passive", re.IGNORECASE)
 
@@ -44,6 +47,7 @@ def _check_undriven_joints(model: Model, rule: Rule) -> Iterator[Finding]:
             related=without if none else without[1:],
             severity=Severity.INFO,
             joints=join_names(j.name for j in without),
+            addition=_ADDITION if any(model.robot.find_children("ros2_control")) else "give each a <transmission>",
             count=len(without),
             total="joint" if len(drivable) == 1 else f"{len(drivable)} joints",
         )
@@ -72,13 +76,17 @@ def _has_motor(joint: Joint) -> bool:
 def _collect_control_words(model: Model) -> set[str]:
     """Return every word in a transmission, a ros2_control block or a simulator plugin, joint names among them."""
     blocks = [*model.robot.find_children("ros2_control"), *model.robot.find_children("transmission")]
-    blocks += [e for extension in model.robot.find_children("gazebo") for e in extension.walk() if e.tag == "plugin"]
+    blocks += [e for extension in model.robot.find_children("gazebo") for e in extension.walk() if _is_drive(e)]
     words: set[str] = set()
     for block in blocks:
         for element in block.walk():
             words.update(_SEPARATOR.split(element.text))
             words.update(attribute.value for attribute in element.attributes.values())
     return words
+
+
+def _is_drive(element: Element) -> bool:
+    return element.tag == "plugin" and _PUBLISHES.search(element.get("filename")) is None
 
 
 def _drives_joint(transmission: Element, joint: Element) -> bool:

@@ -15,7 +15,10 @@ from urdfcheck.source.uses_elsewhere import find_other_includers
 _TRUE_POSE = {
     "radius": "the robot drives faster or slower than commanded",
     "separation": "the robot turns by another angle than commanded",
+    "narrow": "the robot turns by less than commanded",
 }
+# No ground makes the track of a skid steer so much narrower than it is.
+_NARROW = 0.6
 
 if TYPE_CHECKING:
     from urdfcheck.model import Model
@@ -65,10 +68,28 @@ def _check_plugin(
         radii = [radius for name in wheels for radius in measure_wheel_radii(model, name)]
         sizes = [divisor * radius for radius in radii]
         yield from _compare(model, rule, "radius", plugin, element, sizes, rel_tol=rel_tol, wheels=wheels)
-    if len(left) == len(right) == 1:  # the track of a skid steer is tuned to the ground
-        for element in plugin.separations:
-            separations = measure_wheel_separations(model, *wheels)
-            yield from _compare(model, rule, "separation", plugin, element, separations, rel_tol=rel_tol, wheels=wheels)
+    for element in plugin.separations if len(left) == len(right) == 1 else ():
+        separations = measure_wheel_separations(model, *wheels)
+        yield from _compare(model, rule, "separation", plugin, element, separations, rel_tol=rel_tol, wheels=wheels)
+    if len(left) == len(right) > 1:
+        yield from _check_skid_steer(model, rule, plugin, list(zip(*sides, strict=True)))
+
+
+def _check_skid_steer(
+    model: Model, rule: Rule, plugin: DrivePlugin, pairs: Sequence[tuple[str, str]]
+) -> Iterator[Finding]:
+    """Report a separation far below that of the narrowest pair of wheels: its track is tuned to the ground, but wheels that slip
+    need a wider one."""
+    from urdfcheck.model.ground.drive_wheels import measure_wheel_separations
+
+    measured = [(sizes, pair) for pair in pairs if (sizes := measure_wheel_separations(model, *pair))]
+    if len(measured) < len(pairs):
+        return
+    sizes, narrowest = min(measured, key=lambda found: min(found[0]))
+    for element in plugin.separations:
+        typed = parse_number(element.text.strip())
+        if typed is not None and typed < _NARROW * min(sizes):
+            yield from _compare(model, rule, "narrow", plugin, element, sizes, rel_tol=0.0, wheels=narrowest)
 
 
 def _turns_other_parts(model: Model, plugin: DrivePlugin, others: Sequence[DrivePlugin]) -> bool:

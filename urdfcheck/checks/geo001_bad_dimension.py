@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
-from urdfcheck.model import Model, Shape
+from urdfcheck.model import Link, Model, Shape
 from urdfcheck.model.repairs.edits import edit_numbers
+from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.source.text.engine_reactions import describe_loss
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
@@ -31,6 +32,8 @@ DRAWN = "loads it (it does not read visuals)"
 # Drake on a sphere of radius 0, and coal on one of negative radius; other shapes differ.
 POINT = "loads it as a point, which marks a contact"
 INSIDE_OUT = "the sphere has a negative volume and collides only deep inside"
+# The conversion to SDF drops a body without mass.
+DROPPED = "drops the link, which has no mass, and the shape with it"
 # They read the file by urdfdom, which does not know capsules.
 THROUGH_URDFDOM = ("urdfdom", "gazebo", "pinocchio")
 # Programs that load a sphere of radius 0 as the point that it is meant to be.
@@ -49,7 +52,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     if shape.kind == "sphere" and shape.role == "collision" and not any(values):
                         points.append((link.name, attribute))
                     else:
-                        yield from _check_dimensions(rule, shape, attribute, link=link.name, values=sizes)
+                        reactions = {} if _has_mass(model, link) else {"gazebo": DROPPED}
+                        yield from _check_dimensions(
+                            rule, shape, attribute, link=link.name, values=sizes, reactions=reactions
+                        )
     if points:
         yield _build_point_finding(model, rule, points)
 
@@ -68,15 +74,30 @@ def _build_point_finding(model: Model, rule: Rule, points: Sequence[tuple[str, A
     return replace(finding, subjects=tuple(dict.fromkeys(attribute.location.subject for _, attribute in points)))
 
 
+def _has_mass(model: Model, link: Link) -> bool:
+    """Whether the rigid body of a link has mass, as far as its joints are known."""
+    try:
+        body = model.pieces.list_body_links(link.name)
+    except FactUnavailableError:
+        body = (link.name,)
+    return bool(compute_body_mass(model, body))
+
+
 def _check_dimensions(
-    rule: Rule, shape: Shape, attribute: Attribute, *, link: str, values: dict[str, float]
+    rule: Rule,
+    shape: Shape,
+    attribute: Attribute,
+    *,
+    link: str,
+    values: dict[str, float],
+    reactions: Mapping[str, str],
 ) -> Iterator[Finding]:
     mesh = shape.kind == "mesh"  # a negative scale mirrors it and is not a wrong size
     negative = [part for part, value in values.items() if value < 0 and not mesh]
     # A capsule without a cylinder between its caps is a sphere.
     may_be_zero = shape.kind == "capsule" and attribute.name == "length"
     zero = [part for part, value in values.items() if value == 0 and not may_be_zero]
-    reactions = {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED}
+    reactions = {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED, **reactions}
     data: dict[str, Any] = {
         "link": link,
         "role": shape.role,

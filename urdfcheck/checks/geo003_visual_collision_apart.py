@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_box_size
+from urdfcheck.facts.median import compute_medians
 from urdfcheck.model import Link, Model
 from urdfcheck.model.ground.wheel_shapes import find_wheel_size_differences
 from urdfcheck.model.parts import locate_geometry
@@ -301,7 +302,7 @@ def _find_stray_pieces(model: Model, link: Link, pair: _BoxPair, ratio: float) -
         corners = (facts.vertices * scale)[facts.faces]
         labels = label_components(facts.faces, len(facts.vertices))
         area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        middle = np.median(corners.mean(axis=1), axis=0)
+        middle = compute_medians(corners.mean(axis=1))
         distances = np.full(int(labels.max()) + 1, np.inf)  # of the nearest corner of each body
         np.minimum.at(distances, labels, np.linalg.norm(corners - middle, axis=2).min(axis=1))
         order = np.sort(distances)

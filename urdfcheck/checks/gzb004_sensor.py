@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from difflib import SequenceMatcher
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names, split_name_words
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import (

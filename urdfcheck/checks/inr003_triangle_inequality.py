@@ -45,6 +45,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             continue
         # Most models have no such tensor, and do without what a repair needs.
         from urdfcheck.model.inertials.proposals.possible_tensors import propose_repair
+        from urdfcheck.model.inertials.proposals.repeated_formulas import describe_repeated_formula
         from urdfcheck.model.inertials.proposals.undone_mistakes import has_mistake
 
         whole = find_merged_body(model, declared.link)
@@ -68,6 +69,17 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             message = "violated"
         if declared.link.name in (rotors := find_rotor_inertias(model)):
             yield rule.finding("rotor", at=declared.element, cause="rotor", link=declared.link.name, count=len(rotors))
+            continue
+        if formula := describe_repeated_formula(declared):
+            yield rule.finding(
+                message,
+                at=declared.element,
+                found="",
+                remedy=f"{formula}, or ",
+                claim="inertia breaks the triangle inequality",
+                reason=f"by {data['percent']:.3g} %",
+                **data | {"slips": ""},
+            )
             continue
         repair = propose_repair(model, declared.link)
         is_filled = repair.cause == "products_filled"

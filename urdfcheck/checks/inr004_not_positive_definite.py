@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.engine_floors import MUJOCO_REFUSAL, is_refused_by_mujoco
 from urdfcheck.facts.inertials.inertia_tensor import (
@@ -206,7 +206,9 @@ def _guess_cause(components: Sequence[float]) -> str | None:
     if _is_possible(diagonal_first):
         return "diagonal_first"
     # In the rows of the full matrix, xx xy xz | yx yy yz, the fourth number repeats the second.
-    return "rows" if components[1] == components[3] != 0 else None
+    xx, xy, xz, yx, yy, yz = components
+    is_possible_row = xx * yy > xy * xy and xx > 0.0 and (xy, xz, yz) != (xx, xx, xx)
+    return "rows" if xy == yx != 0 and is_possible_row else None
 
 
 def _check_singular_links(

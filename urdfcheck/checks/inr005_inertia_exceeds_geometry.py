@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
-from urdfcheck.core.text import join_names
+from urdfcheck.core.records import dataclass
+from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import (
@@ -27,15 +28,18 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
     list_half_units,
 )
-from urdfcheck.facts.inertials.materials import DENSEST_PART
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
-from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
-from urdfcheck.model.inertials.inertial_hull import EnclosedInertial, enclosed_inertials, has_negligible_moment
+from urdfcheck.model.inertials.inertial_hull import (
+    EnclosedInertial,
+    enclosed_inertials,
+    has_negligible_moment,
+    is_stand_in,
+)
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import (
     compute_drawn_tensor,
@@ -61,6 +65,8 @@ _UNIT_RANGE, _MOMENT_RANGE = 10.0, 30.0
 _OTHER_PART = 100.0
 # Tensors that were taken about the link's origin.
 _ABOUT_ORIGIN = frozenset({"about_origin", "positive_notation"})
+# Moments of another shape are so many times farther below the drawn part's than others.
+_OWN_FACTORS = 1.25
 # Moments that were computed from a shape are its own to within this share.
 _TYPED = 5e-3
 _LONE_FRAME = "remove the <inertial> if the link is only a frame, or "
@@ -94,12 +100,12 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             continue
         declared = model.tensor_by_name[part.link.name]
         # If programs disagree about the size (MSH008) or the up axis of a mesh, the excess must be there in all readings.
-        excess, spread = min(
+        excess, spread, slack = min(
             _compute_excess(part, declared, points, ratio=ratio, margin=margin) for points in part.readings
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
             continue
-        if (excess < VAST and _is_stand_in(part)) or has_unknown_mass(model, part.link, part.mass, declared.tensor):
+        if (excess < VAST and is_stand_in(part)) or has_unknown_mass(model, part.link, part.mass, declared.tensor):
             continue
         # The COM is then as likely to be wrong as the tensor.
         is_elsewhere = any(
@@ -110,14 +116,15 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             in_unit.append((declared, is_vast))
             continue
         advice = _advise(model, part, declared, ratio=ratio, excess=excess)
-        is_uneven = not is_elsewhere and not any(
+        is_uneven = _is_smaller_than_drawn(model, declared)
+        is_uneven |= not is_elsewhere and not any(
             has_excess_moment(points, part.com, part.covariance, margin * measure_extent(points))
             for points in part.readings
         )
         if is_uneven and advice.repair is None and (odd := _describe_odd_moment(model, declared)):
             advice = _Advice(remedy=f"{odd}, or ", explained=advice.explained)
         yield rule.finding(
-            "com" if is_elsewhere else "uneven" if is_uneven else "exceeds",
+            "uneven" if is_uneven else "com" if is_elsewhere else "exceeds",
             at=declared.element,
             severity=Severity.ERROR if is_vast else None,
             edits=() if advice.repair is None else advice.repair.edits,
@@ -131,6 +138,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             spread=float(f"{spread:.3g}"),
             most=float(f"{spread / excess**0.5:.3g}"),
             around=part.geometry_phrase,
+            slack=format_length(slack),
         )
     if unit is not None and in_unit:
         yield _build_unit_finding(model, rule, unit, [*in_unit, *_list_others_in_unit(model, unit.name, in_unit)])
@@ -177,13 +185,6 @@ def _build_unit_finding(
     )
 
 
-def _is_stand_in(part: EnclosedInertial) -> bool:
-    """Whether no part of any ordinary material is so heavy in the hull: then the drawing is that of a smaller thing, such as the
-    rod in the middle of a leg."""
-    with np.errstate(all="ignore"):  # other rules report impossible numbers
-        return part.mass > DENSEST_PART * max(compute_convex_hull(points).volume for points in part.readings) > 0.0
-
-
 def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, ratio: float, excess: float) -> _Advice:
     """Say what is known of the repair: the numbers of one mistake undone, or only those of the drawn part to compare with."""
     diagnosed = inertial_diagnoses(model).get(part.link.name)
@@ -219,6 +220,19 @@ def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, r
     if is_known and lacks_only_com(model, part.link):
         return _Advice(remedy=f"write {drawn}, or " if drawn else "", explained=_LACKS_COM)
     return replace(unknown, explained=_describe_missing_com(model, part.link))
+
+
+def _is_smaller_than_drawn(model: Model, declared: DeclaredTensor) -> bool:
+    """Whether every moment is less than that of the drawn part at this mass, by factors that differ: only a difference of them
+    is too great. Factors that agree are those of the part, about the wrong COM."""
+    drawn, mass = measure_link_geometry(model, declared.link), declared.inertial.mass
+    if drawn is None or mass is None:
+        return False
+    uniform = np.linalg.eigvalsh(compute_solid_inertia(drawn.solid, mass))
+    if not uniform[0] > 0.0:
+        return False
+    ratios = np.linalg.eigvalsh(declared.tensor) / uniform
+    return bool(ratios.max() < 1.0 and ratios.max() > _OWN_FACTORS * ratios.min())
 
 
 def _describe_odd_moment(model: Model, declared: DeclaredTensor) -> str:
@@ -314,8 +328,9 @@ def _fits_unit(model: Model, part: EnclosedInertial, factor: float, ratio: float
 
 def _compute_excess(
     part: EnclosedInertial, declared: DeclaredTensor, points: Array, *, ratio: float, margin: float
-) -> tuple[float, float]:
-    """Return the worst ratio of the inertial's variance along an axis to the greatest possible one, and its root (m) there.
+) -> tuple[float, float, float]:
+    """Return the worst ratio of the inertial's variance along an axis to the greatest possible one, its root (m) there, and by
+    how much (m) the geometry was enlarged on all sides.
 
     If the centre of mass is outside, the geometry is enlarged until it is inside.
     """
@@ -323,10 +338,11 @@ def _compute_excess(
     covariance = part.covariance - _estimate_rounding(part, declared) * np.eye(3)
     ratios, axes = compute_spread_ratios(points, part.com, covariance, margin=slack)
     if ratios.max() > ratio and (distance := measure_hull_distance(points, part.com)) > 0.0:
-        ratios, axes = compute_spread_ratios(points, part.com, covariance, margin=slack + distance)
+        slack += distance
+        ratios, axes = compute_spread_ratios(points, part.com, covariance, margin=slack)
     worst = int(ratios.argmax())
     variance = float(axes[:, worst] @ part.covariance @ axes[:, worst])
-    return float(ratios[worst]), max(0.0, variance) ** 0.5
+    return float(ratios[worst]), max(0.0, variance) ** 0.5, slack
 
 
 def _fits_elsewhere(

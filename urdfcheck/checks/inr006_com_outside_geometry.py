@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
-from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
+from urdfcheck.facts.inertials.hull_bounds import measure_diameter, measure_extent, measure_hull_distance
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
+from urdfcheck.model.inertials.inertial_hull import (
+    NEGLIGIBLE_SHARE,
+    EnclosedInertial,
+    enclosed_inertials,
+    is_stand_in,
+)
+from urdfcheck.model.inertials.shapes_at_com import describe_other_frame
 from urdfcheck.model.inertials.shared_mistakes import measure_turn_of_tensor
 from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
@@ -36,28 +43,34 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
     for part in enclosed_inertials(model):
         if part.mass_share < NEGLIGIBLE_SHARE or not has_drawn_shape(part.link):
             continue
-        distances = [(measure_hull_distance(points, part.com), measure_extent(points)) for points in part.readings]
+        distances = [
+            (measure_hull_distance(points, part.com), measure_extent(points), points) for points in part.readings
+        ]
         # If programs disagree about the size (MSH008) or the up axis of a mesh, it must be outside in all readings.
-        distance, size = min(distances, key=lambda pair: pair[0] / pair[1] if pair[1] else 0.0)
-        if not size or distance <= margin * size:
+        distance, size, points = min(distances, key=lambda one: one[0] / one[1] if one[1] else 0.0)
+        if not size or distance <= margin * size or (distance < size and is_stand_in(part)):
             continue
         sign = _find_sign_repair(model, part)
         missing = sign is None and not any(part.inertial.origin.xyz or ())
         is_bolted = sign is None and part.link.name in list_bolted_links(model)
+        other_frame = "" if sign is not None or is_bolted else describe_other_frame(model, part.link)
+        message = "sign" if sign is not None else "bolted" if is_bolted else "drawn" if other_frame else "outside"
+        length = measure_diameter(points)
         yield rule.finding(
-            "sign" if sign is not None else "bolted" if is_bolted else "outside",
-            at=_locate(part),
+            message,
+            at=_locate_drawing(part) if other_frame else _locate(part),
             severity=Severity.INFO if is_bolted else None,
             cause="sign" if sign is not None else "missing" if missing else None,
             edits=() if sign is None else sign.repair.edits,
             link=part.link.name,
             distance=float(f"{distance:.3g}"),
             length=format_length(distance),
-            size=float(f"{size:.3g}"),
-            percent=float(f"{100.0 * distance / size:.2g}"),
+            size=float(f"{length:.3g}"),
+            percent=float(f"{100.0 * distance / length:.2g}"),
             around=part.geometry_phrase,
             axis=None if sign is None else sign.axis,
             edit=None if sign is None else sign.repair.text,
+            evidence=other_frame,
         )
 
 
@@ -80,6 +93,11 @@ def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | Non
             is_enough = not measure_turn_of_tensor(wanted, drawn.solid)
             repairs.append(_SignRepair(axis, repair if is_enough else replace(repair, edits=())))
     return repairs[0] if len(repairs) == 1 else None
+
+
+def _locate_drawing(part: EnclosedInertial) -> Located:
+    shape = part.link.visuals[0]
+    return shape.origin.get_attribute("xyz") or shape
 
 
 def _locate(part: EnclosedInertial) -> Located:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_box_size, join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.mistakes.tensor_slips import find_filled_products

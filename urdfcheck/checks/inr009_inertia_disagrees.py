@@ -6,13 +6,15 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from urdfcheck.core import Confidence, Finding, Located, Rule, Severity
+from urdfcheck.core import Confidence, FactUnavailableError, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
+from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.median import compute_median
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
@@ -58,6 +60,7 @@ from urdfcheck.model.inertials.shared_mistakes import (
 )
 from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
+from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.shapes.visual_solid import (
     explain_collision_stand_in,
     has_loose_hull,
@@ -70,6 +73,9 @@ from urdfcheck.source.text.xml import Attribute
 AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 # Causes with messages of their own, which do not rest on how well the rest agrees.
 _TOLD_BY_ITSELF = frozenset({"shell", "com_missing", "mesh_scale"})
+_DECIMAL_POINTS = frozenset({"decimal_point", "decimal_point_of_all"})
+# A COM that moves that of its body by less (m) changes nothing that a joint or a wheel feels.
+_MOVED = 1e-3
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
 PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
 # The density (kg/m³) that CAD programs assume for a part without a material, and how far the facets of a mesh are off.
@@ -114,9 +120,7 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             continue
         if name in rotated or (judged.is_habit and not shows_habit_alone(model, tensor.link, diagnosis)):
             continue
-        if has_unknown_mass(model, tensor.link, judged.declared.mass, judged.declared.tensor):
-            continue
-        if diagnosis.cause == "com_missing" and is_mark(model, judged.declared.mass):
+        if _is_told_elsewhere(model, tensor, judged):
             continue
         # One unit that fits some links, where others fit none, is no cause: the COM is wrong in another way.
         is_refuted = disputed.get(diagnosis.cause or "") == "" or _is_unproven(model, tensor.link, judged)
@@ -142,6 +146,44 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             first=first,
             ruled_out=format_ruled_out(inertial_diagnoses(model)[first]),
         )
+
+
+def _is_told_elsewhere(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
+    """Whether the numbers show another defect, which other rules report, or one that changes nothing."""
+    cause = judged.diagnosis.cause
+    if has_unknown_mass(model, tensor.link, judged.declared.mass, judged.declared.tensor):
+        return True
+    if cause == "com_missing" and not _moves_body(model, tensor.link, judged):
+        return True
+    return cause in _DECIMAL_POINTS and _is_typed_like_others(model, tensor)
+
+
+def _moves_body(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the COM of a link makes a difference: the link is not a mark, is not fixed to the world, and moves the COM of its
+    rigid body."""
+    if is_mark(model, judged.declared.mass) or link.name in list_bolted_links(model):
+        return False
+    drawn = measure_link_geometry(model, link)
+    share = judged.declared.mass / max(_compute_mass_of_body(model, link), judged.declared.mass)
+    off = 0.0 if drawn is None else float(np.linalg.norm(judged.declared.com - drawn.solid.com))
+    return drawn is None or share * off > _MOVED
+
+
+def _compute_mass_of_body(model: Model, link: Link) -> float:
+    """Compute the mass (kg) of the rigid body that a link is part of; zero where it is not known."""
+    try:
+        return compute_body_mass(model, model.pieces.list_body_links(link.name)) or 0.0
+    except FactUnavailableError:
+        return 0.0
+
+
+def _is_typed_like_others(model: Model, tensor: DeclaredTensor) -> bool:
+    """Whether a tensor is a typed number times the identity, as that of a link of another mass or shape is (INR007): of numbers
+    that were made up, one is a power of ten off by chance."""
+    if describe_placeholder(tensor.inertial.mass or 0.0, tensor.components) is None:
+        return False
+    others = [one for one in model.tensors if one.link is not tensor.link]
+    return any(describe_placeholder(one.inertial.mass or 0.0, one.components) is not None for one in others)
 
 
 def _is_unproven(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
@@ -263,7 +305,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
 
 def _compute_median_mismatch(judged: Sequence[DiagnosedInertial], *, is_mended: bool) -> float:
     """Return the median of how far the inertials are from the drawn parts; a tensor that no body has is infinitely far."""
-    return float(np.median([measure_mismatch(one.diagnosis, is_mended=is_mended) for one in judged]))
+    return compute_median([measure_mismatch(one.diagnosis, is_mended=is_mended) for one in judged])
 
 
 def _build_cause_finding(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, fit_equivalent_box

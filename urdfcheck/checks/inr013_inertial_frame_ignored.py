@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from urdfcheck.core import Edit, Finding, Located, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.model import CompleteInertial, Link, Model

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model import CompleteInertial, Model

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.model import Joint, Model
+from urdfcheck.model import Model
+from urdfcheck.model.wheel_names import is_revolute_wheel
 from urdfcheck.source.text.grammar import is_attribute_missing
 
 
@@ -18,14 +19,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         limit = joint.limit
         if limit is None:
             instead = ", or make it continuous if it turns without end" if joint.type == "revolute" else ""
-            yield rule.finding("wheel-missing" if _is_wheel(joint) else "missing", at=joint, **data, instead=instead)
+            yield rule.finding(
+                "wheel-missing" if is_revolute_wheel(joint) else "missing", at=joint, **data, instead=instead
+            )
         elif is_attribute_missing(limit, "lower") and is_attribute_missing(limit, "upper"):
-            yield rule.finding("wheel" if _is_wheel(joint) else "locked", at=limit, **data)
-
-
-def _is_wheel(joint: Joint) -> bool:
-    """Whether a revolute joint is a wheel's, by its name or its child's, and not that of what carries the wheel."""
-    from urdfcheck.model.wheel_names import WHEEL_CARRIER_NAME, WHEEL_NAME  # most models have all ranges
-
-    words = f"{joint.name} {joint.child}"
-    return joint.type == "revolute" and bool(WHEEL_NAME.search(words)) and not WHEEL_CARRIER_NAME.search(words)
+            yield rule.finding("wheel" if is_revolute_wheel(joint) else "locked", at=limit, **data)

@@ -10,6 +10,10 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import collect_plugin_texts
 from urdfcheck.model.repairs.edits import swap_values
+from urdfcheck.model.wheel_names import is_revolute_wheel
+
+# What a wheel is, unless it is not to turn.
+_CONTINUOUS = 'write type="continuous" if the wheel turns, or make the joint fixed'
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -40,10 +44,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             rule,
             "equal",
             [joint.limit for joint in joints if joint.limit is not None],
-            severity=Severity.WARNING,
+            severity=Severity.INFO if all(joint.child in named for joint in joints) else Severity.WARNING,
             joints=join_names(joint.name for joint in joints),
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
+            instead=_CONTINUOUS
+            if all(map(is_revolute_wheel, joints))
+            else "give the real range, or make the joint fixed",
             keep=_describe_keeping([joint for joint in joints if joint.child in named]),
             also=". Effort and velocity are 0 too" if is_empty else "",
             explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.likeness.typed_numbers import NearMiss, find_constant, find_near_miss
 from urdfcheck.model import Joint, Model

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Edit, FactUnavailableError, Finding, Location, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_point
 from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
@@ -20,7 +20,7 @@ from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
-from urdfcheck.model.wheel_names import WHEEL_CARRIER_NAME, WHEEL_NAME
+from urdfcheck.model.wheel_names import WHEEL_CARRIER_NAME, WHEEL_NAME, is_revolute_wheel
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 # An axis counts as x, y or z, or as upright, to within a little more than a degree.
 _SQUARE = 0.02
+# Of a revolute joint (rad), in three digits.
+_WHOLE_TURN = 6.28
 # kg m²: a wheel of 5 cm and 10 g has 1e-5 more about its axle than across it.
 _NEGLIGIBLE_MOMENT = 1e-5
 # A variance of at most so many times the greatest one fits, in a hull that is larger by this part of its size (as in INR005).
@@ -77,7 +79,14 @@ def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterat
 
 def _is_named_wheel(joint: Joint) -> bool:
     words = f"{joint.name} {joint.child}"
-    return joint.type == "continuous" and bool(WHEEL_NAME.search(words)) and not WHEEL_CARRIER_NAME.search(words)
+    is_continuous = joint.type == "continuous" and WHEEL_NAME.search(words) and not WHEEL_CARRIER_NAME.search(words)
+    return bool(is_continuous) or (is_revolute_wheel(joint) and not _may_steer(joint))
+
+
+def _may_steer(joint: Joint) -> bool:
+    """Whether a revolute joint may steer its wheel: not with a whole turn, nor with the limits of an empty form (JNT005)."""
+    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
+    return lower is None or upper is None or 0.0 < abs(upper - lower) < _WHOLE_TURN
 
 
 def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccentric: float) -> Iterator[Finding]:

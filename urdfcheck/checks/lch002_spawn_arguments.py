@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import zip_longest
 
 from urdfcheck.core import Finding, Location, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.static_transforms import get_executable
 from urdfcheck.source.text.tokens import Token, tokenize_attribute

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.repairs.edits import edit_literals
 from urdfcheck.source.launch.static_transforms import get_executable

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.facts.mesh.collada import NOT_VECTORS
 from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
@@ -17,6 +18,9 @@ REPAIRS = {
     "no-triangles": "export the part as a surface of triangles",
     "missing-buffer": "put the file there under the name that the glTF file uses, or export the mesh as one .glb file",
 }
+COUNT_REPAIR = (
+    "write the number of vectors as the count of each such <accessor>, or export the mesh with another program"
+)
 DEFAULT_REPAIR = "export or download the file again"
 # Files that no program can load as a mesh.
 NO_MESH = frozenset({"empty", "html"})
@@ -70,7 +74,7 @@ def _build_finding(
         consequences=_describe_consequences(rule, uses, message, reason_id),
         mesh=uses[0].filename.value,
         reason=reason,
-        repair=REPAIRS.get(reason_id, DEFAULT_REPAIR),
+        repair=COUNT_REPAIR if NOT_VECTORS in reason else REPAIRS.get(reason_id, DEFAULT_REPAIR),
         reason_id=reason_id,
     )
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_large_count, join_names, join_numbers
 from urdfcheck.facts.mesh.measure import MeshFacts
 from urdfcheck.facts.mesh.topology import Boundary

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names, join_numbers
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse

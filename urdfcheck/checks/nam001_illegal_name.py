@@ -69,9 +69,17 @@ def _build_findings(
             severity=severity,
             related=[_locate_name(part) for part in parts[1:10]],
             names=join_names(f"'{spell_breaks(name)}'" for name in dict.fromkeys(names)),
+            blanks=_describe_blanks(names),
             count=len(names),
         )
         yield replace(finding, subjects=tuple(_locate_name(part).subject for part in parts))
+
+
+def _describe_blanks(names: Sequence[str]) -> str:
+    """Say what to do about the blanks in names: at their ends they are slips."""
+    inside, around = any(_has_space(name.strip()) for name in names), any(name != name.strip() for name in names)
+    parts = ["delete each space at the beginning or end"] * around + ["replace each space by an underscore"] * inside
+    return " and ".join(parts)
 
 
 def _locate_name(part: Link | Joint) -> Location:

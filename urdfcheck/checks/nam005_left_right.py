@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.arrays import Array
 from urdfcheck.model import Joint, Model

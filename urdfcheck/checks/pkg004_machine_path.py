@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from urdfcheck.core import Edit, Finding, Location, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.similar_files import index_files

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import find_nearest_name, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import (

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import find_only_near_name, format_name_hint
 from urdfcheck.model import Model
 from urdfcheck.model.likeness.sibling_robots import PackageNames, package_names
@@ -22,14 +22,7 @@ from urdfcheck.source.text.xml import Attribute, Element
 MIN_SIMILARITY_ELSEWHERE = 0.85
 # Each suggestion compares all names.
 MAX_HINTS = 100
-# The attributes that name links and joints of the robot, by element and the element around it.
-_LINKS = {
-    ("link", "group"): ("name",),
-    ("chain", "group"): ("base_link", "tip_link"),
-    ("end_effector", "robot"): ("parent_link",),
-    ("virtual_joint", "robot"): ("child_link",),
-}
-_JOINTS = {("joint", "group"): ("name",), ("joint", "group_state"): ("name",), ("passive_joint", "robot"): ("name",)}
+# The attributes that name groups, by element and the element around it.
 _GROUPS = {
     ("group", "group"): ("name",),
     ("group_state", "robot"): ("group",),
@@ -70,14 +63,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield from _check_state_joints(model, rule, srdf, unknown=_find_partly_unknown_groups(model, srdf))
 
 
-def _collect_name_uses(srdf: Srdf) -> Iterator[_NameUse]:
+def _iter_group_uses(srdf: Srdf) -> Iterator[_NameUse]:
     for element in srdf.root.walk():
         around = element.parent.tag if element.parent is not None else ""
-        for kind, table in (("link", _LINKS), ("joint", _JOINTS), ("group", _GROUPS)):
-            for name in table.get((element.tag, around), ()):
-                attribute = element.attributes.get(name)
-                if attribute is not None and attribute.value.strip():
-                    yield _NameUse(kind, attribute)
+        for name in _GROUPS.get((element.tag, around), ()):
+            attribute = element.attributes.get(name)
+            if attribute is not None and attribute.value.strip():
+                yield _NameUse("group", attribute)
 
 
 # The uses of each name, by its kind (link or joint) and itself.
@@ -86,9 +78,9 @@ _Uses = dict[tuple[str, str], list[_NameUse]]
 
 def _collect_uses_by_name(srdf: Srdf) -> _Uses:
     uses: _Uses = {}
-    for use in _collect_name_uses(srdf):
-        if use.kind != "group":
-            uses.setdefault((use.kind, use.name), []).append(use)
+    for kind, attribute in srdf.iter_part_names():
+        use = _NameUse(kind, attribute)
+        uses.setdefault((kind, use.name), []).append(use)
     return uses
 
 
@@ -153,8 +145,8 @@ def _check_unknown_names(
 def _check_unknown_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
     """Report names of groups that the description does not define."""
     reported: set[str] = set()
-    for use in _collect_name_uses(srdf):
-        if use.kind == "group" and use.name not in srdf.groups:
+    for use in _iter_group_uses(srdf):
+        if use.name not in srdf.groups:
             known = srdf.groups if len(reported) < MAX_HINTS else ()
             reported.add(use.name)
             near = find_only_near_name(use.name, known)

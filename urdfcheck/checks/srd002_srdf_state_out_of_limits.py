@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.model import Model
 from urdfcheck.model.motion.planning_limits import (
     PositionRange,

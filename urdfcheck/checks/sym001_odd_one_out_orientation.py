@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Confidence, Edit, Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.likeness.symmetry import (
     OddFrame,
@@ -27,13 +27,14 @@ from urdfcheck.model.likeness.sibling_joints import (
     is_drawn_in_place,
     is_drawn_square,
     is_frame_evidence,
+    is_round_about_joint,
     sibling_joints,
     trace_fixed_chain,
 )
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
 from urdfcheck.model.repairs.rpy_text import ANGLE_TOLERANCE, ROUND_STEP, find_nearest_rpy, format_angle
-from urdfcheck.model.wheel_names import WHEEL_CARRIER_NAME, WHEEL_NAME
+from urdfcheck.model.wheel_names import PASSIVE_NAME, WHEEL_CARRIER_NAME, WHEEL_NAME
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
@@ -116,6 +117,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             len(suspects.members) == 2
             and not _is_reported_as_mirror(model, group, suspects)
             and not _are_neighbours(group, suspects)
+            and not _has_no_zero(model, group, suspects)
         ):
             both = [group[i] for i in suspects.members]
             first, second = sorted(both, key=lambda joint: not _collect_unround_rpys(model, joint, name))
@@ -192,6 +194,11 @@ def _are_neighbours(group: Sequence[Joint], suspects: SuspectFrames) -> bool:
     """Whether two joints are only beside each other on one link, like fingers: their axes may fan out."""
     parents = {group[i].parent for i in suspects.members}
     return suspects.kind == "axis_tilt" and suspects.pattern.startswith("translation") and len(parents) == 1
+
+
+def _has_no_zero(model: Model, group: Sequence[Joint], suspects: SuspectFrames) -> bool:
+    """Whether one of two joints carries a part that looks the same at every angle, such as a pin: no zero of it is off."""
+    return suspects.kind == "zero_offset" and any(is_round_about_joint(model, group[i]) for i in suspects.members)
 
 
 def _pick_outlier_by_angles(
@@ -320,7 +327,7 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
     else:
         message, extra = _choose_message(model, joint, odd)
     slight = (message == "limits" and _is_slight(joint, odd.angle)) or (
-        message == "zero" and abs(odd.angle) < _SLIGHT and _is_wheel(model, joint)
+        message == "zero" and ((abs(odd.angle) < _SLIGHT and _is_wheel(model, joint)) or _is_idler(model, joint))
     )
     return rule.finding(
         message,
@@ -340,6 +347,11 @@ def _is_slight(joint: Joint, angle: float) -> bool:
     range, like a bearing of a linkage."""
     has_range = joint.limit is not None and bool({"lower", "upper"} & joint.limit.attributes.keys())
     return abs(angle) < _SLIGHT and (joint.mimic is not None or not has_range)
+
+
+def _is_idler(model: Model, joint: Joint) -> bool:
+    """Whether a joint carries a wheel that looks the same at every angle and that nothing drives, by its name."""
+    return PASSIVE_NAME.search(f"{joint.name} {joint.child}") is not None and is_round_about_joint(model, joint)
 
 
 def _find_rotation_correction(

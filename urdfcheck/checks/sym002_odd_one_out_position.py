@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.likeness.layout import MisplacedPosition, find_misplaced_position, restore_position
 from urdfcheck.model import Joint, Model

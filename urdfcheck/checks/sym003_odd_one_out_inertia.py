@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import numpy as np
+
 from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.likeness.mirror import measure_deviation
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
+from urdfcheck.model.inertials.inertial_differences import describe_differences, format_millimetres, locate_difference
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies
@@ -26,6 +29,8 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 MAX_FIT_DEVIATION, MIN_DEVIATION_RATIO = 0.1, 3.0
 # Beyond this no motor or screw explains how far an inertial is from its drawing: a COM beside the part, moments of half the size.
 MIN_CERTAIN_MISS = 0.5
+# A COM so far from the drawn part's, as a share of its size, is not that of the part alone.
+_COM_APART = 0.05
 # No motor makes one of two copies ten times as heavy; a decimal point does. Slightly less, for rounded numbers.
 SLIPPED_POINT = 9.9
 
@@ -91,8 +96,10 @@ def _build_pair_finding(
     misses, is_slipped = _measure_misses(model, pair), max(masses) >= SLIPPED_POINT * min(masses)
     least = max(MIN_CERTAIN_MISS, MIN_DEVIATION_RATIO * one.deviation.worst)
     are_off = len(misses) == len(pair) and min(misses) > least and not is_slipped
+    is_com_off = not is_slipped and all(_has_com_apart(model, comparison) for comparison in pair)
+    drawn = measure_link_geometry(model, one.link)
     return rule.finding(
-        "neither" if are_off else "pair",
+        "neither" if are_off else "neither_com" if is_com_off else "pair",
         at=locate_difference(here, one.deviation, note),
         related=[locate_difference(there, other.deviation, note)],
         severity=Severity.WARNING if is_slipped else Severity.INFO,
@@ -100,8 +107,18 @@ def _build_pair_finding(
         sibling=other.link.name,
         there=build_inertial_repair(there, other.expected).text,
         here=build_inertial_repair(here, one.expected).text,
+        drawn="" if drawn is None else format_millimetres(drawn.solid.com),
         **_collect_data(one, note),
     )
+
+
+def _has_com_apart(model: Model, comparison: CopyComparison) -> bool:
+    """Whether the COM of one of two copies differs from the other's, and is apart from that of the part which both draw."""
+    drawn = measure_link_geometry(model, comparison.link)
+    if drawn is None or not drawn.closed or comparison.deviation.com_offset < comparison.deviation.worst:
+        return False
+    apart = float(np.linalg.norm(comparison.actual.com - drawn.solid.com))
+    return apart > _COM_APART * measure_extent(drawn.points)
 
 
 def _build_row_finding(model: Model, rule: Rule, slip: RowSlip) -> Finding:

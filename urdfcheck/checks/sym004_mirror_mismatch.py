@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import FAR
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
@@ -101,6 +101,10 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
                 yield finding
 
 
+# Drawings that are turned by less (rad) are shifted copies.
+_SAME_AXES = 1e-6
+
+
 @dataclass(frozen=True, slots=True)
 class _Shares:
     """The options of the rule, as relative differences."""
@@ -129,6 +133,8 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         return None
     wrong = find_wrong_side(model, pair, both, threshold=note)
     side, like = (both[1], ()) if wrong is None else wrong
+    if _are_shifted_drawings(pair, side):
+        return None
     deviation, cause = side.deviation, find_cause(pair, side, note)
     if cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
         return None
@@ -196,6 +202,18 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         )
     message, remedy = "like" if like else "inertial", "; ".join(remedies)
     return rule.finding(message, **place, edits=edits, remedy=remedy, like=join_names(like), **data)
+
+
+def _are_shifted_drawings(pair: MirrorPair, side: PairSide) -> bool:
+    """Whether two links have one inertial and one drawing, which is elsewhere in one of them: that is not in their inertials."""
+    twin = get_comparable_inertial(side.twin)
+    if twin is None or not np.allclose(pair.linear, np.eye(3), atol=_SAME_AXES):
+        return False
+    return bool(
+        side.actual.mass == twin.mass
+        and np.array_equal(side.actual.com, twin.com)
+        and np.array_equal(side.actual.inertia, twin.inertia)
+    )
 
 
 def _has_lost_number(both: Sequence[PairSide]) -> bool:

@@ -21,7 +21,7 @@ def check(model: Model, rule: Rule, *, differ: float) -> Iterator[Finding]:
         odd = find_odd_primitives(model, group, differ=differ)
         if odd is not None:
             yield _build_finding(rule, "place" if odd.is_misplaced else "size", odd)
-        sides = compare_sides(group, differ=differ)
+        sides = compare_sides(model, group, differ=differ)
         if sides is not None:
             yield _build_finding(rule, "pair", sides, severity=Severity.INFO, confidence=Confidence.HEURISTIC)
 

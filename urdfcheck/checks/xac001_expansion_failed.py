@@ -7,11 +7,11 @@ import os
 import re
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import find_nearest_name, format_argument_option, format_choices, format_name_hint, join_names
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path

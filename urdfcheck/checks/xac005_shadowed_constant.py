@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.likeness.typed_numbers import find_near_miss
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.text.tokens import build_removal_edits

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.model.likeness.repeated_blocks import NumberColumn, classify_columns
 from urdfcheck.source.load import Source, select_own_trees

@@ -16,6 +16,7 @@ from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, guess_el
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import find_unprefixed_tags
 
 # Elements that a program other than urdfdom reads here, and extensions with their own names.
 _EXTENSIONS: dict[str, frozenset[str]] = {
@@ -73,9 +74,10 @@ DELETION = "delete it: <{parent}> already has a <{near}>"
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     unknown: dict[tuple[str, str], list[Element]] = {}
+    calls = {call.tag for call in find_unprefixed_tags(model.source.trees, model.robot, only_calls=True)}
     for parent in iter_urdf_elements(model.robot):
         for child in parent.children:
-            if _is_unknown_element(parent.tag, child):
+            if _is_unknown_element(parent.tag, child) and child.tag not in calls:  # XAC007 reports calls
                 unknown.setdefault((parent.tag, child.tag), []).append(child)
     for (parent_tag, tag), places in unknown.items():
         verdict = _classify_element(parent_tag, places, model)
@@ -157,6 +159,13 @@ def _holds_zeros(element: Element) -> bool:
         return True
     words = [word for inner in element.walk() for a in inner.attributes.values() for word in a.value.split()]
     return bool(words) and all(parse_number(word) == 0 for word in words)
+
+
+def _holds_texts(element: Element) -> bool:
+    """Whether an element has its numbers in separate elements, ``<friction>0.1</friction>``, as SDF has."""
+    return not element.attributes and any(
+        not child.attributes and parse_number(child.text.strip()) is not None for child in element.children
+    )
 
 
 def _is_in_fixed_joint(element: Element) -> bool:
@@ -243,6 +252,8 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         held = [home for home in homes if home in CHILDREN.get(parent, ())]
         if all(map(_is_empty, places)):
             repair = "delete it: it is empty"
+        elif any(map(_holds_texts, places)):
+            repair = f"delete it, or write its numbers as attributes in {listed}: they are typed as in SDF"
         elif held and all(_has_in_all(place.parent, held, child.tag) for place in places):
             repair = f"delete it: {_list_tags(held)} beside it {_AGREE[len(held) > 1]} own"
         elif parent == "link" and all(_repeats_joint(place, model) for place in places):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_loss

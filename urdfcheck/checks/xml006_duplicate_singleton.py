@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.source.text.grammar import iter_urdf_elements, list_repeated_children
@@ -35,7 +35,7 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
     edits = [edit for other in removed for edit in build_removal_edits(other, model.source.files)]
     return rule.finding(
         message,
-        at=second,
+        at=_locate_insertion(model, element, second) or second,
         related=[first, *same[2:10]],
         edits=edits if len(edits) == len(same) - 1 else (),
         severity=Severity.WARNING if removed else None,
@@ -45,6 +45,17 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
         count="two" if len(same) == 2 else str(len(same)),
         listed=join_names(f"<{shape.tag}>" for shape in same),
     )
+
+
+def _locate_insertion(model: Model, parent: Element, inserted: Element) -> Location | None:
+    """Return the place of the one ``<xacro:insert_block>`` that brings an element into its parent: the block that a call hands
+    over may be needed elsewhere. None where the element is typed in its parent."""
+    span, own = inserted.span, parent.span
+    if span is None or own is None or (span.file == own.file and own.start <= span.start and span.end <= own.end):
+        return None
+    typed = (each for each in model.source.trees[own.file].walk() if each.span == own)
+    insertions = [child for each in typed for child in each.find_children("xacro:insert_block")]
+    return Location(inserted.subject, insertions[0].span, parent.via) if len(insertions) == 1 else None
 
 
 def _is_empty(element: Element) -> bool:

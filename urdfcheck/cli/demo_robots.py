@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import shutil
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 
 ANSWERS = "PLANTED.md"
 """The page in a copy that says what was planted."""

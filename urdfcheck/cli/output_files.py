@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 from urdfcheck.system.files import is_inside
 
 if TYPE_CHECKING:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import importlib
-from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.cli.job_summary import find_summary_file
 from urdfcheck.cli.output_files import CheckedFolders, is_folder_output, parse_run_outputs
+from urdfcheck.core.records import dataclass
 from urdfcheck.output import DRAWING_FORMATS
 
 

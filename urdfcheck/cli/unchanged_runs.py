@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import contextlib
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.system.cache_folder import find_default_folder
 
 if TYPE_CHECKING:

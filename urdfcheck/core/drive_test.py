@@ -7,7 +7,8 @@ begins to move.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+
+from urdfcheck.core.records import dataclass
 
 # How far each wheel rotates.
 HALF_TURN = math.pi

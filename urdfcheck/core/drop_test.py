@@ -5,9 +5,8 @@ Places are in the root link's frame, in m. A value that is not a number, because
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from urdfcheck.core.drive_test import DriveTest
+from urdfcheck.core.records import dataclass
 
 # m/s², downwards.
 GRAVITY = 9.81

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum, IntEnum
 from typing import Any, ClassVar, Protocol, runtime_checkable
+
+from urdfcheck.core.records import dataclass
 
 # What ends a line for every span: str.splitlines() would also break at form feeds and Unicode separators.
 NEWLINE = re.compile(r"\r\n|\n|\r")

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from urdfcheck.core.findings import Span
+from urdfcheck.core.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

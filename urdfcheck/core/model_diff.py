@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 from urdfcheck.core.findings import Finding, Span
 from urdfcheck.core.mechanism import NO_TRACE, Trace
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from urdfcheck.core.run import Run

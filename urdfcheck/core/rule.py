@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from urdfcheck.core.findings import (
@@ -20,6 +20,7 @@ from urdfcheck.core.findings import (
     Severity,
 )
 from urdfcheck.core.headlines import fill_headline
+from urdfcheck.core.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

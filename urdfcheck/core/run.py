@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 from urdfcheck.core.findings import Finding, Severity, SkippedCheck, Verdict
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.rule import Rule
 
 if TYPE_CHECKING:

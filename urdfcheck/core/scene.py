@@ -5,9 +5,8 @@ Poses are 4x4 row-major and empty where they are malformed; lengths are in m, ma
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from urdfcheck.core.findings import Span
+from urdfcheck.core.records import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

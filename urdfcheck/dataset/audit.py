@@ -11,12 +11,13 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, field, replace
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Severity, SkippedCheck
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 from urdfcheck.dataset.journal import TEMPORARY, Journal, open_new_file, translate_os_errors
 from urdfcheck.dataset.unit_facts import AuditedParts, add_unit_facts, get_unit_line
 from urdfcheck.output.html import index_page

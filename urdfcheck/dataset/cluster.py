@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.system.installation import name_distribution
 from urdfcheck.version import __version__
 
 if TYPE_CHECKING:
@@ -139,7 +140,7 @@ def _make_dask_backend(client: Any) -> Any:
 
 
 def _make_install_error(backend: str) -> UrdfcheckError:
-    extra = "urdfcheck[cluster]" if backend == "dask" else "urdfcheck[cluster] ray"
+    extra = f"{name_distribution()}[cluster]" + ("" if backend == "dask" else " ray")
     return UrdfcheckError(f"--backend {backend} needs more than is installed: pip install {extra}")
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, Severity, SkippedCheck
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import quote_attribute
 from urdfcheck.system.files import read_regular
 from urdfcheck.version import __version__

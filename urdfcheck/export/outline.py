@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import Location
+from urdfcheck.core.records import dataclass
 from urdfcheck.model import Model
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.values import parse_number

@@ -15,13 +15,14 @@ from __future__ import annotations
 import contextlib
 from bisect import bisect_left, bisect_right, insort
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Protocol, TypeVar
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Run
 from urdfcheck.core.findings import iter_occurrences
+from urdfcheck.core.records import dataclass
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
 from urdfcheck.fix.regression import FILE_FAMILY, find_regression
 from urdfcheck.run.jobs import Request

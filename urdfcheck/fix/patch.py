@@ -9,10 +9,10 @@ import re
 import stat
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Edit, UrdfcheckError
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import is_below, resolve_real_path

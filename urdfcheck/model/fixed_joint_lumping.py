@@ -10,8 +10,8 @@ the same for visuals; alike in all versions from 4 (Gazebo Classic) on.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import split_name_words
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model

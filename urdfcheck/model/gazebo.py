@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.robot import Model
 from urdfcheck.source.text.xml import Element
 

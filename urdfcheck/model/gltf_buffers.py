@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular

@@ -5,19 +5,21 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.gltf_buffers import FORMATS as GLTF_FORMATS
 from urdfcheck.model.gltf_buffers import Buffers, resolve_buffers
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import PackageFinder, Resource
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.system.array_cache import ArrayCache, compute_code_version, find_library_origin
+from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
+from urdfcheck.system.installation import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.facts.mesh.decode_limits import MeshError
@@ -29,6 +31,8 @@ MEASURING_MODULES = ("urdfcheck.facts.mesh",)
 # The libraries that read the formats that urdfcheck does not read itself, and the one by which it asks Assimp.
 READERS = {"dae": "collada", "ply": "trimesh"}
 SECOND_READER = "coal"
+# Where it is not installed, another library computes convex hulls.
+HULLS = "scipy"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -242,7 +246,8 @@ def _make_mesh_error(error: OSError | ImportError | MemoryError) -> MeshError:
 
 def _compute_reader_version(kind: str) -> str:
     """Return a digest of what decides the measurements of a file of this kind besides its content."""
-    origins = [find_library_origin(library) for library in (READERS.get(kind), SECOND_READER) if library is not None]
+    libraries = (READERS.get(kind), SECOND_READER, HULLS)
+    origins = [find_library_origin(library) for library in libraries if library is not None]
     return compute_code_version(*MEASURING_MODULES, library="\n".join(map(str, origins)))
 
 

@@ -6,11 +6,11 @@ every other rule abstains.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.values import MAX_MAGNITUDE, is_computable, read_attribute_number, read_attribute_numbers
 from urdfcheck.source.text.xml import Attribute, Element
 

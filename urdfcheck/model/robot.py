@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import FactUnavailableError, Location
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.meshes import ModelMeshes
 from urdfcheck.model.parts import CompleteInertial, DeclaredMass, DeclaredTensor, Joint, Link

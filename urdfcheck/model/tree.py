@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 from functools import cached_property
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.parts import Joint, Link
 
 # urdfdom and Pinocchio follow a chain of links recursively: a stack of 8 MiB lasts for more than 2,000, beyond that the process

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from urdfcheck.model.parts import Joint
 
 WHEEL_NAME = re.compile(r"wheel|tyre|tire", re.IGNORECASE)
 # A part that carries a wheel is named after it and turns about another axis.
@@ -12,3 +16,11 @@ WHEEL_CARRIER_NAME = re.compile(
 CASTER_NAME = re.compile(r"cast[eo]r", re.IGNORECASE)
 # Wheels that turn freely, or are not wheels of a vehicle, or do not touch the ground.
 NOT_DRIVEN_NAME = re.compile(r"caster|castor|roller|steer|swivel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
+# Parts that turn freely by their names: no motor and no encoder has their zero.
+PASSIVE_NAME = re.compile(r"passive|idler?(?![a-z])|roller", re.IGNORECASE)
+
+
+def is_revolute_wheel(joint: Joint) -> bool:
+    """Whether a revolute joint is a wheel's, by its name or its child's, and not that of what carries the wheel."""
+    words = f"{joint.name} {joint.child}"
+    return joint.type == "revolute" and bool(WHEEL_NAME.search(words)) and not WHEEL_CARRIER_NAME.search(words)

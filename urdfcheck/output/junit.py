@@ -9,11 +9,11 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from urdfcheck.core import Finding, ModelInfo, Run, Severity
 from urdfcheck.core.findings import iter_occurrences
+from urdfcheck.core.records import dataclass
 from urdfcheck.output.shared.code_frames import extract_code_frame
 from urdfcheck.output.shared.diffs import iter_diff_lines
 from urdfcheck.output.shared.escaping import escape_for_xml, escape_invisible, escape_one_line

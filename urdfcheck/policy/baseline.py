@@ -12,12 +12,13 @@ import os
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Location, ModelInfo, SkippedCheck, Span, UrdfcheckError
 from urdfcheck.core.findings import iter_occurrences
+from urdfcheck.core.records import dataclass
 from urdfcheck.rules import load_rules
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, is_below, resolve_real_path

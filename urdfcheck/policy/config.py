@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.suppression import SuppressionEntry
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.toml import Key
@@ -63,6 +64,9 @@ class Config:
     strict_baseline: bool = False
     """Whether a baseline entry whose finding is gone is an error."""
     exclude: tuple[str, ...] = ()
+    """Patterns of files and folders below the root that are skipped when a folder is checked."""
+    exclude_here: tuple[str, ...] = ()
+    """Those of the command line, relative to the working directory."""
     packages: Mapping[str, Path] = field(default_factory=dict)
     package_path: tuple[Path, ...] = ()
     baseline: Path | None = None
@@ -77,7 +81,8 @@ class Config:
 
     def excludes(self, path: Path) -> bool:
         """Whether a file that is discovered in a folder is skipped."""
-        return bool(self.exclude) and match_any_pattern(self.exclude, split_relative_path(path, self.root))
+        patterns = ((self.exclude, self.root), (self.exclude_here, Path.cwd()))
+        return any(p and match_any_pattern(p, split_relative_path(path, root)) for p, root in patterns)
 
     def grade_unchecked(self, path: Path) -> str:
         """Return how bad it is that this model cannot be checked: error | warning."""

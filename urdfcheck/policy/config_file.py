@@ -8,8 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import tomli
-
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.policy.config import (
     OWN_FILE,
@@ -41,8 +39,29 @@ def read_folder_config(folder: Path) -> Config | None:
         tools = _parse_toml(project, text).get("tool", {})
         table = tools.get("urdfcheck") if isinstance(tools, dict) else None
         if table is not None:
-            return _parse_config(project, text, table=table, key=("tool", "urdfcheck"))
+            return _parse_config(project, text, table=table, key=_get_table_key(project))
     return None
+
+
+def read_named_config(file: Path) -> Config:
+    """Read the configuration that the user names, whatever it is called; one called pyproject.toml holds ``[tool.urdfcheck]``.
+
+    :raises UrdfcheckError: if it cannot be read, has an error or lacks the table.
+    """
+    path = Path(os.path.abspath(file))
+    text = _read_text(path)
+    table: Any = _parse_toml(path, text)
+    key = _get_table_key(path)
+    for part in key:
+        table = table.get(part) if isinstance(table, dict) else None
+    if table is None:
+        raise UrdfcheckError(f"{format_path(path)}: has no table [{'.'.join(key)}]")
+    return _parse_config(path, text, table=table, key=key)
+
+
+def _get_table_key(file: Path) -> tuple[str, ...]:
+    """Return where in a file the configuration is."""
+    return ("tool", "urdfcheck") if file.name == PROJECT_FILE else ()
 
 
 def read_typed_table(config: Config) -> tuple[Mapping[str, Any], Mapping[Key, str]]:
@@ -50,7 +69,7 @@ def read_typed_table(config: Config) -> tuple[Mapping[str, Any], Mapping[Key, st
     if config.file is None:
         return {}, {}
     text = _read_text(config.file)
-    table, own = _parse_toml(config.file, text), () if config.file.name == OWN_FILE else ("tool", "urdfcheck")
+    table, own = _parse_toml(config.file, text), _get_table_key(config.file)
     for key in own:
         table = table[key]
     name = format_path(config.file)
@@ -69,6 +88,8 @@ def _read_text(path: Path) -> str:
 
 
 def _parse_toml(path: Path, text: str) -> dict[str, Any]:
+    import tomli  # most repositories have no configuration
+
     try:
         table: dict[str, Any] = tomli.loads(text)
         return table

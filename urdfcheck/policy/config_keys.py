@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.config import FAIL_ON, TARGETS, UNCHECKED
 from urdfcheck.policy.policy import TIERS
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.baseline import DEFAULT_NAME, STALE_BASELINE
 from urdfcheck.policy.config import Config, Section
 from urdfcheck.policy.config_file import read_folder_config
@@ -28,6 +29,8 @@ class CliOverrides:
     target: tuple[str, ...] | None = None
     unchecked: str | None = None
     baseline: Path | None = None
+    exclude: tuple[str, ...] = ()
+    """Patterns that are excluded besides those of the configuration, relative to the working directory."""
     shows_all: bool = False
     """Whether notes on request are reported too."""
     pedantic: bool = False
@@ -53,6 +56,8 @@ class ConfigResolver:
     """Whether configuration files are ignored."""
     paths: tuple[Path, ...] = ()
     """Paths of the command line; without a configuration file, ids below one of them are relative to the same folder."""
+    named: Config | None = None
+    """The configuration of all files, whatever files there are."""
     _configs_by_folder: dict[Path, Config | None] = field(default_factory=dict)
     _starts: dict[Path, int] = field(init=False)
     """The paths of the command line, absolute, with their places among them."""
@@ -62,15 +67,25 @@ class ConfigResolver:
         self._starts = {start: place for place, start in reversed(list(enumerate(starts)))}
 
     def for_path(self, path: Path) -> Config:
-        """Return the configuration of a file or folder.
+        """Return the configuration of a file or folder, with what the command line excludes.
+
+        Elsewhere, a named configuration has the root that there would be without a configuration: ids and patterns
+        are relative to what is checked, and only the folders that it names are relative to it.
 
         :raises UrdfcheckError: as for :func:`find_config`.
         """
         folder = Path(os.path.abspath(path))
         folder = folder if os.path.isdir(folder) else folder.parent  # Path.is_dir() raises where access is denied
-        found = None if self.isolated else self._find_above(folder)
-        if found is not None:
-            return found
+        found = self.named
+        if found is None and not self.isolated:
+            found = self._find_above(folder)
+        if found is None or not folder.is_relative_to(found.root):
+            root = self._make_default(folder).root
+            found = Config(root=root) if found is None else replace(found, root=root)
+        given = self.overrides.exclude
+        return replace(found, exclude_here=given) if given else found
+
+    def _make_default(self, folder: Path) -> Config:
         above = [level for level in (folder, *folder.parents) if level in self._starts]
         return make_default_config(min(above, key=self._starts.__getitem__, default=folder))
 

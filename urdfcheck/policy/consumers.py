@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity, Verdict
+from urdfcheck.core.records import dataclass
 
 # In the order of the tables. Pages name other programs where only these are concerned (xacro, roslaunch, colcon).
 CONSUMERS = ("urdfdom", "pinocchio", "mujoco", "drake", "bullet", "gazebo", "isaac", "kdl", "moveit", "rviz")

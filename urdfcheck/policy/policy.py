@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from urdfcheck.core import Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.suppression import SuppressionEntry
 
 # How much is computed, each with all before it.

@@ -10,13 +10,14 @@ import re
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
 
 from urdfcheck.core import Applicability, Edit, Finding, Location, Span, Suppression, UrdfcheckError
 from urdfcheck.core.findings import OWN_FAMILY
+from urdfcheck.core.records import dataclass
 from urdfcheck.rules import load_rules, select_rules
 from urdfcheck.source.text.suppression_comments import IgnoreComment
 

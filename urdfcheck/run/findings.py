@@ -12,12 +12,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, SkippedCheck, Span
 from urdfcheck.core.merging import merge_same_text
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count
 from urdfcheck.policy.consumers import apply_severity_policy
 from urdfcheck.policy.fix_safety import mark_unsafe_across_models, mark_unsafe_in_model

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, ModelInfo, NotChecked, SkippedCheck
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.suppression import BaselineEntries, CommentUsage
@@ -72,6 +73,8 @@ class AuditOptions:
     """Time and memory for one unit."""
     index: bool = False
     """Whether reports hold the index of the source, for editors."""
+    expansion: bool = False
+    """Whether that index holds the expanded robot."""
     heed_comments: bool = True
     """Whether comments in the source suppress findings."""
     texts: Mapping[str, bytes] = field(default_factory=dict)
@@ -198,7 +201,7 @@ class UnitReport:
     skipped: tuple[SkippedCheck, ...] = ()
     info: ModelInfo | None = None
     unrequested: tuple[Finding, ...] = ()
-    """Notes that nobody asked for."""
+    """Notes that were not asked for."""
     findings_size: int = 0
     """Bytes that the findings take."""
     scene: Scene | None = None

@@ -13,12 +13,13 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import NotChecked, Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy import baseline
 from urdfcheck.policy.baseline import Baseline
 from urdfcheck.policy.config import Config
@@ -53,6 +54,8 @@ from urdfcheck.system.process_pool import SpareWorkers, Worker, WorkerDiedError,
 # The search for all models may take so many times longer than the check of one, and at least so many seconds: a model takes
 # about a millisecond.
 PLANNING_TIME_RATIO, MIN_PLANNING_SECONDS = 10, 600.0
+# With more paths a process for the search costs little beside it.
+_FEW_FILES = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,7 +108,12 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     differs.
     """
     start = time.perf_counter()
-    plan, units = plan_units(request, in_process=execution.audit is not None, spare_workers=execution.spare_workers)
+    plan, units = plan_units(
+        request,
+        in_process=execution.audit is not None,
+        spare_workers=execution.spare_workers,
+        warm_worker=execution.warm_worker,
+    )
     reports = {} if previous is None else _reuse_reports(previous, units, request.options.texts)
     texts, sizes = SourceTexts(), ReportSizes()
 
@@ -219,11 +227,16 @@ def audit_single_model(request: Request, execution: Execution = IN_WORKERS) -> U
 
 
 def plan_units(
-    request: Request, *, in_process: bool = False, spare_workers: SpareWorkers | None = None
+    request: Request,
+    *,
+    in_process: bool = False,
+    spare_workers: SpareWorkers | None = None,
+    warm_worker: Worker | None = None,
 ) -> tuple[Plan, list[Unit]]:
     """Return what the request's paths lead to, and the units of work in a stable order.
 
-    Files of strangers are read, so it takes place in its own process unless ``in_process``.
+    Files of strangers are read, so it takes place in another process unless ``in_process``: its own, or for a few files, around
+    which little is read, that of ``warm_worker``. What the search leaves in memory counts for the audits of a process.
 
     :raises UrdfcheckError: if that process died or did not end.
     """
@@ -247,6 +260,8 @@ def plan_units(
     killed = longest and longest + limits.seconds + sandbox.PATIENCE
     work = (limits.memory, longest or 0.0, limits.seconds, texts, search)
     spare = None if spare_workers is None else spare_workers.get_list(limits.memory)
+    if spare is None and warm_worker is not None and _are_few_files(request.paths):
+        spare = [warm_worker]
     ((_, answer),) = map_in_processes(_discover_bounded, [work], 1, timeout=killed, spare_workers=spare)
     if isinstance(answer, WorkerTimeoutError):
         raise UrdfcheckError(f"looking for models took more than {longest:g} s (--timeout)")
@@ -257,6 +272,10 @@ def plan_units(
     plan, observations = answer
     add_observations(observations)
     return plan, _build_units(plan, request)
+
+
+def _are_few_files(paths: Sequence[Path]) -> bool:
+    return len(paths) <= _FEW_FILES and all(map(os.path.isfile, paths))
 
 
 def _discover_bounded(

@@ -11,6 +11,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from urdfcheck.system.process_pool import Worker
 
 
@@ -20,15 +22,16 @@ PARENT_MODULES = ("urdfcheck.run.pipeline", "urdfcheck.run.unit_audit")
 _CHECKED_ALWAYS = frozenset({"file", "model", "package"})
 
 
-def start_warm_worker(tier: str | None = None) -> Worker | None:
+def start_warm_worker(tier: str | None = None, cache: Path | None = None) -> Worker | None:
     """Start a worker that loads what an audit needs; None where processes cannot be forked.
 
-    ``tier``: how much is computed, where the command says it.
+    ``tier``: how much is computed, where the command says it; ``cache``: the folder of cached results, where it is known.
 
     :raises UrdfcheckError: if a rule page is malformed.
     """
-    from urdfcheck.rules import load_rules
+    from urdfcheck.rules import load_rules, recall_rules
     from urdfcheck.system import libraries, process_pool
+    from urdfcheck.system.installation import recall_digests
 
     if not process_pool.FORKS:
         return None
@@ -36,7 +39,11 @@ def start_warm_worker(tier: str | None = None) -> Worker | None:
     # The worker inherits what both of them need, so that it is loaded once.
     for module in PARENT_MODULES:
         importlib.import_module(module)
-    load_rules()
+    if cache is None:
+        load_rules()
+    else:
+        recall_rules(cache)
+        recall_digests(cache)
     return process_pool.Worker.start(partial(preload_modules, tier))
 
 

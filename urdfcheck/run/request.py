@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import TIERS, Policy
 from urdfcheck.run.jobs import SAMPLES, AuditOptions, PackageFolders, Request
@@ -42,6 +43,10 @@ class RunOptions:
     """How bad it is that a model cannot be checked: error | warning."""
     target: Sequence[str] | None = None
     """Programs that will read the models."""
+    config: AnyPath | None = None
+    """The configuration of everything that is checked, instead of the nearest one above each file."""
+    exclude: Sequence[str] = ()
+    """Patterns of files and folders that are skipped too when a folder is checked, relative to the working directory."""
     baseline: AnyPath | None = None
     """File of accepted findings."""
     may_lack_baseline: bool = False
@@ -100,9 +105,10 @@ def split_words(values: Iterable[str]) -> tuple[str, ...]:
 def make_config_resolver(options: RunOptions) -> ConfigResolver:
     """Make the configurations of a run, with the options that win over them.
 
-    :raises UrdfcheckError: for unknown rules and targets.
+    :raises UrdfcheckError: for unknown rules and targets, and for a named configuration with an error.
     """
     from urdfcheck.policy.config import UNCHECKED
+    from urdfcheck.policy.config_file import read_named_config
     from urdfcheck.policy.config_resolver import CliOverrides, ConfigResolver
     from urdfcheck.policy.config_table import explain_unknown_target
     from urdfcheck.rules import select_rules
@@ -125,10 +131,12 @@ def make_config_resolver(options: RunOptions) -> ConfigResolver:
         target=None if options.target is None else tuple(options.target),
         unchecked=options.unchecked,
         baseline=None if options.baseline is None else Path(options.baseline),
+        exclude=tuple(options.exclude),
         shows_all=options.show_all,
         pedantic=options.pedantic,
     )
-    return ConfigResolver(overrides, options.isolated, tuple(map(Path, options.paths)))
+    named = None if options.config is None else read_named_config(Path(options.config))
+    return ConfigResolver(overrides, options.isolated, tuple(map(Path, options.paths)), named)
 
 
 def make_request(options: RunOptions, *, scene: bool = False) -> tuple[Request, Config]:

@@ -9,6 +9,9 @@ from urdfcheck.core import Finding, Location, Span
 from urdfcheck.source.text.handed_values import find_typed_value, read_numbers
 from urdfcheck.source.text.xml import Attribute, Element
 
+# The rules about elements as they are written.
+_MARKUP = "XML"
+
 
 def locate_typed_values(findings: Sequence[Finding], root: Element | None, texts: Mapping[str, str]) -> list[Finding]:
     """Move findings about numbers or names that a macro hands on, ``${mass}``, to the yaml value or the argument that has them.
@@ -48,7 +51,7 @@ def _move(finding: Finding, attributes: Sequence[Attribute]) -> Finding:
     here = finding.location
     # A finding about an element that has a name is about the element; one about the name itself is about the name.
     places = _find_typed_places(attributes, may_be_name="@" in here.subject)
-    if here.span is None or not places:
+    if here.span is None or not places or _is_about_markup(finding):
         return finding
     first, last = places[0], places[-1]
     # The values of a block are a line each; between others there is text that has nothing to do with it.
@@ -59,6 +62,11 @@ def _move(finding: Finding, attributes: Sequence[Attribute]) -> Finding:
         location=Location(here.subject, span, (*here.via, here.span)),
         related=tuple(place for place in finding.related if place.span != span),
     )
+
+
+def _is_about_markup(finding: Finding) -> bool:
+    """Whether an element itself is wrong, whatever its values are: it is typed in the macro, and no value of a call brings it."""
+    return finding.code.startswith(_MARKUP) and "@" not in finding.location.subject
 
 
 def _find_typed_places(attributes: Sequence[Attribute], *, may_be_name: bool) -> list[Span]:

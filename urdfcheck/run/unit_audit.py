@@ -54,7 +54,7 @@ from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
-from urdfcheck.system.installation import list_own_files
+from urdfcheck.system.installation import describe_left_out, list_own_files
 from urdfcheck.system.observing.observations import Observations, observe
 from urdfcheck.system.observing.questions import read_folders
 
@@ -314,7 +314,8 @@ class _UnitAudit:
         if self.options.index and source is not None:
             from urdfcheck.export.index.index_builder import build_index  # only editors pay for it
 
-            self.index = self.run_guarded("server", lambda: build_index(source, self.model, self.unit.id))
+            build = partial(build_index, with_expansion=self.options.expansion)
+            self.index = self.run_guarded("server", lambda: build(source, self.model, self.unit.id))
 
     def run_drop_test(self, model: Model) -> DropTest | None:
         """Drop the model on a plane; None where that is impossible."""
@@ -384,7 +385,8 @@ class _UnitAudit:
             self.findings.append(admit_finding(own, rule, self.policy))
 
     def run_guarded(self, name: str, work: Callable[[], Any]) -> Any:
-        """Run a check. A fact that is not available skips it; any other exception is a failure of urdfcheck."""
+        """Run a check. A fact that is not available, or a library that may be left out, skips it; any other exception is a
+        failure of urdfcheck."""
         try:
             return work()
         except FactUnavailableError as reason:
@@ -392,13 +394,21 @@ class _UnitAudit:
         except MemoryError:
             raise  # the model is too large; no check is at fault
         except Exception as error:
-            where = traceback.extract_tb(error.__traceback__)[-1]
-            text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
-            text = self.shortener.shorten_text(text)
-            self.failures.append(f"{name} crashed on {self.unit.id}: {text}")
-            crash = load_rules()["URC900"].finding("crashed", at=locate_unit(self.unit), check=name, error=text)
-            self.findings.append(replace(crash, model=self.unit.id))
+            missing = describe_left_out(error) if isinstance(error, ImportError) else None
+            if missing is None:
+                self.add_crash(name, error)
+            else:
+                self.add_skip(name, missing)
         return None
+
+    def add_crash(self, name: str, error: Exception) -> None:
+        """Report that a check failed."""
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
+        text = self.shortener.shorten_text(text)
+        self.failures.append(f"{name} crashed on {self.unit.id}: {text}")
+        crash = load_rules()["URC900"].finding("crashed", at=locate_unit(self.unit), check=name, error=text)
+        self.findings.append(replace(crash, model=self.unit.id))
 
     def stop_audit(self, message: str) -> None:
         """Give up: the findings so far stay, everything else is unknown."""

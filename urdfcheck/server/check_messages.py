@@ -7,17 +7,29 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
-from urdfcheck.core import Finding
+from urdfcheck.core import Edit, Finding
+from urdfcheck.core.records import dataclass
 from urdfcheck.export.index.source_index import SourceIndex
 
 HEADER = struct.Struct("<Q")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RenameWish:
+    """What is to be renamed."""
+
+    path: str
+    """The file in which the name is."""
+    offset: int
+    text: str
+    """The new text of the name, or of the literal part at the offset where the name is built from a substitution."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CheckJob:
-    """A run over the open documents, or the search for their safe fixes."""
+    """A run over the open documents, the search for their safe fixes or the edits of a renaming, or the report on one of them."""
 
     number: int
     """Increases with each job."""
@@ -35,6 +47,21 @@ class CheckJob:
     """Whether files appeared or disappeared, so that nothing of earlier runs may be reused."""
     fixes: bool = False
     """Whether the safe fixes are wanted instead of the findings."""
+    rename: RenameWish | None = None
+    """The renaming that is wanted instead of the findings."""
+    report: bool = False
+    """Whether the report is wanted instead of the findings."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaselinePlace:
+    """Where a baseline accepts the findings of a model. The file may not exist."""
+
+    file: str
+    root: str
+    """Folder that its names are relative to."""
+    model: str
+    """What it calls the model."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +77,8 @@ class ProjectAnswer:
     model_paths: Mapping[str, str] = field(default_factory=dict)
     """Id of each model → path of its file."""
     indexes: tuple[SourceIndex, ...] = ()
+    baselines: Mapping[str, BaselinePlace] = field(default_factory=dict)
+    """Id of each model → the baseline that accepts its findings."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,4 +93,12 @@ class CheckAnswer:
     """Real path → content before and after the safe fixes."""
     fixed: int = 0
     """Number of findings that these repair."""
+    edits: tuple[Edit, ...] = ()
+    """Those of the renaming."""
+    refusal: str = ""
+    """Why there are none, in a sentence."""
+    report: bytes = b""
+    """The report as an HTML document."""
+    failure: str = ""
+    """Why there is none."""
     is_cancelled: bool = False

@@ -23,16 +23,22 @@ from types import FrameType
 from typing import BinaryIO
 
 from urdfcheck.api import ask_engines
+from urdfcheck.core import Run
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.fix.fixer import compute_fixes
+from urdfcheck.output import html
+from urdfcheck.policy.policy import TIERS
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import AuditedRun, Execution, keep_valid_reports, run_audit
 from urdfcheck.run.preload import preload_modules
-from urdfcheck.run.request import RunOptions, make_request
-from urdfcheck.server.check_messages import HEADER, CheckAnswer, CheckJob, ProjectAnswer
+from urdfcheck.run.request import RunOptions, find_baseline_file, make_request
+from urdfcheck.server.check_messages import HEADER, BaselinePlace, CheckAnswer, CheckJob, ProjectAnswer, RenameWish
+from urdfcheck.server.names.checked_rename import compute_rename
+from urdfcheck.server.names.rename_plan import RenameRefusedError
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system import libraries
+from urdfcheck.system.files import overlay_files
 from urdfcheck.system.process_pool import SpareWorkers, end_with_parent, limit_threads
 
 # What workers import when they first need it; here once, for all of them.
@@ -124,7 +130,7 @@ class _CheckProcess:
             self.jobs += 1
             if self.jobs % _MOST_JOBS == 0 or len(self.spare_workers) > _MOST_WORKERS:
                 self.spare_workers.end()
-            answer = self._find_fixes(job) if job.fixes else self._check_projects(job)
+            answer = self._answer(job)
             self.is_busy = False
             return answer
         except KeyboardInterrupt:
@@ -132,6 +138,13 @@ class _CheckProcess:
             for child in multiprocessing.active_children():
                 child.kill()
             return CheckAnswer(number=job.number, is_cancelled=True)
+
+    def _answer(self, job: CheckJob) -> CheckAnswer:
+        if job.rename is not None:
+            return self._rename(job, job.rename)
+        if job.fixes:
+            return self._find_fixes(job)
+        return self._render_report(job) if job.report else self._check_projects(job)
 
     def _check_projects(self, job: CheckJob) -> CheckAnswer:
         projects = []
@@ -144,9 +157,10 @@ class _CheckProcess:
         return CheckAnswer(number=job.number, projects=tuple(projects), deep_codes=deep)
 
     def _check_project(self, folder: str, paths: tuple[str, ...], job: CheckJob) -> ProjectAnswer:
-        request = self._make_request(paths, job, tier=job.tier)
-        last = keep_valid_reports(self.kept.pop((folder, job.tier), None), request)
-        audited = run_audit(request, Execution(spare_workers=self.spare_workers), previous=last)
+        with overlay_files(job.texts):  # a baseline may be open too
+            request = self._make_request(paths, job, tier=job.tier)
+            last = keep_valid_reports(self.kept.pop((folder, job.tier), None), request)
+            audited = run_audit(request, Execution(spare_workers=self.spare_workers), previous=last)
         outcome = audited.outcome
         if outcome.partial:
             raise KeyboardInterrupt
@@ -161,8 +175,20 @@ class _CheckProcess:
             sources=outcome.sources,
             failures=outcome.failures,
             model_paths={model.id: model.path for model in outcome.models},
+            baselines=dict(self._iter_baselines(request, outcome)),
             indexes=tuple(report.index for report in audited.reports.values() if report.index is not None),
         )
+
+    def _iter_baselines(self, request: Request, outcome: Run) -> Iterator[tuple[str, BaselinePlace]]:
+        """Yield for each model the baseline that accepts its findings; none where baselines are ignored."""
+        if request.config_resolver is None or (self.options.isolated and self.options.baseline is None):
+            return
+        settings = request.config_resolver.for_path(request.paths[0])
+        own = str(find_baseline_file(self.options, settings)), str(settings.root)
+        for home, names in outcome.baseline_unit_names.items():
+            file, root = own if home is None else home
+            for unit, name in names.items():
+                yield unit, BaselinePlace(file=os.path.abspath(file), root=os.path.abspath(root), model=name)
 
     def _find_fixes(self, job: CheckJob) -> CheckAnswer:
         changes: dict[str, tuple[bytes, bytes]] = {}
@@ -178,8 +204,35 @@ class _CheckProcess:
                 fixed += len(found.fixed)
         return CheckAnswer(number=job.number, changes=changes, fixed=fixed)
 
-    def _make_request(self, paths: tuple[str, ...], job: CheckJob, *, tier: str | None) -> Request:
-        request, _ = make_request(replace(self.options, paths=paths, tier=tier or self.options.tier))
+    def _rename(self, job: CheckJob, wish: RenameWish) -> CheckAnswer:
+        def audit(paths: tuple[str, ...], texts: Mapping[str, bytes], previous: AuditedRun | None) -> AuditedRun:
+            request = self._make_request(paths, job, tier=TIERS[0])
+            options = replace(request.options, texts=texts, index=True, expansion=True)
+            request = replace(request, options=options)
+            audited = run_audit(request, Execution(spare_workers=self.spare_workers), previous=previous)
+            if audited.outcome.partial:
+                raise KeyboardInterrupt
+            return audited
+
+        try:
+            return CheckAnswer(number=job.number, edits=compute_rename(wish, job.texts, audit))
+        except RenameRefusedError as refusal:
+            return CheckAnswer(number=job.number, refusal=str(refusal))
+        except UrdfcheckError as error:  # of the configuration
+            return CheckAnswer(number=job.number, refusal=f"The name is not changed: {error}.")
+
+    def _render_report(self, job: CheckJob) -> CheckAnswer:
+        try:
+            request = self._make_request(job.paths, job, tier=None, scene=True)
+        except UrdfcheckError as error:  # of its configuration
+            return CheckAnswer(number=job.number, failure=str(error))
+        audited = run_audit(request, Execution(spare_workers=self.spare_workers))
+        if audited.outcome.partial:
+            raise KeyboardInterrupt
+        return CheckAnswer(number=job.number, report=html.render(ask_engines(audited)).encode())
+
+    def _make_request(self, paths: tuple[str, ...], job: CheckJob, *, tier: str | None, scene: bool = False) -> Request:
+        request, _ = make_request(replace(self.options, paths=paths, tier=tier or self.options.tier), scene=scene)
         return replace(request, options=replace(request.options, texts=job.texts, index=job.index))
 
 

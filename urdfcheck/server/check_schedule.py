@@ -13,7 +13,7 @@ from pathlib import Path
 
 from urdfcheck.policy.policy import TIERS
 from urdfcheck.server.check_client import CheckClient, CheckProcessError
-from urdfcheck.server.check_messages import CheckAnswer, CheckJob
+from urdfcheck.server.check_messages import CheckAnswer, CheckJob, RenameWish
 from urdfcheck.server.diagnostics import CheckedState
 from urdfcheck.server.documents import DocumentStore, OpenDocument
 from urdfcheck.server.index_store import IndexStore
@@ -50,6 +50,7 @@ class CheckSchedule:
         self._waiting: set[str | None] = set()
         self._running: str | None = ""  # the tier; empty where nothing runs
         self._forgets = False
+        self._reports = 0  # those that are made
         self._indexed: Mapping[str, str] = {}  # the texts of the indexes, by real path
         self._tasks: set[asyncio.Task[None]] = set()
         self._answered = asyncio.Event()
@@ -95,9 +96,36 @@ class CheckSchedule:
         """
         return await self.client.run_job(self._make_job(None, [only.path], fixes=True))
 
+    async def find_rename(self, wish: RenameWish) -> CheckAnswer:
+        """Return the edits of a renaming, or why there are none. It does not wait for the job that computes everything.
+
+        :raises CheckProcessError: if the check process died.
+        """
+        self._interrupt()
+        return await self.client.run_job(self._make_job(None, [wish.path], rename=wish))
+
+    async def make_report(self, document: OpenDocument) -> bytes:
+        """Return the report on the robots of a document, as it is when nothing is left to check.
+
+        :raises CheckProcessError: if the check process died, or the project's configuration has an error.
+        """
+        while True:
+            await self.wait_until_rest()
+            if self.problem:
+                raise CheckProcessError(self.problem)
+            self._reports += 1
+            try:
+                answer = await self.client.run_job(self._make_job(None, [document.path], report=True))
+            finally:
+                self._reports -= 1
+            if answer.failure:
+                raise CheckProcessError(answer.failure)
+            if not answer.is_cancelled:
+                return answer.report
+
     def _interrupt(self) -> None:
-        """End the job that computes everything; the fast one is rather finished."""
-        if self._running is None and len(self._delays) > 1:
+        """End the job that computes everything, or a report; the fast one is rather finished."""
+        if (self._running is None and len(self._delays) > 1) or self._reports:
             self.client.cancel()
 
     # -- jobs ------------------------------------------------------------------------------------------------------
@@ -174,7 +202,14 @@ class CheckSchedule:
         self._answered = asyncio.Event()
 
     def _make_job(
-        self, tier: str | None, paths: list[str], *, has_index: bool = False, fixes: bool = False
+        self,
+        tier: str | None,
+        paths: list[str],
+        *,
+        has_index: bool = False,
+        fixes: bool = False,
+        rename: RenameWish | None = None,
+        report: bool = False,
     ) -> CheckJob:
         self._numbers += 1
         forgets, self._forgets = self._forgets, False
@@ -187,14 +222,17 @@ class CheckSchedule:
             index=has_index,
             forgets=forgets,
             fixes=fixes,
+            rename=rename,
+            report=report,
         )
 
 
 def list_checked_paths(documents: DocumentStore) -> list[str]:
     """Return the open documents that are checked: models, their parts and launch files. Others are only read."""
-    return [document.path for document in documents.by_uri.values() if _is_checked(document)]
+    return [document.path for document in documents.by_uri.values() if is_checked(document)]
 
 
-def _is_checked(document: OpenDocument) -> bool:
+def is_checked(document: OpenDocument) -> bool:
+    """Whether a document is a model, a part of one or a launch file."""
     path = Path(document.path)
     return is_model(path) or is_launch(path) or (path.suffix == ".xml" and _ROBOT in document.text)

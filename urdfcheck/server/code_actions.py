@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import re
 from collections.abc import Iterable, Iterator
@@ -13,8 +12,10 @@ from lsprotocol import types
 from urdfcheck.core import Applicability, Edit, Fix
 from urdfcheck.fix.patch import EditableFiles, EditRefusedError
 from urdfcheck.server.check_messages import CheckAnswer
+from urdfcheck.server.check_schedule import is_checked
 from urdfcheck.server.diagnostics import SOURCE, CheckedState, ShownFinding
-from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
+from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions, iter_differences, make_workspace_edit
+from urdfcheck.server.report.commands import make_view_command
 from urdfcheck.source.text.suppression_comments import MARK
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import overlay_files
@@ -43,6 +44,8 @@ def list_actions(
         repairs += [] if repair is None else [repair]
         others += _iter_suppressions(found, document, documents)
         others.append(_make_rule_command(found))
+        if is_checked(document):
+            others.append(make_view_command(found, document.uri))
     repairs.sort(key=lambda action: not action.is_preferred)
     return [*repairs, *_drop_repeated(others)]
 
@@ -69,7 +72,7 @@ def _make_repair(found: ShownFinding, documents: DocumentStore) -> types.CodeAct
         kind=types.CodeActionKind.QuickFix,
         diagnostics=[found.diagnostic],
         is_preferred=is_safe,
-        edit=_make_workspace_edit(edits, documents),
+        edit=make_workspace_edit(edits, documents),
     )
 
 
@@ -96,22 +99,6 @@ def _adapt_breaks(edit: Edit, positions: TextPositions) -> str:
     return edit.replacement.replace("\r\n", "\n").replace("\n", newline)
 
 
-def _make_workspace_edit(edits: Iterable[tuple[str, types.TextEdit]], documents: DocumentStore) -> types.WorkspaceEdit:
-    """Return the edits of some files, for the versions that are open where the editor can compare them."""
-    by_file: dict[str, list[types.TextEdit]] = {}
-    for name, edit in edits:
-        by_file.setdefault(name, []).append(edit)
-    if not documents.has_versioned_edits:
-        return types.WorkspaceEdit(changes={documents.find_uri(name): made for name, made in by_file.items()})
-    changes: list[types.TextDocumentEdit | types.CreateFile | types.RenameFile | types.DeleteFile] = []
-    for name, made in by_file.items():
-        document = documents.find_open(name)
-        version = None if document is None else document.version
-        identifier = types.OptionalVersionedTextDocumentIdentifier(documents.find_uri(name), version)
-        changes.append(types.TextDocumentEdit(identifier, [*made]))
-    return types.WorkspaceEdit(document_changes=changes)
-
-
 def make_fix_all(answer: CheckAnswer, documents: DocumentStore) -> types.CodeAction | None:
     """Return the edit of all safe fixes, which were checked again together; None where there is none."""
     edits: list[tuple[str, types.TextEdit]] = []
@@ -120,33 +107,20 @@ def make_fix_all(answer: CheckAnswer, documents: DocumentStore) -> types.CodeAct
         old, new = _decode(path, before), _decode(path, after)
         if positions is None or positions.text != old:  # it was edited meanwhile
             return None
-        edits += [(path, edit) for edit in _iter_differences(positions, new)]
+        edits += [(path, edit) for edit in iter_differences(positions, new)]
     if not edits:
         return None
     count = f"{answer.fixed} finding{'' if answer.fixed == 1 else 's'}"
     return types.CodeAction(
         title=f"Apply all safe fixes ({count})",
         kind=FIX_ALL,
-        edit=_make_workspace_edit(edits, documents),
+        edit=make_workspace_edit(edits, documents),
     )
 
 
 def _decode(path: str, data: bytes) -> str:
     with overlay_files({os.path.realpath(path): data}):
         return SourceFile.read(Path(path), path).text
-
-
-def _iter_differences(positions: TextPositions, new: str) -> Iterator[types.TextEdit]:
-    """Yield the edits, line by line, that make another text of one."""
-    old_lines, new_lines = positions.text.splitlines(keepends=True), new.splitlines(keepends=True)
-    starts = [0]
-    for line in old_lines:
-        starts.append(starts[-1] + len(line))
-    matcher = difflib.SequenceMatcher(None, old_lines, new_lines, autojunk=False)
-    for kind, first, last, new_first, new_last in matcher.get_opcodes():
-        if kind != "equal":
-            range_ = positions.make_range(starts[first], starts[last])
-            yield types.TextEdit(range_, "".join(new_lines[new_first:new_last]))
 
 
 # -- suppression, and the rule -----------------------------------------------------------------------------------------
@@ -179,7 +153,7 @@ def _iter_suppressions(
         title=f"Suppress {finding.code} here: add the reason to the comment",
         kind=types.CodeActionKind.QuickFix,
         diagnostics=[found.diagnostic],
-        edit=_make_workspace_edit([(document.path, edit)], documents),
+        edit=make_workspace_edit([(document.path, edit)], documents),
     )
 
 

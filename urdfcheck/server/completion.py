@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from lsprotocol import types
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, MACRO, MATERIAL, PARAMETER, PROPERTY
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.index_store import IndexStore, IndexView

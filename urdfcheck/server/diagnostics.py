@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from lsprotocol import types
@@ -12,6 +12,7 @@ from pygls import uris
 
 from urdfcheck.core import Finding, Location, Severity, Span
 from urdfcheck.core.findings import iter_occurrences
+from urdfcheck.core.records import dataclass
 from urdfcheck.rules import find_page
 from urdfcheck.server.check_messages import CheckAnswer
 from urdfcheck.server.documents import DocumentStore, TextPositions, TextShift

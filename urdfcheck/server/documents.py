@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 import re
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import field
 from pathlib import Path
 
 from lsprotocol import types
 from pygls import uris
 
 from urdfcheck.core import NEWLINE, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.xml import SourceFile, XmlError
 
@@ -146,6 +148,7 @@ class DocumentStore:
         """``folders``: those that the command line names, whose files may be read."""
         self.encoding: types.PositionEncodingKind | str = UTF_16
         self.has_versioned_edits = False
+        self.can_create_files = False
         self.by_uri: dict[str, OpenDocument] = {}
         self.sources: Mapping[str, str] = {}
         """Real path → text of the files with findings, as they were checked."""
@@ -213,3 +216,32 @@ class DocumentStore:
             types.Position(line - 1, col - 1) for line, col in ((span.line, span.col), (span.end_line, span.end_col))
         )
         return types.Location(self.find_uri(span.file), types.Range(start, end))
+
+
+def make_workspace_edit(edits: Iterable[tuple[str, types.TextEdit]], documents: DocumentStore) -> types.WorkspaceEdit:
+    """Return the edits of some files, for the versions that are open where the editor can compare them."""
+    by_file: dict[str, list[types.TextEdit]] = {}
+    for name, edit in edits:
+        by_file.setdefault(name, []).append(edit)
+    if not documents.has_versioned_edits:
+        return types.WorkspaceEdit(changes={documents.find_uri(name): made for name, made in by_file.items()})
+    changes: list[types.TextDocumentEdit | types.CreateFile | types.RenameFile | types.DeleteFile] = []
+    for name, made in by_file.items():
+        document = documents.find_open(name)
+        version = None if document is None else document.version
+        identifier = types.OptionalVersionedTextDocumentIdentifier(documents.find_uri(name), version)
+        changes.append(types.TextDocumentEdit(identifier, [*made]))
+    return types.WorkspaceEdit(document_changes=changes)
+
+
+def iter_differences(positions: TextPositions, new: str) -> Iterator[types.TextEdit]:
+    """Yield the edits, line by line, that make another text of one."""
+    old_lines, new_lines = positions.text.splitlines(keepends=True), new.splitlines(keepends=True)
+    starts = [0]
+    for line in old_lines:
+        starts.append(starts[-1] + len(line))
+    matcher = difflib.SequenceMatcher(None, old_lines, new_lines, autojunk=False)
+    for kind, first, last, new_first, new_last in matcher.get_opcodes():
+        if kind != "equal":
+            range_ = positions.make_range(starts[first], starts[last])
+            yield types.TextEdit(range_, "".join(new_lines[new_first:new_last]))

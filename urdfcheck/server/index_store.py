@@ -5,9 +5,9 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 
 from urdfcheck.core import Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.export.index.source_index import ComputedText, NamePlace, SourceIndex
 from urdfcheck.server.check_messages import CheckAnswer
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextShift

@@ -7,26 +7,34 @@ import logging
 import os
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from lsprotocol import types
 from pygls import uris
 from pygls.capabilities import get_capability
+from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 
 from urdfcheck.core import Applicability
 from urdfcheck.rules import find_page
 from urdfcheck.run.request import RunOptions
+from urdfcheck.server.accepted_findings import list_acceptances
 from urdfcheck.server.check_client import CheckClient, CheckProcessError
+from urdfcheck.server.check_messages import RenameWish
 from urdfcheck.server.check_schedule import CheckSchedule
 from urdfcheck.server.code_actions import FIX_ALL, OPEN_RULE, Action, list_actions, make_fix_all
+from urdfcheck.server.code_lenses import list_code_lenses
 from urdfcheck.server.completion import TRIGGERS, complete
 from urdfcheck.server.diagnostics import SOURCE, ShownFinding, make_failure_diagnostics, show_findings
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.hover import describe_position
-from urdfcheck.server.navigation import find_definitions, find_references
-from urdfcheck.server.symbols import list_inlay_hints, list_symbols
+from urdfcheck.server.names.navigation import find_definitions, find_references
+from urdfcheck.server.names.rename_answers import make_rename_edit, prepare_rename
+from urdfcheck.server.names.rename_plan import RenameRefusedError
+from urdfcheck.server.report.commands import add_report_commands
+from urdfcheck.server.symbols import list_folding_ranges, list_inlay_hints, list_symbols
 from urdfcheck.version import __version__
 
 # The command that checks everything, and answers when it is done.
@@ -51,6 +59,17 @@ class UrdfcheckServer(LanguageServer):
         """Return the findings that a document has, at their present places."""
         return show_findings(self.schedule.states, self.documents).get(uri, [])
 
+    async def find_place(
+        self, asked: types.TextDocumentIdentifier, position: types.Position
+    ) -> tuple[OpenDocument, int] | None:
+        """Return the document and the offset of a question; None where the document is not open."""
+        document = self.documents.by_uri.get(asked.uri)
+        if document is None:
+            return None
+        await self.schedule.wait_until_known(document)
+        document = self.documents.by_uri.get(asked.uri, document)
+        return document, TextPositions(document.text, self.documents.encoding).find_offset(position)
+
     def publish(self) -> None:
         """Send the diagnostics of each file for which they differ from those sent before."""
         states = self.schedule.states
@@ -70,6 +89,8 @@ class UrdfcheckServer(LanguageServer):
         self._published = {uri: diagnostics for uri, diagnostics in now.items() if diagnostics}
         if get_capability(self.client_capabilities, "workspace.inlay_hint.refresh_support"):
             self.workspace_inlay_hint_refresh(None)
+        if get_capability(self.client_capabilities, "workspace.code_lens.refresh_support"):
+            self.workspace_code_lens_refresh(None)
 
 
 def make_server(options: RunOptions) -> UrdfcheckServer:
@@ -78,8 +99,10 @@ def make_server(options: RunOptions) -> UrdfcheckServer:
     _add_lifecycle(server)
     _add_document_events(server)
     _add_questions(server)
+    _add_renaming(server)
     _add_actions(server)
     _add_commands(server)
+    add_report_commands(server, server.schedule, server.documents)
     return server
 
 
@@ -106,6 +129,8 @@ def _add_lifecycle(server: UrdfcheckServer) -> None:
         documents.encoding = server.workspace.position_encoding or documents.encoding
         can = get_capability(capabilities, "workspace.workspace_edit.document_changes")
         documents.has_versioned_edits = bool(can)
+        made = get_capability(capabilities, "workspace.workspace_edit.resource_operations") or ()
+        documents.can_create_files = documents.has_versioned_edits and types.ResourceOperationKind.Create in made
         await server.client.start()
         await _watch_files(server)
 
@@ -115,18 +140,7 @@ def _add_lifecycle(server: UrdfcheckServer) -> None:
 
 
 def _add_questions(server: UrdfcheckServer) -> None:
-    documents, schedule, indexes = server.documents, server.schedule, server.schedule.indexes
-
-    async def find_place(
-        asked: types.TextDocumentIdentifier, position: types.Position
-    ) -> tuple[OpenDocument, int] | None:
-        """Return the document and the offset of a question; None where the document is not open."""
-        document = documents.by_uri.get(asked.uri)
-        if document is None:
-            return None
-        await schedule.wait_until_known(document)
-        document = documents.by_uri.get(asked.uri, document)
-        return document, TextPositions(document.text, documents.encoding).find_offset(position)
+    documents, indexes, find_place = server.documents, server.schedule.indexes, server.find_place
 
     @server.feature(types.TEXT_DOCUMENT_HOVER)
     async def hover(params: types.HoverParams) -> types.Hover | None:
@@ -157,10 +171,52 @@ def _add_questions(server: UrdfcheckServer) -> None:
         place = await find_place(params.text_document, params.position)
         return [] if place is None else complete(*place, indexes, documents)
 
+    @server.feature(types.TEXT_DOCUMENT_FOLDING_RANGE)
+    def fold(params: types.FoldingRangeParams) -> list[types.FoldingRange] | None:
+        document = documents.by_uri.get(params.text_document.uri)
+        return None if document is None else list_folding_ranges(document, documents)
+
+    @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
+    async def count(params: types.CodeLensParams) -> list[types.CodeLens]:
+        place = await find_place(params.text_document, types.Position(0, 0))
+        shown = show_findings(server.schedule.states, documents)
+        return [] if place is None else list_code_lenses(place[0], indexes, documents, shown)
+
     @server.feature(types.TEXT_DOCUMENT_INLAY_HINT)
     async def hint(params: types.InlayHintParams) -> list[types.InlayHint]:
         place = await find_place(params.text_document, params.range.start)
         return [] if place is None else list_inlay_hints(place[0], params.range, indexes, documents)
+
+
+def _add_renaming(server: UrdfcheckServer) -> None:
+    documents, schedule = server.documents, server.schedule
+
+    @server.feature(types.TEXT_DOCUMENT_PREPARE_RENAME)
+    async def prepare(params: types.PrepareRenameParams) -> types.PrepareRenamePlaceholder | None:
+        place = await server.find_place(params.text_document, params.position)
+        with _refuse_politely():
+            return None if place is None else prepare_rename(*place, schedule.indexes, documents)
+
+    @server.feature(types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True))
+    async def rename(params: types.RenameParams) -> types.WorkspaceEdit | None:
+        document = documents.by_uri.get(params.text_document.uri)
+        if document is None:
+            return None
+        offset = TextPositions(document.text, documents.encoding).find_offset(params.position)
+        with _refuse_politely():
+            answer = await schedule.find_rename(RenameWish(path=document.real, offset=offset, text=params.new_name))
+            if answer.refusal or answer.is_cancelled:
+                raise RenameRefusedError(answer.refusal or "The text was changed meanwhile: try again.")
+            return make_rename_edit(answer.edits, documents)
+
+
+@contextlib.contextmanager
+def _refuse_politely() -> Iterator[None]:
+    """Answer a refusal as the protocol does: the editor shows its text."""
+    try:
+        yield
+    except (RenameRefusedError, CheckProcessError) as refusal:
+        raise JsonRpcException(str(refusal), types.LSPErrorCodes.RequestFailed.value) from None
 
 
 def _add_actions(server: UrdfcheckServer) -> None:
@@ -179,7 +235,9 @@ def _add_actions(server: UrdfcheckServer) -> None:
         only = [str(getattr(kind, "value", kind)) for kind in params.context.only or ()]
         actions: list[Action] = []
         if _wants(only, types.CodeActionKind.QuickFix.value):
-            actions += list_actions(document, params.range, server.find_shown(document.uri), server.documents)
+            shown = server.find_shown(document.uri)
+            actions += list_actions(document, params.range, shown, server.documents)
+            actions += list_acceptances(params.range, shown, server.documents)
         if only and _wants(only, FIX_ALL):
             await server.schedule.wait_until_known(document)
             whole = await find_fix_all(document)

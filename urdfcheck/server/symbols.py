@@ -1,7 +1,8 @@
-"""The outline of a document, the kinematic tree, and the values of its expressions beside them."""
+"""The outline of a document, what can be folded in it, and the values of its expressions beside them."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from lsprotocol import types
@@ -17,6 +18,10 @@ _KINDS = {
     PROPERTY: types.SymbolKind.Constant,
     ARGUMENT: types.SymbolKind.Variable,
 }
+# What is no element, or a tag, whose values hold no "<": a text that is being typed rarely parses.
+_MARKUP = re.compile(
+    r"""<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<(/?)([^\s<>/"'!?]+)((?:"[^"<]*"|'[^'<]*'|[^<>"'])*)>""", re.DOTALL
+)
 # The longest value beside an expression.
 _LONGEST_HINT = 40
 
@@ -69,6 +74,38 @@ def _make_symbol(part: RobotPart, view: IndexView, positions: TextPositions) -> 
     return types.DocumentSymbol(
         part.name or "?", kind, positions.make_range(*whole), positions.make_range(*inner), detail=part.detail
     )
+
+
+def list_folding_ranges(document: OpenDocument, documents: DocumentStore) -> list[types.FoldingRange] | None:
+    """Return the elements and comments of several lines; the line of an end tag stays visible. None where the text is not XML."""
+    if not document.text.lstrip("\ufeff \t\r\n").startswith("<"):
+        return None
+    positions = TextPositions(document.text, documents.encoding)
+    folds = []
+    for start, end, kind in _iter_folds(document.text):
+        first, last = positions.find_position(start).line, positions.find_position(end).line
+        if first < last:
+            folds.append(types.FoldingRange(first, last, kind=kind))
+    return folds
+
+
+def _iter_folds(text: str) -> Iterator[tuple[int, int, types.FoldingRangeKind | None]]:
+    """Yield what can be folded: the first offset and the last; of an element the end of the line before its end tag."""
+    around: list[tuple[str, int]] = []
+    for match in _MARKUP.finditer(text):
+        closing, name, rest = match.groups()
+        if name is None:
+            if match[0].startswith("<!--"):
+                yield match.start(), match.end(), types.FoldingRangeKind.Comment
+        elif not closing:
+            if not rest.endswith("/"):
+                around.append((name, match.start()))
+        elif any(name == opened for opened, _ in around):
+            while around:
+                opened, start = around.pop()
+                if opened == name:
+                    yield start, max(start, text.rfind("\n", 0, match.start())), None
+                    break
 
 
 def list_inlay_hints(

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.core import Finding, ModelInfo, Verdict
 from urdfcheck.core.errors import ModelNotCheckedError
+from urdfcheck.core.records import dataclass
 from urdfcheck.policy.config import TARGETS
 from urdfcheck.policy.consumers import predict_outcomes as outcomes_of
 from urdfcheck.run import pipeline as engine

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from urdfcheck.core import Verdict
+from urdfcheck.core.records import dataclass
 from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot, LoadOutcome, Range, TypedRobot
 
 # Mass matrices and torques are equal if they differ by at most this part of their largest element: for the 96 published robots

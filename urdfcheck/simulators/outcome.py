@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
+
+from urdfcheck.core.records import dataclass
 
 # Rows of a matrix; one number for each degree of freedom.
 Matrix = tuple[tuple[float, ...], ...]

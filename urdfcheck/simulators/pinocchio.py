@@ -9,7 +9,7 @@ from typing import Any
 from urdfcheck.simulators.engine_input import compute_dynamics
 from urdfcheck.simulators.outcome import EngineInput, LoadedRobot
 
-INSTALL = "there are no wheels of pin for this platform"
+INSTALL = "pip install urdfcheck, in place of urdfcheck-core; there are no wheels of pin for Windows"
 LIBRARIES = ("pinocchio",)
 
 

@@ -11,10 +11,10 @@ import glob
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import find_nearest_name
 from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
 from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names

@@ -5,11 +5,12 @@ from __future__ import annotations
 import errno
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.file_kinds import is_xacro as has_xacro_name
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH

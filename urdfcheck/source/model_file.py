@@ -5,8 +5,10 @@ from __future__ import annotations
 import fnmatch
 import glob
 import re
+from functools import lru_cache
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.file_kinds import is_srdf, is_xacro
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.root_attributes import read_root_attributes
@@ -17,6 +19,8 @@ from urdfcheck.system.files import read_regular
 # Limit on the includes of one file that are followed: beyond it a file counts as not included, and is checked as a model. In a
 # hundred robots no file has more than 40.
 MAX_INCLUDES = 2_000
+# Characters of a file of which is kept what its tree decides.
+_LONGEST_KEPT = 100_000
 EXPRESSION = re.compile(r"\$[({][^)}$]*[)}]")
 _INCLUDE = re.compile(r"""<xacro:include\s[^<>]*?filename\s*=\s*["']([^"']+)["']""")
 _LINK = re.compile(r"""<link\s[^<>]*?name\s*=\s*["']([^"']*)["']""")
@@ -24,6 +28,20 @@ _JOINT_END = re.compile(r"""<(?:parent|child)\s[^<>]*?link\s*=\s*["']([^"']*)["'
 _ROBOT = re.compile(r"<robot[\s>]")
 # A file name in any text: what stands between separators and has a suffix.
 _FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*""")
+
+
+@dataclass(frozen=True, slots=True)
+class _TreeSummary:
+    """What the tree of a file decides."""
+
+    is_readable: bool
+    includes: tuple[str, ...]
+    only_macros: bool
+    defines_macros: bool
+    has_parts: bool
+    stands_alone: bool
+    has_links: bool
+    robot_name: str
 
 
 class ModelFile:
@@ -40,17 +58,15 @@ class ModelFile:
         # Most URDF files need not be parsed here.
         self.is_xacro = is_xacro(path) or "xmlns:xacro" in text
         needs_tree = bool(self.mentions) or self.is_xacro or is_srdf(path)
-        root = _parse(source) if needs_tree else None
-        includes = [e.get("filename") for e in root.walk() if e.tag == "xacro:include"] if root else self.mentions
-        self.includes = list(dict.fromkeys(includes))[:MAX_INCLUDES]
-        self.only_macros = self.is_xacro and has_only_macros(root)
-        self.defines_macros = defines_macros(root)
-        self.has_parts = has_parts(root)
-        self.stands_alone = can_stand_alone(root)
-        self.makes_robot = is_srdf(path) and has_links(root)
-        self._robot_name: str | None = (
-            _clean_robot_name("" if root is None else root.get("name")) if needs_tree else None
-        )
+        examine = _examine_known_text if len(text) <= _LONGEST_KEPT else _examine_text
+        contents = examine(text) if needs_tree and source is not None else _examine_tree(None)
+        self.includes = list(contents.includes if contents.is_readable else self.mentions)[:MAX_INCLUDES]
+        self.only_macros = self.is_xacro and contents.only_macros
+        self.defines_macros = contents.defines_macros
+        self.has_parts = contents.has_parts
+        self.stands_alone = contents.stands_alone
+        self.makes_robot = is_srdf(path) and contents.has_links
+        self._robot_name: str | None = contents.robot_name if needs_tree else None
 
     @property
     def robot_name(self) -> str:
@@ -104,6 +120,29 @@ class ModelFile:
         last = {EXPRESSION.sub("\0", name).rpartition("/")[2] for name in typed}
         names = ("*".join(map(glob.escape, name.split("\0"))) for name in last if "\0" in name)
         return {re.compile(fnmatch.translate(name)) for name in names}
+
+
+def _examine_tree(root: Element | None) -> _TreeSummary:
+    names = () if root is None else (e.get("filename") for e in root.walk() if e.tag == "xacro:include")
+    return _TreeSummary(
+        is_readable=root is not None,
+        includes=tuple(dict.fromkeys(names)),
+        only_macros=has_only_macros(root),
+        defines_macros=defines_macros(root),
+        has_parts=has_parts(root),
+        stands_alone=can_stand_alone(root),
+        has_links=has_links(root),
+        robot_name=_clean_robot_name("" if root is None else root.get("name")),
+    )
+
+
+def _examine_text(text: str) -> _TreeSummary:
+    """Return what the tree of a text decides; of one that cannot be parsed, what that of no tree does."""
+    return _examine_tree(_parse(SourceFile(Path(), "", text)))
+
+
+# An editor plans anew after each key, and nearly all files are as they were.
+_examine_known_text = lru_cache(maxsize=256)(_examine_text)
 
 
 def find_file_names(text: str) -> list[str]:

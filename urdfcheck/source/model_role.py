@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, truncate_text
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import Location
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.project_folders import find_place, is_shared_by_all, list_project_folders
 
 # The one hidden file that belongs to a robot: what the MoveIt Setup Assistant was told.

@@ -10,14 +10,14 @@ import contextlib
 import io
 import os
 import re
+import struct
 import time
-import zipfile
+import zlib
 from collections.abc import Iterator, Mapping, MutableMapping
-from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.system.cache_folder import write_atomically
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_regular
 from urdfcheck.system.observing.observations import SETTLED_NS
@@ -126,36 +126,6 @@ def _remove_entry(entry: Path) -> None:
         entry.rmdir()
 
 
-@cache
-def compute_code_version(*modules: str, library: str | None = None) -> str:
-    """Return a digest of the source of modules and packages (``urdfcheck.facts.mesh``) and of the origin of a library that they
-    call (`find_library_origin`): a result is reused only by the code that computed it."""
-    texts = [path.read_bytes() for name in modules for path in _list_sources(name)]
-    return compute_sha256(b"\0".join((*texts, (library or "").encode())))[:16]
-
-
-def _list_sources(module: str) -> list[Path]:
-    """List the file of a module, or all files of a package."""
-    from importlib.util import find_spec
-
-    spec = find_spec(module)
-    if spec is None or not spec.origin:
-        raise ModuleNotFoundError(module)
-    file = Path(spec.origin)
-    return [file] if spec.submodule_search_locations is None else sorted(file.parent.rglob("*.py"))
-
-
-@cache
-def find_library_origin(library: str) -> str | None:
-    """Return where and when a library was installed, without importing it; None when it is not installed."""
-    from importlib.util import find_spec
-
-    spec = find_spec(library)
-    if spec is None or not spec.origin:
-        return None
-    return f"{spec.origin} {os.stat(spec.origin).st_mtime_ns}"
-
-
 class _StoredEntry(MutableMapping[str, "Arrays"]):
     """An entry on disk, one file per group. Groups that were read or set stay in memory."""
 
@@ -188,22 +158,49 @@ class _StoredEntry(MutableMapping[str, "Arrays"]):
     def _read_group(self, name: str) -> Arrays:
         path = self._get_path(name)
         try:
-            with zipfile.ZipFile(path) as archive:
-                arrays = {
-                    info.filename.removesuffix(".npy"): _decode_npy(archive.read(info)) for info in archive.infolist()
-                }
+            arrays = {name: _decode_npy(data) for name, data in _iter_members(path.read_bytes())}
             os.utime(path)  # its last use: see trim
         except FileNotFoundError:
             raise KeyError(name) from None
-        except Exception:  # zipfile raises many kinds of exceptions for a damaged file
+        except Exception:  # a damaged file raises many kinds
             with contextlib.suppress(OSError):
                 path.unlink()
             raise KeyError(name) from None
         return arrays
 
 
+# Of the local header of a member of a zip file: flags, compression, CRC-32, stored and original size, lengths of name and more.
+_MEMBER = struct.Struct("<4x2xHH4xIIIHH")
+# Of the end of its directory: a sign, the number of members, size and start of the directory.
+_END = struct.Struct("<4s6xHII2x")
+
+
+def _iter_members(data: bytes) -> Iterator[tuple[str, bytes]]:
+    """Yield the names and contents of the arrays of an npz file as `_encode_npz` writes it; zipfile takes ten times as long for
+    small ones.
+
+    :raises ValueError, struct.error, UnicodeDecodeError: for any other content, and for a file that is damaged.
+    """
+    start, count = 0, 0
+    while data.startswith(b"PK\x03\x04", start):
+        flags, compression, checksum, stored, size, name_size, more = _MEMBER.unpack_from(data, start)
+        name_at = start + _MEMBER.size
+        start = name_at + name_size + more + size
+        content = data[start - size : start]
+        if flags or compression or stored != size or len(content) != size or zlib.crc32(content) != checksum:
+            raise ValueError("not written here, or damaged")
+        count += 1
+        yield data[name_at : name_at + name_size].decode("ascii").removesuffix(".npy"), content
+    sign, members, directory_size, directory_start = _END.unpack(data[-_END.size :])
+    is_whole = (sign, members, directory_start) == (b"PK\x05\x06", count, start)
+    if not is_whole or start + directory_size + _END.size != len(data):
+        raise ValueError("the end is missing")
+
+
 def _encode_npz(arrays: Arrays) -> bytes:
     """Encode arrays as an npz file; numpy.savez takes four times as long."""
+    import zipfile  # a run that computes nothing new does not need it
+
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
         for name, array in arrays.items():

@@ -6,6 +6,8 @@ import contextlib
 import os
 from pathlib import Path
 
+from urdfcheck.system.observing.questions import compute_sha256
+
 FOLDER_VARIABLE = "URDFCHECK_CACHE_DIR"
 # Everything is kept in a subfolder of this name, because the folder that the user names may hold other files.
 NAME = "urdfcheck-results"
@@ -49,3 +51,17 @@ def write_atomically(path: Path, data: bytes) -> None:
     except OSError:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
+
+
+def write_checked(path: Path, data: bytes) -> None:
+    """Write a file as :func:`write_atomically` does, with a digest by which :func:`read_checked` finds damage."""
+    write_atomically(path, compute_sha256(data).encode() + data)
+
+
+def read_checked(path: Path) -> bytes | None:
+    """Return what :func:`write_checked` wrote; None where there is nothing, or it is damaged."""
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return None
+    return data[64:] if data[:64] == compute_sha256(data[64:]).encode() else None

@@ -10,7 +10,9 @@ from __future__ import annotations
 import codecs
 import re
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
+
+from urdfcheck.core.records import dataclass
 
 # Blanks before the declaration, and a declaration without a version, are malformed; what they name is looked at all the same.
 _DECLARATION = re.compile(r"""\s*<\?xml\b[^>]*?\bencoding\s*=\s*["']([^"'<>]*)["']""")

@@ -11,10 +11,10 @@ import subprocess
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.system.observing.questions import note_ignored, read_variable
 from urdfcheck.system.programs import find_program, make_program_environment
 

@@ -16,10 +16,10 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.system.plain_pickle import load_plain
 
 FORKS = "fork" in multiprocessing.get_all_start_methods()
@@ -36,6 +36,8 @@ _PR_SET_PDEATHSIG = 1
 MAX_ANSWER = 1024**3
 # Seconds without a job after which a worker looks for garbage, rather than before its next job.
 _BREAK = 0.05
+# Objects, and pages of memory (128 MiB), of which it looks for garbage before its next job.
+_MANY_OBJECTS, _MANY_PAGES = 100_000, 32_768
 # Seconds that a worker has to exit after it closed its pipe.
 _GRACE = 10.0
 
@@ -230,17 +232,47 @@ def _serve_jobs(
     gc.disable()  # a job needs its objects until its end
     if prepare is not None:
         prepare()
-    gc.freeze()  # loaded modules stay: later collections need not traverse them
+    garbage = _Garbage()
     with contextlib.suppress(EOFError, OSError):  # the parent has exited, or has no more jobs
-        has_garbage = False
+        is_busy = False
         while True:
             function, arguments = pipe.recv()
-            if has_garbage:
-                gc.collect()
+            if is_busy and garbage.may_be_much():
+                garbage.collect()
             pipe.send(function(*arguments))
-            has_garbage = pipe.poll(_BREAK)
-            if not has_garbage:  # there is time for it now
-                gc.collect()
+            is_busy = pipe.poll(_BREAK)
+            if not is_busy:  # there is time for it now
+                garbage.collect()
+
+
+class _Garbage:
+    """What the jobs of this process leave behind. To look for it takes as long as the check of a small robot, which leaves a few
+    thousand objects."""
+
+    def __init__(self) -> None:
+        self._are_libraries_frozen = False
+        self._memory: int | None = None
+        with contextlib.suppress(OSError):  # of Linux; open from the start, because a confined process cannot open it
+            self._memory = os.open("/proc/self/statm", os.O_RDONLY)
+        gc.freeze()  # loaded modules stay: later collections need not traverse them
+        self._kept = self._read_pages()
+
+    def may_be_much(self) -> bool:
+        """Whether jobs since the last collection left many objects, or much memory; true where that is not known."""
+        pages = self._read_pages()
+        return not pages or pages - self._kept > _MANY_PAGES or gc.get_count()[0] > _MANY_OBJECTS
+
+    def collect(self) -> None:
+        """Free it."""
+        gc.collect()
+        if not self._are_libraries_frozen:  # those that the first jobs loaded
+            gc.freeze()
+            self._are_libraries_frozen = True
+        self._kept = self._read_pages()
+
+    def _read_pages(self) -> int:
+        """Return the number of pages of this process in memory; 0 where the platform does not tell."""
+        return 0 if self._memory is None else int(os.pread(self._memory, 200, 0).split()[1])
 
 
 def end_with_parent(parent: int) -> None:

@@ -13,10 +13,10 @@ import os
 import signal
 import sys
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from types import FrameType
 
 from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.core.records import dataclass
 
 # Where Python and the libraries that it loads later are installed, besides its own folders.
 _SYSTEM = (

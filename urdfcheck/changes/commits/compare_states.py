@@ -6,7 +6,7 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.changes.commits.repository import Repository, Revision
@@ -22,6 +22,7 @@ from urdfcheck.changes.commits.state_folders import (
 from urdfcheck.changes.compare_versions import compare_versions
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.core.model_diff import Diff
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import IN_WORKERS, Execution, plan_units

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.files import read_regular

@@ -6,12 +6,13 @@ import hashlib
 import os
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from urdfcheck.changes.commits.large_files import find_content, find_pointer_digest
 from urdfcheck.changes.commits.repository import Repository, Revision, TreeEntry
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
 from urdfcheck.system.git import GitError

@@ -133,7 +133,7 @@ def main(words: Sequence[str]) -> int:
 
     from urdfcheck.run.preload import start_warm_worker
 
-    warm_worker = start_warm_worker(options.tier)
+    warm_worker = start_warm_worker(options.tier, None if unchanged is None else unchanged.folder)
 
     from dataclasses import replace
 

@@ -1,83 +1,35 @@
-"""Where names are defined and used: those of the robot after expansion, and those of xacro as typed."""
+"""Where the names of xacro are defined and used, as typed."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field
 
 from urdfcheck.core import Span
-from urdfcheck.export.index.source_index import (
-    ARGUMENT,
-    FILE,
-    JOINT,
-    LINK,
-    MACRO,
-    MATERIAL,
-    PARAMETER,
-    PROPERTY,
-    NamePlace,
-)
+from urdfcheck.core.records import dataclass
+from urdfcheck.export.index.source_index import ARGUMENT, FILE, MACRO, PARAMETER, PROPERTY, NamePlace
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.handed_values import EXPRESSION
+from urdfcheck.source.text.tokens import find_name_span
 from urdfcheck.source.text.xml import Attribute, Definition, Element
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
 from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 from urdfcheck.source.xacro.usage import iter_elements_by_tag, strip_namespace
 
-# The attributes that name a link or joint elsewhere.
-_REFERENCES = {
-    ("parent", "link"): LINK,
-    ("child", "link"): LINK,
-    ("mimic", "joint"): JOINT,
-}
-# Elements around a joint or link that is only named there.
-_NAMING = frozenset({"transmission", "ros2_control"})
 _WORD = re.compile(r"(?<![\w.'\"])[^\W\d]\w*")
 _STRING = re.compile(r"'[^']*'|\"[^\"]*\"")
 _ARGUMENT = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
+_ARGUMENT_CALL = re.compile(r"""\barg\(\s*(['"])([^'"]+)\1\s*\)""")
 # What stands before the last literal part of a path.
 _BEFORE_PATH = re.compile(r".*[)}]", re.DOTALL)
 _BREAK = re.compile(r"[\r\n\t]")
 
 
-def list_name_places(source: Source) -> tuple[NamePlace, ...]:
-    """Return the places of all names in a model's files, each once, in no particular order."""
-    places = dict.fromkeys(_iter_robot_names(source))
-    if source.is_xacro:
-        places.update(dict.fromkeys((*_XacroNames(source).iter_places(), *_iter_includes(source))))
-    return tuple(places)
-
-
-def _iter_robot_names(source: Source) -> Iterator[NamePlace]:
-    """Yield the places of links, joints and materials; without a robot, as far as they are typed literally."""
-    root = source.root if source.root is not None and source.root.tag == "robot" else source.main_tree
-    if root is None:
-        return
-    names = {kind: {e.get("name") for e in root.find_children(kind)} for kind in (LINK, JOINT)}
-    for element in root.walk():
-        for attribute in element.attributes.values():
-            found = None if attribute.span is None else _classify(element, attribute, names)
-            if found is not None and attribute.span is not None and "$" not in attribute.value:
-                yield NamePlace(found[0], attribute.value, attribute.span, found[1])
-
-
-def _classify(element: Element, attribute: Attribute, names: Mapping[str, set[str]]) -> tuple[str, bool] | None:
-    """Return what an attribute names, and whether it defines that; None for all others."""
-    tag, name, parent = element.tag, attribute.name, element.parent
-    if (tag, name) in _REFERENCES:
-        return _REFERENCES[tag, name], False
-    if tag == "gazebo" and name == "reference":
-        return next(((kind, False) for kind, known in names.items() if attribute.value in known), None)
-    if name != "name" or parent is None:
-        return None
-    if tag == MATERIAL:
-        return MATERIAL, bool(element.children)
-    if tag in names:
-        if parent.tag == "robot":
-            return tag, True
-        if parent.tag in _NAMING:
-            return tag, False
-    return None
+def iter_xacro_names(source: Source) -> Iterator[NamePlace]:
+    """Yield the places of the properties, parameters, arguments and macros of a xacro file, and of what it includes."""
+    yield from _XacroNames(source).iter_places()
+    yield from _iter_includes(source)
 
 
 def _iter_includes(source: Source) -> Iterator[NamePlace]:
@@ -88,6 +40,16 @@ def _iter_includes(source: Source) -> Iterator[NamePlace]:
         meant = [file for name, file in source.files.items() if tail and f"/{name}".endswith(f"/{tail}")]
         if filename is not None and filename.span is not None and len(meant) == 1:
             yield NamePlace(FILE, meant[0].name, filename.span, False, (meant[0].make_span(0, 0),))
+
+
+@dataclass(frozen=True, slots=True)
+class _NameScope:
+    """What is known at an element besides what is known everywhere."""
+
+    parameters: Mapping[str, Span] = field(default_factory=dict)
+    """Those of the macros around it, with the places at which they are declared."""
+    macro: Element | None = None
+    """The innermost macro around it."""
 
 
 class _XacroNames:
@@ -102,6 +64,8 @@ class _XacroNames:
         self.trees = source.trees
         self.reads = _collect_reads(source)
         self.parameters: dict[int, dict[str, Span]] = {}
+        self.by_macro: dict[str, list[dict[str, Span]]] = {}
+        self.local_properties: set[tuple[str, Span]] = set()
         self.definitions: list[NamePlace] = []
         for tree in self.trees.values():
             for element in tree.walk():
@@ -114,10 +78,12 @@ class _XacroNames:
         """Yield all places."""
         yield from self.definitions
         for tree in self.trees.values():
-            waiting: list[tuple[Element, Mapping[str, Span]]] = [(tree, {})]
+            waiting: list[tuple[Element, _NameScope]] = [(tree, _NameScope())]
             while waiting:
                 element, scope = waiting.pop()
-                scope = {**scope, **self.parameters[id(element)]} if id(element) in self.parameters else scope
+                if element.tag == "xacro:macro":
+                    own = self.parameters.get(id(element), {})
+                    scope = _NameScope({**scope.parameters, **own}, element)
                 yield from self._iter_uses(element, scope)
                 waiting += [(child, scope) for child in reversed(element.children)]
 
@@ -127,11 +93,17 @@ class _XacroNames:
         if kind is None or name is None or name.span is None or not name.literal:
             return
         typed = strip_namespace(name.value) if kind == MACRO else name.value
-        self.definitions.append(NamePlace(kind, typed, name.span, True))
-        if kind == MACRO and "params" in element.attributes:
-            found = dict(self._iter_parameters(element.attributes["params"]))
+        span = self._make_span(name, len(name.value) - len(typed), len(typed))
+        scope = _find_scope(element) if kind == PROPERTY else None
+        if scope is not None:
+            self.local_properties.add((typed, scope))
+        self.definitions.append(NamePlace(kind, typed, span, True, scope=scope))
+        if kind == MACRO:
+            params = element.attributes.get("params")
+            found = {} if params is None else dict(self._iter_parameters(params))
             self.parameters[id(element)] = found
-            self.definitions += [NamePlace(PARAMETER, one, span, True) for one, span in found.items()]
+            self.by_macro.setdefault(typed, []).append(found)
+            self.definitions += [NamePlace(PARAMETER, one, place, True) for one, place in found.items()]
 
     def _iter_parameters(self, params: Attribute) -> Iterator[tuple[str, Span]]:
         """Yield the parameters of a macro, each with the place of its name."""
@@ -148,39 +120,80 @@ class _XacroNames:
 
     def _make_span(self, attribute: Attribute, start: int, length: int) -> Span:
         assert attribute.span is not None  # of a typed one
-        at = attribute.span.start + start
-        return self.files[attribute.span.file].make_span(at, at + length)
+        return self._make_file_span(attribute.span, start, length)
 
-    def _iter_uses(self, element: Element, scope: Mapping[str, Span]) -> Iterator[NamePlace]:
-        if element.span is not None and element.tag.startswith("xacro:"):
-            name = strip_namespace(element.tag)
-            if name not in BUILT_IN_TAGS and name in self.known[MACRO]:
-                start = element.span.start + 1 + len(element.tag) - len(name)
-                yield NamePlace(MACRO, name, self.files[element.span.file].make_span(start, start + len(name)), False)
-        block = element.attributes.get("name") if element.tag == "xacro:insert_block" else None
-        if block is not None and block.span is not None and block.value in scope:
-            yield NamePlace(PARAMETER, block.value, block.span, False, (scope[block.value],))
+    def _make_file_span(self, text: Span, start: int, length: int) -> Span:
+        return self.files[text.file].make_span(text.start + start, text.start + start + length)
+
+    def _iter_uses(self, element: Element, scope: _NameScope) -> Iterator[NamePlace]:
+        if element.span is None or element.span.file not in self.files:
+            return
+        if element.tag.startswith("xacro:"):
+            yield from self._iter_calls(element, scope)
         for attribute in element.attributes.values():
-            if "$" in attribute.typed and attribute.span is not None and attribute.span.file in self.files:
-                yield from self._iter_read_names(attribute, scope)
+            if "$" in attribute.typed and attribute.span is not None:
+                yield from self._iter_read_names(attribute.typed, attribute.span, scope)
+        if "$" in element.text:
+            file = self.files[element.span.file]
+            end = file.text.find("<", element.span.end)
+            place = file.make_span(element.span.end, len(file.text) if end < 0 else end)
+            yield from self._iter_read_names(file.text[place.start : place.end], place, scope)
 
-    def _iter_read_names(self, attribute: Attribute, scope: Mapping[str, Span]) -> Iterator[NamePlace]:
-        """Yield the names that the expressions of an attribute read."""
-        for match in _ARGUMENT.finditer(attribute.typed):
+    def _iter_calls(self, element: Element, scope: _NameScope) -> Iterator[NamePlace]:
+        """Yield the macro that an element calls and the parameters that it gives, or the block that it inserts."""
+        assert element.span is not None  # of a typed one
+        name = strip_namespace(element.tag)
+        if name not in BUILT_IN_TAGS and name in self.known[MACRO]:
+            yield NamePlace(
+                MACRO, name, self._make_file_span(element.span, 1 + len(element.tag) - len(name), len(name)), False
+            )
+            for attribute in element.attributes.values():
+                declared = tuple(known[attribute.name] for known in self.by_macro[name] if attribute.name in known)
+                span = find_name_span(attribute, self.files)
+                if declared and span is not None:
+                    yield NamePlace(PARAMETER, attribute.name, span, False, declared)
+        block = element.attributes.get("name") if element.tag == "xacro:insert_block" else None
+        if block is not None and block.span is not None:
+            yield from self._iter_variable(block.value, block.span, block.span, scope)
+
+    def _iter_read_names(self, typed: str, at: Span, scope: _NameScope) -> Iterator[NamePlace]:
+        """Yield the names that the expressions of a text read."""
+        for match in _ARGUMENT.finditer(typed):
             if match[1] in self.known[ARGUMENT]:
-                yield NamePlace(ARGUMENT, match[1], self._make_span(attribute, match.start(1), len(match[1])), False)
-        for match in EXPRESSION.finditer(attribute.typed):
+                yield NamePlace(ARGUMENT, match[1], self._make_file_span(at, match.start(1), len(match[1])), False)
+        for match in EXPRESSION.finditer(typed):
             group = 1 if match[1] is not None else 2
+            start = match.start(group)
+            for call in _ARGUMENT_CALL.finditer(match[group]):
+                if call[2] in self.known[ARGUMENT]:
+                    span = self._make_file_span(at, start + call.start(2), len(call[2]))
+                    yield NamePlace(ARGUMENT, call[2], span, False)
             expression = _STRING.sub(lambda string: "'" * len(string[0]), match[group])
             for word in _WORD.finditer(expression):
-                span = self._make_span(attribute, match.start(group) + word.start(), len(word[0]))
+                span = self._make_file_span(at, start + word.start(), len(word[0]))
                 if group == 2 and word[0] in self.known[ARGUMENT]:
                     yield NamePlace(ARGUMENT, word[0], span, False)
-                elif word[0] in scope:
-                    yield NamePlace(PARAMETER, word[0], span, False, (scope[word[0]],))
-                elif word[0] in self.known[PROPERTY]:
-                    assert attribute.span is not None  # of a typed one
-                    yield NamePlace(PROPERTY, word[0], span, False, self.reads.get((attribute.span, word[0]), ()))
+                else:
+                    yield from self._iter_variable(word[0], span, at, scope)
+
+    def _iter_variable(self, name: str, span: Span, text: Span, scope: _NameScope) -> Iterator[NamePlace]:
+        """Yield the parameter or property that a name in a text means there."""
+        macro = None if scope.macro is None else scope.macro.span
+        if name in scope.parameters:
+            yield NamePlace(PARAMETER, name, span, False, (scope.parameters[name],))
+        elif name in self.known[PROPERTY]:
+            local = macro if macro is not None and (name, macro) in self.local_properties else None
+            yield NamePlace(PROPERTY, name, span, False, self.reads.get((text, name), ()), scope=local)
+
+
+def _find_scope(element: Element) -> Span | None:
+    """Return the start tag of the macro that a property is local to; None if it is known beyond it."""
+    if element.get("scope") in {"parent", "global"}:
+        return None
+    around = element.parent
+    while around is not None and around.tag != "xacro:macro":
+        around = around.parent
+    return None if around is None else around.span
 
 
 def _collect_reads(source: Source) -> Mapping[tuple[Span, str], tuple[Span, ...]]:

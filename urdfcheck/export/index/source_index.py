@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from urdfcheck.core.findings import Span
+from urdfcheck.core.records import dataclass
 
 LINK, JOINT, MATERIAL = "link", "joint", "material"
 PROPERTY, PARAMETER, ARGUMENT, MACRO = "property", "parameter", "argument", "macro"
@@ -22,6 +21,26 @@ class NamePlace:
     is_definition: bool
     targets: tuple[Span, ...] = ()
     """Of a use, the definitions that it means, where the names alone do not say it."""
+    scope: Span | None = None
+    """Of a property that is known in one macro only, the start tag of the macro."""
+    is_handed: bool = False
+    """Whether the text only hands on a name that is typed elsewhere: ``${parent}``. That place is one of the names too."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExpandedElement:
+    """An element of the expanded robot, as far as two expansions are compared."""
+
+    subject: str
+    """``link[arm]/inertial/mass``."""
+    depth: int
+    tag: str
+    attributes: tuple[tuple[str, str, str], ...]
+    """Name, value, and what the value is a name of: link | joint | material; empty for all others."""
+    text: str
+    """Without the blanks around it."""
+    text_kind: str
+    """What the text is a name of; empty for all others."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,8 +103,11 @@ class SourceIndex:
     model: str
     """Its id."""
     files: tuple[str, ...]
+    """The files of the model, and those beside it that name its parts or arguments."""
     names: tuple[NamePlace, ...]
     texts: tuple[ComputedText, ...]
     parts: tuple[RobotPart, ...]
     is_expanded: bool
     """Whether there is a robot; without one, names and parts are those as typed."""
+    expansion: tuple[ExpandedElement, ...] = ()
+    """The expanded robot, where it was asked for."""

@@ -7,11 +7,11 @@ what goes along has not changed. A frame that was moved while all that is given 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from urdfcheck.core.mechanism import MechanismJoint, MechanismLink, MechanismShape
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.arrays import Array, Mat4
 from urdfcheck.facts.comparison.home_pose import (
     ANGLE_TOLERANCE,

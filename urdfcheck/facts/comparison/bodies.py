@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.comparison.alignment import PlacedPair
 from urdfcheck.facts.comparison.home_pose import HomePose
 

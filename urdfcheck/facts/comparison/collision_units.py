@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from urdfcheck.core.mechanism import MechanismLink
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.arrays import Array, Bools, Indices
 from urdfcheck.facts.comparison.alignment import PlacedPair
 from urdfcheck.facts.comparison.bodies import BodyPair

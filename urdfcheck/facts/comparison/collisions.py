@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from urdfcheck.core.model_diff import CollisionDiff, MechanismEffect
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.arrays import Array, Bools, Indices
 from urdfcheck.facts.comparison.alignment import PlacedPair
 from urdfcheck.facts.comparison.bodies import BodyPair

@@ -96,7 +96,7 @@ def _compare_collisions(pair: PlacedPair, bodies: Sequence[BodyPair], read: Geom
 
     try:
         return compare_collisions(pair, bodies, read)
-    except ImportError:  # there are no wheels of coal for every platform
+    except ImportError:  # coal has no wheels for every platform, and urdfcheck-core leaves out scipy too
         return None
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from urdfcheck.core.mechanism import NO_TRACE, MechanismLink, MechanismShape, Trace
 from urdfcheck.core.model_diff import MechanismChange
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.arrays import Array, Mat3, Mat4, Vec3
 from urdfcheck.facts.comparison.alignment import (
     PlacedPair,

@@ -8,11 +8,11 @@ else (Brockett, *Robotic manipulators and the product of exponentials formula*, 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from urdfcheck.core.mechanism import MechanismJoint, MechanismLink, RobotMechanism
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.arrays import Mat4, Vec3
 from urdfcheck.facts.motion.kinematics import compute_axis_angle
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 
 import numpy as np
 
 from urdfcheck.core.mechanism import MechanismLink, RobotMechanism
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.comparison.home_pose import HomePose, compute_home_pose, is_same_number, measure_shift
 
 # Least share of the evidence that must agree for a link to be the same under another name, and least weight of what agrees:

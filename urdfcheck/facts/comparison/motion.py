@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from urdfcheck.core.mechanism import MechanismJoint
 from urdfcheck.core.model_diff import LinkShift
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.arrays import Array, Bools
 from urdfcheck.facts.comparison.alignment import PlacedPair
 from urdfcheck.facts.comparison.home_pose import ANGLE_TOLERANCE, LENGTH_TOLERANCE, HomePose, locate_screw

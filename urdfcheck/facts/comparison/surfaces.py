@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from urdfcheck.core.mechanism import MechanismShape
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.arrays import Array, Mat4
 from urdfcheck.facts.comparison.home_pose import invert_pose
 from urdfcheck.facts.mesh.surface_distance import measure_surface_distance
@@ -32,7 +33,8 @@ class SurfaceComparison:
         """Return how far two meshes are from each other, their links' frames being at ``here`` and ``there``.
 
         ``surface_gone`` (m): the farthest that the first is from the second; ``surface_come``: the second from the first;
-        ``surface_error``: by how much they may be larger. Nothing where one is not a mesh, or is not measured.
+        ``surface_error``: by how much they may be larger. Nothing where one is not a mesh, or is not measured, or scipy is not
+        installed.
         """
         is_mesh = first.kind == second.kind == "mesh" and first.digest and second.digest and first.pose and second.pose
         if self.read is None or not is_mesh:
@@ -53,7 +55,10 @@ class SurfaceComparison:
         assert other.vertices is not None
         assert other.faces is not None
         moved = other.vertices @ apart[:3, :3].T + apart[:3, 3]
-        found = measure_surface_distance(one.vertices, one.faces, moved, other.faces)
+        try:
+            found = measure_surface_distance(one.vertices, one.faces, moved, other.faces)
+        except ImportError:  # urdfcheck-core leaves out scipy
+            return {}
         if found is None:
             return {}
         return {"surface_gone": found.gone, "surface_come": found.come, "surface_error": found.error}

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import permutations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.certainty import EXACT, FAR, TWIN_LIKE, UNIFORM, can_be_named
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_covariance_inertia, compute_mass_covariance

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
+# Rows of points that are compared with all others at once.
+_ROWS = 256
 # Steps of Wolfe's algorithm; in three dimensions it needs about ten.
 _STEPS = 100
 
@@ -23,6 +25,17 @@ def measure_extent(points: ArrayLike) -> float:
     """
     corners = np.asarray(points, dtype=float)
     return 2.0 * float(np.linalg.norm(corners - corners.mean(axis=0), axis=1).max())
+
+
+def measure_diameter(points: ArrayLike) -> float:
+    """Measure the greatest distance of two of ``points`` (K, 3): the length that a reader measures, and never more than
+    `measure_extent`."""
+    corners = np.asarray(points, dtype=float)
+    squares = 0.0
+    for start in range(0, len(corners), _ROWS):
+        apart = corners[start : start + _ROWS, None] - corners[None, start:]
+        squares = max(squares, float(np.einsum("ijk,ijk->ij", apart, apart).max()))
+    return float(np.sqrt(squares))
 
 
 def measure_hull_distance(points: ArrayLike, point: ArrayLike, rel_tol: float = 1e-6) -> float:

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -212,6 +213,8 @@ def _can_be_valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
     programming finds the tensor with the greatest slack in the directions seen so far, the directions of its two larger
     moments join them, and so on (Kelley, *The cutting-plane method for solving convex programs*, 1960) until the
     tensor is valid or the directions seen so far rule all tensors out.
+
+    :raises ImportError: when scipy is not installed and one direction does not decide.
     """
     unit = float(half.max())
     rows: list[Array] = []

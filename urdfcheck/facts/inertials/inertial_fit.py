@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.sphere_directions import spread_directions
@@ -349,5 +349,5 @@ def _select_outermost_points(points: Array) -> Array:
         is_farther = heights[rows, highest] > farthest
         farthest[is_farther] = heights[rows, highest][is_farther]
         places[is_farther] = start + highest[is_farther]
-    outermost: Array = points[np.unique(places)]
+    outermost: Array = points[sorted(set(places.tolist()))]  # numpy's unique would load its module for masked arrays
     return outermost

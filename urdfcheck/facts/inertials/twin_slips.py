@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.inertial_fit import InertialBatch, build_twin_reference, is_body, is_computable
 from urdfcheck.facts.inertials.mistakes.mistake import Mistake, Suspect, make_mistake
 from urdfcheck.facts.inertials.mistakes.mixing_mistakes import list_explanations

@@ -9,11 +9,12 @@ times, in a rover whose wheels are 8 mm out of line as published.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
+from urdfcheck.facts.median import compute_median
 from urdfcheck.facts.sphere_directions import spread_directions_and_axes
 
 if TYPE_CHECKING:
@@ -121,9 +122,7 @@ def find_mirror_plane(
         for normal in directions:
             separated = np.abs(differences @ normal) > tolerance
             heights = (middles @ normal)[separated]
-            for offset in (
-                dict.fromkeys((float(np.median(heights)), *heights[:_MAX_TRIED_PAIRS])) if len(heights) else ()
-            ):
+            for offset in dict.fromkeys((compute_median(heights), *heights[:_MAX_TRIED_PAIRS])) if len(heights) else ():
                 plane = MirrorPlane(normal, float(offset))
                 errors = np.linalg.norm(plane.reflect_points(first) - second, axis=1)
                 count, exact = (int(((errors <= limit) & separated).sum()) for limit in (tolerance, _EXACT))
@@ -134,11 +133,14 @@ def find_mirror_plane(
     return None
 
 
-def measure_outline_mismatch(one: PartOutline, other: PartOutline, *, linear: ArrayLike, shift: ArrayLike) -> float:
+def measure_outline_mismatch(
+    one: PartOutline, other: PartOutline, *, linear: ArrayLike, shift: ArrayLike, limit: float = math.inf
+) -> float:
     """Measure how far ``one`` under ``x -> linear x + shift`` is from ``other``, relative to the size of the latter.
 
     The greatest of the differences of the centroids, of the hulls' reach in any direction (both over the root mean square
-    radius), and half that of the covariances (over their trace). Infinite for a part without extent.
+    radius), and half that of the covariances (over their trace). Infinite for a part without extent. From ``limit`` on it may be
+    less than that, but not below the limit: to compare the hulls takes most of the time.
     """
     turn, move = np.asarray(linear, dtype=float), np.asarray(shift, dtype=float)
     size = other.radius
@@ -146,10 +148,13 @@ def measure_outline_mismatch(one: PartOutline, other: PartOutline, *, linear: Ar
         return math.inf
     centroid = float(np.linalg.norm(turn @ one.centroid + move - other.centroid)) / size
     spread = float(np.linalg.norm(turn @ one.covariance @ turn.T - other.covariance)) / (2.0 * size**2)
+    least = max(centroid, spread)
+    if least >= limit:
+        return least
     directions = spread_directions_and_axes(_DIRECTIONS)
     # A point x reaches d·(T x + t) = (Tᵀ d)·x + d·t.
     reach = (one.points @ (directions @ turn).T).max(axis=0) + directions @ move - other.reach
-    return max(centroid, spread, float(np.abs(reach).max()) / size)
+    return max(least, float(np.abs(reach).max()) / size)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -20,6 +21,8 @@ _STANDS_OUT = 0.10
 _ALIKE = 0.05
 # Directions in which the support is measured; opposite ones make a diameter.
 _DIRECTIONS = 16
+# By how much (rad) the edges of sectors are turned.
+_OFF_CORNERS = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,6 +33,8 @@ class RoundOutline:
     """Of the outline, at half the width."""
     radius: float
     """The farthest reach of the outline from the centre."""
+    usual_radius: float
+    """The farthest reach in most directions: a bump or a notch does not change it."""
     inner_radius: float
     """The least reach of the outline from the centre."""
     width: float
@@ -68,14 +73,28 @@ def measure_outline(points: ArrayLike, axis: ArrayLike, centre: ArrayLike | None
     flat, depth = corners @ across.T, corners @ along
     middle = _find_outline_centre(flat) if centre is None else across @ np.asarray(centre, dtype=float)
     reach = ((flat - middle) @ _sample_circle_directions().T).max(axis=0)
-    radius = float(np.linalg.norm(flat - middle, axis=1).max())
+    distances = np.linalg.norm(flat - middle, axis=1)
     low, high = float(depth.min()), float(depth.max())
     return RoundOutline(
         centre=middle @ across + (low + high) / 2.0 * along,
-        radius=radius,
+        radius=float(distances.max()),
+        usual_radius=_find_usual_reach(flat - middle, distances),
         inner_radius=float(reach.min()),
         width=high - low,
     )
+
+
+def _find_usual_reach(flat: Array, distances: Array) -> float:
+    """Return the median, over the sectors of the outline, of the farthest of the points ``flat`` (n, 2) in each.
+
+    The corners of a polygon have equal reach: their distance is the radius that was meant, and the support between them is less.
+    """
+    # Corners are usually at whole fractions of a turn: the edges of the sectors are not.
+    turned = np.arctan2(flat[:, 1], flat[:, 0]) + _OFF_CORNERS
+    sectors = np.floor(turned * (_DIRECTIONS / math.tau)).astype(int) % _DIRECTIONS
+    farthest = np.zeros(_DIRECTIONS)
+    np.maximum.at(farthest, sectors, distances)
+    return float(np.median(farthest[farthest > 0.0])) if farthest.any() else 0.0
 
 
 def measure_line_angle(one: ArrayLike, other: ArrayLike) -> float:

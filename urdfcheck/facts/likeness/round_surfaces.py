@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from urdfcheck.core.records import dataclass
+from urdfcheck.facts.median import compute_median, compute_medians
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools, Indices, Mat4, Vec3
@@ -92,7 +94,7 @@ class RoundStrips:
         for members in _iter_clusters(offsets[chosen], _NEAR):
             rings = self._list_rings(chosen[members], axis)
             if rings:
-                lines.append(RoundLine(point + np.median(offsets[chosen[members]], axis=0), axis, rings))
+                lines.append(RoundLine(point + compute_medians(offsets[chosen[members]]), axis, rings))
         return tuple(lines)
 
     def list_lines_through(self, point: Array) -> tuple[RoundLine, ...]:
@@ -105,7 +107,7 @@ class RoundStrips:
         ways = ways * np.sign(np.take_along_axis(ways, np.abs(ways).argmax(axis=1, keepdims=True), axis=1))
         lines = []
         for members in _iter_clusters(ways, _PARALLEL):
-            mean = np.median(ways[members], axis=0)
+            mean = compute_medians(ways[members])
             direction = mean / np.linalg.norm(mean)
             rings = self._list_rings(chosen[members], direction)
             if rings:
@@ -137,7 +139,7 @@ class RoundStrips:
                 sectors = first[members] + step
                 covered[sectors[sectors <= last[members]] % _SECTORS] = True
             if covered.mean() >= _LEAST_COVERAGE:
-                rings.append(Ring(float(np.median(radii[members])), float(covered.mean())))
+                rings.append(Ring(compute_median(radii[members]), float(covered.mean())))
         return tuple(rings)
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
+
+from urdfcheck.core.records import dataclass
 
 # A deviation of 1e-9 rad displaces a point one metre away by one nanometre, and the coordinates of published robots
 # leave a gap between 1e-7 (noise) and 1e-5 (intended): below 1e-9 a number is exact, or zero.

@@ -12,13 +12,13 @@ import logging
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 from xml.parsers import expat
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
 from urdfcheck.system.encodings import UnreadableEncodingError, decode_xml
 
@@ -44,6 +44,8 @@ _APPEARANCE = frozenset(
 )
 # The attributes of an accessor that say how many numbers it reads, with their defaults.
 _ACCESSOR = (("count", ""), ("stride", "1"), ("offset", "0"))
+# The words of a flaw: accessors that count the numbers of their array.
+NOT_VECTORS = "numbers instead of"
 # What pycollada puts into its messages by mistake.
 _SLIP = re.compile(r"( in effect)? `?<built-in function id>`?")
 
@@ -209,16 +211,25 @@ def _build_scene(reading: _Reading, flaw: str | None) -> ColladaScene:
 def _find_short_array(document: Any) -> str | None:
     """Describe the first accessor that declares more numbers than its array has: pycollada ignores what it declares."""
     sizes = {array.get("id"): array.get("count", "") for array in document.iterfind(".//{*}float_array")}
+    short: list[tuple[str, int, int, int, int]] = []
     for accessor in document.iterfind(".//{*}accessor"):
-        rows, width, first = (accessor.get(name, default) for name, default in _ACCESSOR)
-        size = sizes.get(accessor.get("source", "").removeprefix("#"), "")
-        if all(text.isdecimal() and len(text) < 20 for text in (rows, width, first, size)):
-            needed = int(first) + int(rows) * int(width)
-            if needed > int(size):
+        texts = (
+            *(accessor.get(name, default) for name, default in _ACCESSOR),
+            sizes.get(accessor.get("source", "").removeprefix("#"), ""),
+        )
+        if all(text.isdecimal() and len(text) < 20 for text in texts):
+            rows, width, first, size = (int(text) for text in texts)
+            if first + rows * width > size:
                 line = getattr(accessor, "sourceline", None)
                 where = "an <accessor>" if line is None else f"the <accessor> in line {line}"
-                return f"is inconsistent: {where} counts {needed:,} numbers, and its array has {int(size):,}"
-    return None
+                short.append((where, rows, width, first, size))
+    if not short:
+        return None
+    where, rows, width, first, size = short[0]
+    # Some converters write the count of the array, everywhere.
+    if all(rows == size and first == 0 and size % width == 0 for _, rows, width, first, size in short):
+        return f"is inconsistent: {where} counts {size:,} {NOT_VECTORS} {size // width:,} vectors"
+    return f"is inconsistent: {where} counts {first + rows * width:,} numbers, and its array has {size:,}"
 
 
 def _strip_appearance(content: bytes) -> bytes:

@@ -11,11 +11,12 @@ import io
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.collada import Color, read_collada, silence_logger
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
 from urdfcheck.facts.mesh.gltf import read_glb_parts, read_gltf_parts
@@ -190,14 +191,16 @@ def _decode_obj(data: bytes) -> RawMesh:
     text = TokenizedText(_COMMENT.sub(b"", data.removeprefix(_BOM)))
     starts = text.find_line_starts()
     counts = np.diff(starts, append=len(text)) - 1
-    is_vertex, is_face = (text.match_word(word)[starts] for word in (b"v", b"f"))
+    is_vertex, is_face = (text.match_word(word, starts) for word in (b"v", b"f"))
     for line in np.flatnonzero((is_vertex | is_face) & (counts < 3))[:1]:
         raise _make_bad_line_error(text, starts[line], "obj")
     vertices = _parse_numbers(text, starts[is_vertex][:, None] + (1, 2, 3), "obj")
     faces, line = _triangulate_fans(text, first=starts[is_face] + 1, counts=counts[is_face], name="obj")
     # Negative indices count back from the vertices so far; there is no vertex 0.
-    before = np.cumsum(is_vertex)[is_face][line][:, None]
-    return _build_checked_mesh("obj", vertices, np.where(faces > 0, faces - 1, np.where(faces < 0, before + faces, -1)))
+    if (faces < 0).any():
+        faces += np.where(faces < 0, np.cumsum(is_vertex)[is_face][line][:, None] + 1, 0)
+    faces -= 1
+    return _build_checked_mesh("obj", vertices, faces)
 
 
 def _decode_off(data: bytes) -> RawMesh:
@@ -235,6 +238,8 @@ def _triangulate_fans(text: TokenizedText, *, first: Indices, counts: Indices, n
     triangles, owners = [np.empty((0, 3), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
     # In floats, because a file may declare any number.
     ensure_size_limits(float(np.minimum(np.maximum(counts - 2, 0), len(text)).sum(dtype=np.float64)))
+    if len(counts) and (counts == 3).all() and first[-1] + 3 <= len(text):  # as in most files, of whatever size
+        return _parse_indices(text, first[:, None] + np.arange(3), name), np.arange(len(counts))
     by_count = np.argsort(counts, kind="stable")
     for count, begin, times in zip(*np.unique(counts[by_count], return_index=True, return_counts=True), strict=True):
         if count < 3:

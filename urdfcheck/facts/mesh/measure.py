@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
 from urdfcheck.facts.mesh.convex_hull import MeshHull, compute_convex_hull
 from urdfcheck.facts.mesh.decode_limits import MeshError
@@ -31,6 +31,7 @@ from urdfcheck.facts.mesh.topology import (
     find_face_origins,
     find_points_near_rim,
     find_repeated_faces,
+    label_components,
     measure_gap_width,
     weld_exact,
     weld_near,
@@ -224,6 +225,23 @@ class MeshFacts:
             return {"sizes": count_component_faces(self._surface["faces"], self.n_vertices)}
 
         return self._get_part("components", count_faces)["sizes"]
+
+    @cached_property
+    def has_mixed_orientation(self) -> bool:
+        """Whether one of several bodies faces inwards while the others face outwards, and is not a hollow in them: its volume is
+        subtracted."""
+
+        def compare_bodies() -> Mapping[str, NDArray[Any]]:
+            from urdfcheck.facts.mesh.winding import has_body_against
+
+            faces = self.faces
+            return {
+                "mixed": np.array(
+                    has_body_against(self.vertices[faces], label_components(faces, len(self.vertices)), self.volume)
+                )
+            }
+
+        return len(self.components) > 1 and bool(self._get_part("orientation", compare_bodies)["mixed"])
 
     @cached_property
     def hull(self) -> MeshHull:

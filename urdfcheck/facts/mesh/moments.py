@@ -6,11 +6,11 @@ each between a triangle and a reference point near the mesh, which keeps the dig
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.topology import compute_bounds
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ itself reads unusual spellings.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     Words = NDArray[np.uint64]
 
 _PAD = 24  # allows to read as many bytes before any token's end
+_BLOCK = 1 << 20  # bytes looked at at a time
 _CHUNK = 16384  # tokens worked on at a time: their temporaries stay in the processor's cache
 _TENS = np.array([float(f"1e{power}") for power in range(309)])
 _WHOLE_TENS = np.array([10**power for power in range(20)], dtype=np.uint64)
@@ -29,6 +31,15 @@ _LAST = np.array([0, *((2**64 - 1) ^ (2 ** (8 * (8 - k)) - 1) for k in range(1, 
 _ZEROS = np.uint64(0x3030303030303030)
 _HIGH_BITS = np.uint64(0x8080808080808080)
 _PAST_NINE = np.uint64(0x7676767676767676)
+
+
+def _find_places(size: int, find_flags: Callable[[slice], Bools]) -> Indices:
+    """Return the indices, of ``size``, at which flags are set that are computed for a slice at a time: in half the memory that
+    numpy takes where they fit into it."""
+    width = np.int32 if size < 2**31 - _BLOCK else np.int64
+    blocks = (slice(at, min(at + _BLOCK, size)) for at in range(0, size, _BLOCK))
+    found = [(np.flatnonzero(find_flags(block)) + block.start).astype(width) for block in blocks]
+    return np.concatenate((np.empty(0, width), *found))
 
 
 class BadTokenError(Exception):
@@ -47,8 +58,14 @@ class TokenizedText:
         self._data = b" " * _PAD + data + b" " * 8
         self.bytes = np.frombuffer(self._data, dtype=np.uint8)
         self._words = np.ndarray((len(self.bytes) - 7,), dtype=np.uint64, buffer=self._data, strides=(1,))
-        blank = self.bytes <= 32
-        borders = np.flatnonzero(blank[1:] != blank[:-1]) + 1
+
+        def find_borders(block: slice) -> Bools:
+            blank = self.bytes[block.start : block.stop + 1] <= 32
+            borders: Bools = blank[1:] != blank[:-1]
+            return borders
+
+        borders = _find_places(len(self.bytes) - 1, find_borders)
+        borders += 1
         self.starts, self.ends = np.ascontiguousarray(borders[0::2]), np.ascontiguousarray(borders[1::2])
         self._places: dict[int, Indices] = {}
 
@@ -65,17 +82,22 @@ class TokenizedText:
     def get_token(self, index: int) -> bytes:
         return self._data[self.starts[index] : self.ends[index]]
 
-    def match_word(self, word: bytes) -> Bools:
-        """Return which tokens (n,) are this word of up to eight lower case letters, in any case."""
+    def match_word(self, word: bytes, tokens: Indices | None = None) -> Bools:
+        """Return which of the ``tokens`` (n,), or of all, are this word of up to eight lower case letters, in any case."""
+        chosen = slice(None) if tokens is None else tokens
+        heads = self._heads if tokens is None else self._read_heads(self.starts[tokens])
         mask = np.uint64(2 ** (8 * len(word)) - 1)
         wanted = np.uint64(int.from_bytes(word, "little"))
-        matches: Bools = (self._heads & mask == wanted) & (self.ends - self.starts == len(word))
+        matches: Bools = (heads & mask == wanted) & (self.ends[chosen] - self.starts[chosen] == len(word))
         return matches
 
     @cached_property
     def _heads(self) -> Words:
-        """The first eight bytes of each token, in lower case."""
-        heads: Words = self._words[self.starts] | np.uint64(0x2020202020202020)
+        return self._read_heads(self.starts)
+
+    def _read_heads(self, starts: Indices) -> Words:
+        """Return the first eight bytes of tokens, in lower case."""
+        heads: Words = self._words[starts] | np.uint64(0x2020202020202020)
         return heads
 
     def locate_token(self, index: int) -> tuple[int, str]:
@@ -137,7 +159,14 @@ class TokenizedText:
 
         :raises BadTokenError: when one does not begin with a whole number.
         """
-        start, end = np.take(self.starts, tokens).ravel(), np.take(self.ends, tokens).ravel()
+        flat = tokens.ravel()
+        values = np.empty(len(flat), dtype=np.int64)
+        for at in range(0, len(flat), _CHUNK):
+            values[at : at + _CHUNK] = self._parse_index_chunk(flat[at : at + _CHUNK])
+        return values.reshape(tokens.shape)
+
+    def _parse_index_chunk(self, tokens: Indices) -> Indices:
+        start, end = np.take(self.starts, tokens), np.take(self.ends, tokens)
         lead = np.take(self.bytes, start)
         begin = start + ((lead == 43) | (lead == 45))
         stop = self._find_byte(47, begin, end)
@@ -149,15 +178,15 @@ class TokenizedText:
             values += high * _WHOLE_TENS[8]
             good &= fine
         if not good.all():
-            raise BadTokenError(int(tokens.ravel()[np.argmin(good)]))
+            raise BadTokenError(int(tokens[np.argmin(good)]))
         indices = values.view(np.int64)
         np.negative(indices, out=indices, where=lead == 45)
-        return indices.reshape(tokens.shape)
+        return indices
 
     def _find_byte(self, byte: int, begin: Indices, end: Indices) -> Indices:
         """Find the first position of a byte in each span, or the span's end."""
         if byte not in self._places:
-            self._places[byte] = np.flatnonzero(self.bytes == byte)
+            self._places[byte] = _find_places(len(self.bytes), lambda block: self.bytes[block] == byte)
         places = self._places[byte]
         if not len(places):
             return end

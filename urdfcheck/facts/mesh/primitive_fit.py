@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Mat4
@@ -37,6 +38,7 @@ def fit_primitives(points: Array) -> tuple[FittedPrimitive, ...]:
     The axes that are tried for cylinder and capsule are those of the frame and of the smallest box.
 
     :raises ValueError: when the points span no volume.
+    :raises ImportError: when scipy is not installed.
     """
     points = np.asarray(points, dtype=float)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -64,6 +66,8 @@ def _fit_box(points: Array) -> FittedPrimitive:
     pose[:3, 3] = (low + high) / 2
     try:
         to_box, turned = trimesh.bounds.oriented_bounds(points, ordered=False)
+    except ImportError:
+        raise
     except Exception:  # qhull, where the points are nearly flat
         to_box, turned = None, size
     if to_box is not None and turned.prod() < (1.0 - _STRAIGHT_SHARE) * size.prod():
@@ -108,6 +112,8 @@ def _enclose(points: Array) -> tuple[Array, float]:
     radius = float(np.linalg.norm(points - middle, axis=1).max())
     try:
         centre = np.asarray(trimesh.nsphere.minimum_nsphere(points)[0], dtype=float)
+    except ImportError:
+        raise
     except Exception:  # qhull, where the points are nearly flat
         return middle, radius
     smaller = float(np.linalg.norm(points - centre, axis=1).max())

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.arrays import Array, Indices
 
 # Points on one surface, and triangles above which a surface is not sampled.

@@ -8,12 +8,13 @@ takes twenty.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

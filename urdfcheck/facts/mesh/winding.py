@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from urdfcheck.facts.arrays import Array, Bools
+from urdfcheck.facts.arrays import Array, Bools, Indices
 
 # Pairs of a point and a triangle that are compared at once.
 _MOST_PAIRS = 300_000
@@ -19,6 +19,15 @@ def compute_winding_numbers(triangles: Array, points: Array) -> Array:
     step = max(1, _MOST_PAIRS // max(1, len(triangles)))
     windings = [_sum_solid_angles(triangles, points[i : i + step]) for i in range(0, len(points), step)]
     return np.concatenate(windings) / (4.0 * np.pi) if windings else np.zeros(0)
+
+
+def has_body_against(triangles: Array, labels: Indices, volume: float) -> bool:
+    """Whether one of several closed bodies faces inwards while all together, of this signed ``volume``, face outwards, or the
+    other way round, and is not a hollow in them. ``labels``: the body of each of the ``triangles`` (F, 3, 3)."""
+    against = np.bincount(labels, np.linalg.det(triangles)) * volume < 0.0
+    solid = triangles[~against[labels]]
+    firsts = [int(np.argmax(labels == k)) for k in np.flatnonzero(against)]
+    return bool((np.abs(compute_winding_numbers(solid, triangles[firsts].mean(axis=1))) < 0.5).any())
 
 
 def are_inside(triangles: Array, points: Array) -> Bools:

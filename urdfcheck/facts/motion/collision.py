@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.coal_shapes import build_coal_primitive, fill_coal_tree
 from urdfcheck.facts.motion.collision_geometry import (
     DIRECTIONS,

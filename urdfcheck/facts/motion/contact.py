@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

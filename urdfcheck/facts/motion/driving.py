@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.simulation import SAMPLING_INTERVAL, Mechanism, Simulation
 
 if TYPE_CHECKING:

@@ -10,13 +10,13 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core.drop_test import GRAVITY
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import UrdfcheckError
+from urdfcheck.core.records import dataclass
 from urdfcheck.run.jobs import PackageFolders
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.project_folders import find_project_folder, list_project_folders

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.arrays import Array, Indices
 from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.facts.mesh.measure import MeshFacts

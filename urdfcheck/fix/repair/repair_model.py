@@ -10,13 +10,14 @@ import re
 import shutil
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Applicability, Finding, ModelInfo, Run, Severity, UrdfcheckError
 from urdfcheck.core.errors import ModelNotCheckedError, ModelTimeout
 from urdfcheck.core.findings import iter_occurrences
+from urdfcheck.core.records import dataclass
 from urdfcheck.fix.fixer import compute_fixes, iter_fixable, select_disjoint
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError, write_files
 from urdfcheck.fix.repair.copy_sources import CopiedModel, copy_model, ensure_target
@@ -24,7 +25,7 @@ from urdfcheck.fix.repair.steps import STAGES, RepairOptions, RepairStep
 from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit
 from urdfcheck.source.reach import is_below
-from urdfcheck.system import libraries, sandbox
+from urdfcheck.system import installation, libraries, sandbox
 from urdfcheck.system.process_pool import WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 # How often the elements that a stage makes worse are left out before it is left out whole.
@@ -248,6 +249,11 @@ def _plan_in_worker(
         return f"planning the stage {stage} took more than {limits.seconds:g} s (--timeout)"
     except UrdfcheckError as error:
         return str(error)
+    except ImportError as error:
+        missing = installation.describe_left_out(error)
+        if missing is None:
+            raise
+        return f"the stage {stage} cannot be planned: {missing}"
     except MemoryError:
         return f"planning the stage {stage} takes more than {limits.memory} MiB (--memory)"
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from urdfcheck.core import Edit, Finding, Fix
 from urdfcheck.core.model_diff import DONE, LEFT, OUTCOMES, WITHDRAWN, ReportedStep
+from urdfcheck.core.records import dataclass
 
 COLLISION_CHOICES = ("none", "primitives", "convex", "decimate")
 INERTIA_CHOICES = ("none", "bad", "all")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_shape_corners
@@ -83,7 +83,7 @@ def _measure_offset(model: Model, one: str, other: str) -> float:
 def measure_wheel_radii(model: Model, joint: str) -> list[float]:
     """Measure the radii (m) of a joint's child about the joint's axis.
 
-    Of what it collides as, then of what it draws, where these are round and known.
+    Of what it collides as, then of what it draws, where these are round and known: of each the usual reach, then the farthest.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -92,9 +92,10 @@ def measure_wheel_radii(model: Model, joint: str) -> list[float]:
         return []
     link = model.link_by_name[model.joint_by_name[joint].child]
     return [
-        float(outline.radius)
+        radius
         for placed in _place_link_points(model, link.name)
         if (outline := measure_outline(placed, axis, _locate_joint(model, joint))).is_round()
+        for radius in (outline.usual_radius, outline.radius)
     ]
 
 

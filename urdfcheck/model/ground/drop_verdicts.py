@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.model.ground.rest_pose import find_rest_pose, is_caster_joint, list_casters
 from urdfcheck.model.ground.rest_words import describe_uneven_reason

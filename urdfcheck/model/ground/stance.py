@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.contact import GroundSupport, TipOver, compute_ground_support, simulate_tipping
 from urdfcheck.model.ground.support_polygon import (
     LEG,

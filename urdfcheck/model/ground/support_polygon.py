@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.contact import GroundSupport
 from urdfcheck.model.ground.wheels import Wheel, rolling_wheels
 from urdfcheck.model.parts import GROUND_NAMES, Link

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
+from urdfcheck.facts.median import compute_median
 from urdfcheck.facts.motion.contact import compute_rocking_gaps
 from urdfcheck.model.ground.wheels import LEVEL, Wheel, is_suspended, rolling_wheels
 from urdfcheck.model.robot import Model
@@ -73,8 +74,8 @@ def _select_grounded_wheels(wheels: Sequence[Wheel]) -> tuple[Wheel, ...]:
 
     None are left if such wheels are below the others: then it is these that the robot stands on.
     """
-    usual = float(np.median([wheel.radius for wheel in wheels]))
-    ground = float(np.median([wheel.contact[2] for wheel in wheels]))
+    usual = compute_median([wheel.radius for wheel in wheels])
+    ground = compute_median([wheel.contact[2] for wheel in wheels])
     away = [wheel for wheel in wheels if abs(wheel.contact[2] - ground) > _AWAY * usual]
     alike = len(away) == 1 and abs(away[0].radius - usual) < _AWAY * usual
     if not alike and any(wheel.contact[2] < ground for wheel in away):
@@ -105,7 +106,7 @@ def _is_on_axle(wheel: Wheel, other: Wheel) -> bool:
 def _find_odd_wheel(wheels: Sequence[Wheel], gap: float) -> OddWheel | None:
     """Find the only wheel whose lowest point is at another height than those of all others; None when several are off."""
     heights = np.array([wheel.contact[2] for wheel in wheels])
-    usual = float(np.median(heights))
+    usual = compute_median(heights)
     off = np.flatnonzero(np.abs(heights - usual) > _EXPLAINED * gap)
     if len(off) != 1:
         return None

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.ground.wheels import Wheel, rolling_wheels
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape

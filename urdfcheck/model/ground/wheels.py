@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint, Link

@@ -15,6 +15,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
 )
 from urdfcheck.facts.inertials.mistakes.mixing_mistakes import ABOUT_ORIGIN, TENSOR_ALONE
+from urdfcheck.facts.median import compute_medians
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import APPROXIMATIONS, SIMILAR, measure_difference
@@ -128,7 +129,7 @@ def describe_median_agreement(model: Model, links: Sequence[Link]) -> str:
         distances.append([float(np.linalg.norm(numbers.com - drawn.solid.com)) for numbers in pair])
     if not shares:
         return "they agree better with the drawn parts"
-    (before, after), (far, near) = np.median(shares, axis=0), np.median(distances, axis=0)
+    (before, after), (far, near) = compute_medians(shares), compute_medians(distances)
     claims = []
     if after < before:
         claims.append(
@@ -196,6 +197,7 @@ def collect_message_data(
     return {
         "link": link.name,
         "detail": diagnosis.detail,
+        "mirrored": _describe_mirrored(diagnosis.detail) if cause == "unmirrored" else "",
         "mistake": describe_mistake(cause, diagnosis.detail),
         "why": SHORT_CAUSES.get(cause, "").format(detail=diagnosis.detail),
         "fault": _describe_fault(cause, size=size, apart=apart) or doubted,
@@ -226,6 +228,14 @@ def _describe_fault(cause: str, *, size: str, apart: str) -> str:
     if cause == "com_unit" and apart:
         return f"COM {apart} off"
     return size if cause in SIZE_CAUSES else ""
+
+
+def _describe_mirrored(detail: str) -> str:
+    """Say which numbers are those of the mirror image. A tensor is the same mirrored across an axis and rotated about it."""
+    image = f"the mirror image of the part, across the link's {detail.partition(',')[0]} axis"
+    if detail.endswith(TENSOR_ALONE):
+        return f"The tensor fits {image}, or the part rotated by 180° about it"
+    return f"COM and tensor fit {image}, as if copied from the other side"
 
 
 def name_faulty_numbers(cause: str, detail: str) -> str:

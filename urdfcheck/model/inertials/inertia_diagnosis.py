@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import Diagnosis
 from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
@@ -27,6 +28,7 @@ from urdfcheck.model.inertials.diagnosis.kept_verdicts import (
 )
 from urdfcheck.model.inertials.diagnosis.link_diagnosis import diagnose_link, measure_link_evidence
 from urdfcheck.model.inertials.diagnosis.mesh_frames import name_mesh_frames
+from urdfcheck.model.inertials.diagnosis.rounded_masses import name_units_of_rounded_masses
 from urdfcheck.model.inertials.diagnosis.verdict_keys import compute_model_key, compute_verdict_key
 from urdfcheck.model.inertials.diagnosis.weak_causes import drop_weak_causes
 from urdfcheck.model.inertials.unmoved_pieces import join_unmoved_pieces
@@ -35,7 +37,7 @@ from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.repeated_drawings import find_repeated_drawings
-from urdfcheck.system.array_cache import compute_code_version
+from urdfcheck.system.installation import compute_code_version
 
 # The modules and packages that decide a verdict, besides the numbers and the drawing.
 _CODE_MODULES = (
@@ -91,7 +93,8 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     others = {name: one for name, one in decoded.items() if (one.cause, one.detail) != habit}
     joined = join_unmoved_pieces(model, numbers, decoded | drop_weak_causes(model, numbers, others))
     added = join_added_pieces(model, numbers, joined)
-    named = name_mesh_frames(model, numbers, name_edited_masses(model, numbers, added))
+    in_units = name_units_of_rounded_masses(model, numbers, added)
+    named = name_mesh_frames(model, numbers, name_edited_masses(model, numbers, in_units))
     for name, diagnosis in named.items():
         is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
         own = diagnosis if is_habit else name_computed_mass(model, model.link_by_name[name], numbers[name], diagnosis)

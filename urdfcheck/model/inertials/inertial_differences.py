@@ -25,7 +25,7 @@ def describe_differences(
         yield f"mass {actual.mass:.4g} kg instead of {expected.mass:.4g} kg (× {actual.mass / expected.mass:.4g})"
     if deviation.com_offset > threshold:
         distance = float(np.linalg.norm(actual.com - expected.com))
-        declared_com, expected_com = _format_millimetres(actual.com), _format_millimetres(expected.com)
+        declared_com, expected_com = format_millimetres(actual.com), format_millimetres(expected.com)
         yield f"COM {declared_com} instead of {expected_com}, {distance * 1e3:.3g} mm off"
     if deviation.spread > threshold:
         signs = [name for name in find_wrong_signs(actual, expected, threshold) if name in TENSOR_NAMES]
@@ -54,5 +54,6 @@ def locate_difference(inertial: Inertial, deviation: InertialDeviation, threshol
     return wrong[0] if len(wrong) == 1 and wrong[0] is not None else inertial.element
 
 
-def _format_millimetres(place: Array) -> str:
+def format_millimetres(place: Array) -> str:
+    """Format a ``place`` (3,) in m as millimetres with four digits."""
     return "(" + ", ".join(f"{1e3 * v + 0.0:.4g}" for v in place) + ") mm"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
+from urdfcheck.facts.inertials.materials import DENSEST_PART
+from urdfcheck.facts.mesh.convex_hull import compute_convex_hull, compute_least_volume
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_whole_bodies
@@ -156,3 +158,12 @@ def compute_body_shares(model: Model, links: tuple[str, ...]) -> dict[str, tuple
         return dict.fromkeys(known, (1.0, 1.0))
     largest = max(float(np.linalg.eigvalsh(tensor)[-1]), 1e-300)
     return {name: (link_mass / mass, moment / largest) for name, (link_mass, moment) in known.items()}
+
+
+def is_stand_in(part: EnclosedInertial) -> bool:
+    """Whether no part of any ordinary material is so heavy in the hull: then the drawing is that of a smaller thing, such as the
+    rod in the middle of a leg."""
+    with np.errstate(all="ignore"):  # other rules report impossible numbers
+        if any(part.mass <= DENSEST_PART * compute_least_volume(points) for points in part.readings):
+            return False
+        return part.mass > DENSEST_PART * max(compute_convex_hull(points).volume for points in part.readings) > 0.0

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.parts import DeclaredMass
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.solids import measure_link_solid

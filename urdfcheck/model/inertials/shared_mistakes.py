@@ -9,6 +9,7 @@ import numpy as np
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import FAR
 from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_solid_inertia
+from urdfcheck.facts.median import compute_median
 from urdfcheck.model import Link, Model
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.diagnosis.edited_masses import shows_edited_masses
@@ -207,7 +208,7 @@ def find_tensor_density(model: Model) -> tuple[float, Mapping[str, float]]:
             masses[name] = judged.declared.mass / drawn.solid.volume
     if not densities:
         return 0.0, {}
-    median = float(np.median(list(densities.values())))
+    median = compute_median(list(densities.values()))
     shared = {name: one for name, one in densities.items() if abs(one - median) < _SAME_DENSITY * median}
     different = {f"{masses[name]:.2g}" for name in shared}
     return (median, shared) if len(different) >= _FEWEST_DENSITIES else (0.0, {})

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length, join_numbers
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_slip_between_twins

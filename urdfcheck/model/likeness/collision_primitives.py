@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import split_name_words
 from urdfcheck.facts.likeness.symmetry import LinkSignature, group_by_signature
 from urdfcheck.model.fact import fact
@@ -104,8 +104,9 @@ def find_odd_primitives(model: Model, group: Sequence[Link], *, differ: float) -
     return None
 
 
-def compare_sides(group: Sequence[Link], *, differ: float) -> OddPrimitives | None:
-    """Compare the sizes of two links whose names say on which side they are; None where they or their drawings agree."""
+def compare_sides(model: Model, group: Sequence[Link], *, differ: float) -> OddPrimitives | None:
+    """Compare the sizes of two links whose names say on which side they are; None where they or their drawings agree, and where
+    each has the box around its own drawing."""
     if len(group) != 2 or any(len(remove_places(link.name)) == len(split_name_words(link.name)) for link in group):
         return None
 
@@ -116,7 +117,20 @@ def compare_sides(group: Sequence[Link], *, differ: float) -> OddPrimitives | No
     own, expected = _list_unmatched(one.collisions, other.collisions, is_same_size)
     if not (own or expected) or _are_drawn_differently(one, other, is_same_size):
         return None
+    if all(_is_box_of_drawing(model, link, differ) for link in group):
+        return None
     return OddPrimitives(one, (other,), own, expected, is_misplaced=False)
+
+
+def _is_box_of_drawing(model: Model, link: Link, differ: float) -> bool:
+    """Whether the collision shapes of a link fill the box around what it draws: then they follow from the drawing."""
+    drawn, solid = (
+        compute_bounding_box(model, [(shape, np.eye(4)) for shape in shapes])
+        for shapes in (link.visuals, link.collisions)
+    )
+    if drawn is None or solid is None:
+        return False
+    return bool(np.abs(drawn - solid).max() <= differ * float(np.ptp(drawn, axis=0).max()))
 
 
 def _find_odd_link(group: Sequence[Link], is_same: Callable[[Shape, Shape], bool]) -> Link | None:

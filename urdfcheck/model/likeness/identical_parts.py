@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from decimal import Decimal, InvalidOperation
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import InertialDeviation, PartOutline, measure_deviation, measure_outline_mismatch
 from urdfcheck.facts.likeness.revolution import find_revolution_axis

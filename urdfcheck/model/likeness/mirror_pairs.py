@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.likeness.mirror import MirrorPlane, PartOutline, find_mirror_plane, measure_outline_mismatch
+from urdfcheck.facts.median import compute_median
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.shape_comparison import (
     ALIKE,
@@ -334,7 +335,7 @@ def _match_mirror_images(model: Model, group: Sequence[tuple[str, str]], normal:
     best = MirrorPlane(normal, 0.0)
     for offset in dict.fromkeys(np.round(((ones + others) / 2.0 @ normal)[apart] / PLACE).tolist()):
         near = apart & (np.abs((ones + others) / 2.0 @ normal - offset * PLACE) <= PLACE)
-        plane = MirrorPlane(normal, float(np.median(((ones + others) / 2.0 @ normal)[near])))
+        plane = MirrorPlane(normal, compute_median(((ones + others) / 2.0 @ normal)[near]))
         mirrored = apart & (np.linalg.norm(plane.reflect_points(ones) - others, axis=1) <= PLACE)
         matched: dict[str, tuple[str, str]] = {}
         for names in (names for names, fits in zip(group, mirrored, strict=True) if fits):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Edit, Location
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_point, join_names
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair
 from urdfcheck.model.likeness.mirrored_joints import MisplacedJoint, find_misplaced_joint

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.likeness.mirror import mirror_range
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_elsewhere
 from urdfcheck.model.parts import Joint

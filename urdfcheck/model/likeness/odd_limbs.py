@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 from urdfcheck.model.likeness.origin_slips import is_taken_back
 from urdfcheck.model.likeness.side_names import remove_places

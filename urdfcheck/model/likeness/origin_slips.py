@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair, mirror_pairs

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.likeness.typed_numbers import find_near_miss
 from urdfcheck.source.text.values import parse_number
 

@@ -9,18 +9,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
+from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance, compute_principal_moments
 from urdfcheck.facts.likeness.mirror import measure_outline_mismatch
 from urdfcheck.facts.likeness.symmetry import LinkSignature, build_link_signature, group_by_signature
 from urdfcheck.model.fact import fact
+from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import PLACE, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import ALIKE, get_outline
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
+# The mass of a body of revolution lies about its axis to within this share of its second moments.
+_ROUND = 1e-3
 # Axes have the same numbers to within those of three digits.
 _SAME_AXIS = 2e-3
 
@@ -123,7 +127,7 @@ def is_drawn_in_place(model: Model, joint: Joint, like: Joint, expected: Array) 
         for renaming in _list_axis_renamings():
             linear = turn @ renaming
             shift = axis * float((other.centroid - linear @ one.centroid) @ axis)
-            best = min(best, measure_outline_mismatch(one, other, linear=linear, shift=shift))
+            best = min(best, measure_outline_mismatch(one, other, linear=linear, shift=shift, limit=best))
         return best
 
     in_place = measure_best(back)
@@ -152,6 +156,30 @@ def is_drawn_square(model: Model, joint: Joint, expected: Array) -> bool:
 
     pairs = ((measure_asymmetry(typed, axis), measure_asymmetry(expected, axis)) for axis in range(3))
     return any(now < ALIKE and now < then / 2.0 and then > ALIKE for now, then in pairs)
+
+
+def is_round_about_joint(model: Model, joint: Joint) -> bool:
+    """Whether the child of a joint looks the same at every angle: what it draws and its inertial, as far as they are known, are
+    of revolution about the joint's axis. The file then has no zero of it."""
+    link = model.link_by_name[joint.child]
+    drawn = measure_link_geometry(model, link)
+    bodies = [] if drawn is None else [(drawn.solid.com, drawn.solid.covariance)]
+    declared = read_declared_inertial(link)
+    if declared is not None and declared.mass > 0.0:
+        bodies.append((declared.com, compute_mass_covariance(declared.inertia, declared.mass)))
+    axis = np.array(joint.axis or (1.0, 0.0, 0.0))
+    return bool(bodies) and all(_is_round(com, covariance, axis / np.linalg.norm(axis)) for com, covariance in bodies)
+
+
+def _is_round(com: Array, covariance: Array, axis: Array) -> bool:
+    """Whether a mass with this ``com`` (3,) in m and ``covariance`` (3, 3) in m² is of revolution about a unit ``axis`` (3,)
+    through the origin."""
+    size = float(np.trace(covariance))
+    if not size > 0.0 or float(np.linalg.norm(np.cross(com, axis))) > _ROUND * size**0.5:
+        return False
+    along = float(axis @ covariance @ axis)
+    round_one = along * np.outer(axis, axis) + 0.5 * (size - along) * (np.eye(3) - np.outer(axis, axis))
+    return float(np.abs(covariance - round_one).max()) <= _ROUND * size
 
 
 def is_frame_evidence(model: Model, joint: Joint, others: Sequence[Joint], expected: Array, *, kind: str) -> bool:

@@ -7,10 +7,10 @@ xacro with every choice of its arguments. A name counts as unknown only where no
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
 from urdfcheck.source.package.finder import format_path

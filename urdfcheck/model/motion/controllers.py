@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Located
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.robot import Model

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.inertials.reach import LEAST_JOINTS
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model

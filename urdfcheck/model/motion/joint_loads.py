@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion import dynamics
 from urdfcheck.model.motion.buoyancy import has_buoyancy_plugin
 from urdfcheck.model.motion.pinocchio_model import pinocchio_model, write_without_geometry
@@ -20,7 +20,7 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.source.text.values import read_attribute_number
-from urdfcheck.system.array_cache import compute_code_version, find_library_origin
+from urdfcheck.system.installation import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.far_origins import SCENE, measure_origin_lengths

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, self_collisions
 from urdfcheck.model.motion.planning_limits import collect_listed_joints

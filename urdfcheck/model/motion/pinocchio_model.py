@@ -14,10 +14,10 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING, Any
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint
 from urdfcheck.source.text.grammar import (
@@ -29,7 +29,7 @@ from urdfcheck.source.text.grammar import (
 )
 from urdfcheck.source.text.values import parse_numbers, read_attribute_number
 from urdfcheck.source.text.xml import Element, quote_attribute
-from urdfcheck.system.array_cache import compute_code_version, find_library_origin
+from urdfcheck.system.installation import compute_code_version, describe_left_out, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.model.robot import Model
@@ -102,10 +102,8 @@ def pinocchio_model(model: Model) -> PinocchioModel:
     """
     try:
         import pinocchio
-    except ImportError:
-        raise FactUnavailableError(
-            "Pinocchio is not installed (there are no wheels of pin for this platform)"
-        ) from None
+    except ImportError as error:
+        raise FactUnavailableError(describe_left_out(error) or str(error)) from None
     _ensure_loadable(model)
     built: Any = None
     output, refused_by = "", None

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model

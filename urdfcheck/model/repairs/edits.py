@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Location
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.model.repairs.number_text import keep_notation
 from urdfcheck.model.repairs.origin_edits import describe_definitions

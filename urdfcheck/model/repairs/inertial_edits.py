@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from urdfcheck.core import Edit
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.engine_floors import is_refused_by_mujoco
 from urdfcheck.facts.inertials.inertia_tensor import build_inertia_tensor, check_inertia_validity

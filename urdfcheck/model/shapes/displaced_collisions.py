@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import permutations, product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import Edit, Located
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.sphere_directions import spread_directions_and_axes
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.repairs.edits import edit_all_numbers

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.gazebo import GazeboSensor, list_sensors
-from urdfcheck.model.parts import Shape
+from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
+from urdfcheck.model.tree import Tree
+from urdfcheck.model.wheel_names import WHEEL_NAME
 from urdfcheck.source.text.values import parse_number, parse_numbers
 from urdfcheck.source.text.xml import Element
 
@@ -74,7 +76,7 @@ class SelfScan:
 
 
 def scan_robot(model: Model) -> Iterator[SelfScan]:
-    """Yield what each range sensor sees of the links that do not move against it, and of wheels.
+    """Yield what each range sensor sees of the links that do not move against it, of wheels, and of what carries these.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -115,17 +117,35 @@ def _scan_with(model: Model, sensor: GazeboSensor) -> SelfScan | None:
 
 
 def _iter_shapes(model: Model, link: str, role: str) -> Iterator[tuple[Shape, str]]:
-    """Yield the usable shapes that stay where they are, seen from a link: those of its body, and those of wheels on it."""
+    """Yield the usable shapes that stay where they are, seen from a link: those of its body, of wheels, and of their carriers."""
     tree = model.tree
     body = tree.list_body_links(link)
-    wheels = [
-        j.child for j in model.joints if j.type == "continuous" and j.parent in set(body) and j.child in tree.order
-    ]
-    for name in (*body, *(inner for wheel in wheels for inner in tree.list_body_links(wheel))):
+    carriers = {
+        before.name
+        for joint in model.joints
+        if joint.type == "continuous" and WHEEL_NAME.search(f"{joint.name} {joint.child}")
+        for before in tree.find_path_to(joint.parent)
+    }
+    mounts = [joint for name in body for joint in tree.child_joints.get(name, ()) if joint.is_movable]
+    hanging = [inner for joint in mounts for inner in _list_seen_links(tree, joint, carries=joint.name in carriers)]
+    for name in (*body, *hanging):
         owner = model.link_by_name[name]
         for shape in owner.visuals if role == "visual" else owner.collisions:
             if is_usable_shape(model, shape):
                 yield shape, name
+
+
+def _list_seen_links(tree: Tree, joint: Joint, *, carries: bool) -> list[str]:
+    """List the links behind a joint that are where they are when the robot drives.
+
+    All behind a rocker, a bogie or a steering knuckle, which ``carries`` wheels; else only what turns about a continuous joint.
+    """
+    if not carries:
+        return list(tree.list_body_links(joint.child)) if joint.type == "continuous" else []
+    found = [joint.child]
+    for name in found:
+        found += [below.child for below in tree.child_joints.get(name, ())]
+    return found
 
 
 def _measure_entries(

@@ -11,8 +11,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import Primitive, VisualGeomet
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_box_solid, transform_solid
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
 from urdfcheck.facts.mesh.moments import MeshMoments, compute_mesh_moments
-from urdfcheck.facts.mesh.topology import label_bodies, label_components
-from urdfcheck.facts.mesh.winding import compute_winding_numbers
+from urdfcheck.facts.mesh.topology import label_bodies
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
@@ -262,7 +261,7 @@ def _measure_shape(model: Model, shape: Shape, *, apply_unit: bool, apply_up_axi
     hull = Solid(0.0, np.zeros(3), np.zeros((3, 3)))
     if integrals.volume > 0.0:
         hull = transform_solid(_scale_solid(integrals, scale), turn, place)
-    closed = facts.closed and bool(np.isfinite(facts.com).all()) and not _has_mixed_orientation(facts)
+    closed = facts.closed and bool(np.isfinite(facts.com).all()) and not facts.has_mixed_orientation
     solid = compute_mesh_solid(facts, scale.tolist(), rotation=turn, translation=place) if closed else hull
     return VisualGeometry(
         solid=solid,
@@ -271,21 +270,6 @@ def _measure_shape(model: Model, shape: Shape, *, apply_unit: bool, apply_up_axi
         hull=hull,
         shell=_measure_shell(facts, scale, turn=turn, place=place),
     )
-
-
-def _has_mixed_orientation(facts: MeshFacts) -> bool:
-    """Whether one of several bodies faces inwards while the others face outwards, and is not a hollow in them.
-
-    Its volume would be subtracted.
-    """
-    if len(facts.components) < 2:
-        return False
-    labels = label_components(facts.faces, len(facts.vertices))
-    corners = facts.vertices[facts.faces]
-    against = np.bincount(labels, np.linalg.det(corners)) * facts.volume < 0.0
-    solid = corners[~against[labels]]
-    firsts = [int(np.argmax(labels == k)) for k in np.flatnonzero(against)]
-    return bool((np.abs(compute_winding_numbers(solid, corners[firsts].mean(axis=1))) < 0.5).any())
 
 
 def _measure_shell(facts: MeshFacts, scale: Array, *, turn: Array, place: Array) -> Solid | None:

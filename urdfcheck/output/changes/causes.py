@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from urdfcheck.core.model_diff import ChangeCause, MechanismChange, ModelDiff
+from urdfcheck.core.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

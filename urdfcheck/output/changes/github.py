@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from urdfcheck.core.model_diff import CATEGORIES, Diff, MechanismDiff, ModelDiff, SeamChange
+from urdfcheck.core.records import dataclass
 from urdfcheck.output.changes.causes import SharedCause, merge_causes, strip_revision
 from urdfcheck.output.changes.summary import (
     OLD_NAME,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Rule, Severity, Verdict
+from urdfcheck.core.records import dataclass
 from urdfcheck.output.shared.verdict.effects import describe_verdict
 from urdfcheck.output.shared.wording import PROGRAM_NAMES
 from urdfcheck.policy.consumers import CONSUMERS, get_verdict, is_news, predict_outcomes

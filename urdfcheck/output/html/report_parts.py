@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from urdfcheck.core import ModelInfo, Run, Severity
 from urdfcheck.core.drop_test import DropTest
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.anchors import FindingCard, build_finding_cards
 from urdfcheck.output.shared.wording import get_base_name

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Severity, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.scene import SceneFrame
 
 _ELEMENT = re.compile(r"(link|joint)\[(.*?)\](?=[/@]|$)", re.DOTALL)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 from urdfcheck.core import NEWLINE, Span
+from urdfcheck.core.records import dataclass
 
 # A span over many lines (an element) shows its first lines only.
 MOST_LINES = 6

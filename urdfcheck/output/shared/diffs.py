@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from difflib import SequenceMatcher
 from itertools import groupby
 
 from urdfcheck.core import NEWLINE, Edit
+from urdfcheck.core.records import dataclass
 from urdfcheck.output.shared.code_frames import split_lines
 
 # Longer lines cannot be compared by eye: only their beginning and the attributes that change are shown.

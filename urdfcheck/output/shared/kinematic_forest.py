@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.anchors import ElementKey, make_frame_key
 

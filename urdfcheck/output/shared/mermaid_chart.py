@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Severity
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.anchors import ElementKey, SeverityMark, build_finding_cards, compute_severity_marks
 from urdfcheck.output.shared.escaping import escape_one_line

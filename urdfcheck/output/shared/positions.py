@@ -7,9 +7,9 @@ neither here nor there.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from urdfcheck.core import Span
+from urdfcheck.core.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,9 @@ import math
 import struct
 import zlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.scene import Scene, SceneShape
 
 if TYPE_CHECKING:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from urdfcheck.core import Applicability, Finding, Severity
+from urdfcheck.core.records import dataclass
 
 
 @dataclass(slots=True, kw_only=True)

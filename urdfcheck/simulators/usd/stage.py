@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.simulators.engine_input import compute_dynamics, make_inertia
 from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot, Range, Vector
 from urdfcheck.simulators.usd.bounds import bound_drawn

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.arguments.usual_environment import choose_variable, find_unset_variable
 from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, find_passed_arguments
 from urdfcheck.source.package.finder import PackageFinder

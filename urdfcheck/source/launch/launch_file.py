@@ -9,10 +9,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from urdfcheck.core import Location
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.launch.python_launch_file import PythonLaunch, read_python_launch
 from urdfcheck.source.launch.static_transforms import StaticTransform, read_static_transforms

@@ -10,9 +10,9 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.scene import SceneLaunch, SceneNode, SceneParameter, ScenePort
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.nodes_python import read_python_actions

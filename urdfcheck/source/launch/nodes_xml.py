@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from urdfcheck.core import Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.scene import SceneParameter, ScenePort
 from urdfcheck.source.launch.launch_file import Launch, LaunchScope, is_description, read_description
 from urdfcheck.source.launch.static_transforms import get_executable

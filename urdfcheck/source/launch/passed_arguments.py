@@ -7,12 +7,14 @@ import fnmatch
 import glob
 import itertools
 import os
+import re
 import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
-from urdfcheck.core import Location
+from urdfcheck.core import Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.launch.launch_file import load_launch
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunchReader
 from urdfcheck.source.launch.python_texts import (
@@ -36,6 +38,9 @@ MOST_FOLDERS = 10_000
 SKIPPED_FOLDERS = BUILD_FOLDERS | {"node_modules", "__pycache__"}
 # Added to the rank of what is passed to the model that an argument of the launch file names, and this is not the default.
 BESIDE = 3
+# A name that a command assigns, and a text in quotes.
+ASSIGNMENT = re.compile(r"(?<![\w.:/-])([\w.-]+):=")
+_QUOTED = re.compile(r"['\"]([^'\"\\]+)['\"]")
 # Stands for a piece of text that is only known at launch.
 _UNKNOWN = "\x01"
 
@@ -60,7 +65,7 @@ def find_passed_arguments(
 
     These are ``launches``, which are checked with it, then those of its package, then those of the repository around that.
     Among each, a typed value comes before a default, and this before a choice; then the first file counts. Where an argument
-    of a launch file names the model that it starts, the models beside the default may be started as well.
+    of a launch file names the model that it starts, the models beside the default may be started too.
     """
     real = os.path.realpath(model)
     package = finder.find_package_of(model.absolute())
@@ -150,13 +155,13 @@ def _list_ways(launch: Path, name: str, model: str, finder: PackageFinder) -> li
     if name.encode() not in data:
         return []
     if launch.suffix == ".py":
-        reader = _make_reader(launch, data, finder)
+        reader = make_reader(launch, data, finder)
         return [] if reader is None else list(XacroCallReader(reader).list_ways(model))
     described = (d for d in load_launch(launch, finder).descriptions if d.path is not None)
     return [d.uses_xacro for d in described if d.path is not None and os.path.realpath(d.path) == model]
 
 
-def _make_reader(launch: Path, data: bytes, finder: PackageFinder) -> PythonLaunchReader | None:
+def make_reader(launch: Path, data: bytes, finder: PackageFinder) -> PythonLaunchReader | None:
     """Return the reader of a Python launch file; None if it is not Python."""
     file = SourceFile(launch, format_path(launch), text=data.decode("utf-8-sig", "replace"))
     try:
@@ -168,7 +173,7 @@ def _make_reader(launch: Path, data: bytes, finder: PackageFinder) -> PythonLaun
 
 
 def _read_python(launch: Path, data: bytes, model: str, finder: PackageFinder) -> Iterator[PassedArgument]:
-    reader = _make_reader(launch, data, finder)
+    reader = make_reader(launch, data, finder)
     try:
         yield from () if reader is None else XacroCallReader(reader).read(model)
     except (ValueError, RecursionError, MemoryError):
@@ -180,7 +185,7 @@ def _read_replacements(launch: Path, name: str, finder: PackageFinder) -> Iterat
         data = read_regular(launch, MAX_PYTHON)
     except OSError:
         return
-    reader = _make_reader(launch, data, finder) if name.encode() in data and b".replace(" in data else None
+    reader = make_reader(launch, data, finder) if name.encode() in data and b".replace(" in data else None
     if reader is None:
         return
     for node in reader.nodes:
@@ -231,6 +236,30 @@ class XacroCallReader:
                 typed = texts[place].rstrip().endswith(":=") and place + 1 < len(pieces)
                 passed = self.make_passed(name, value, pieces[place + 1] if typed else pieces[place])
                 yield replace(passed, rank=passed.rank + beside)
+
+    def read_names(self, model: str) -> Iterator[tuple[str, Span]]:
+        """Yield the names of the arguments that are passed to a model, each with its place."""
+        for node in self.reader.nodes:
+            if not isinstance(node, ast.Call) or not node.args:
+                continue
+            function = get_function_name(node)
+            if function == "Command":
+                pieces, _, words = self.split_command(node.args[0])
+                if words and "xacro" in words[0] and any(self.may_mean(path, model) for path in _list_paths(words)):
+                    for piece in pieces:
+                        yield from self.find_typed(piece, ASSIGNMENT)
+            elif function in {"process_file", "process"} and self.may_mean(self.evaluate(node.args[0]), model):
+                mappings = self.texts.follow_name(find_call_argument(node, -1, "mappings"))
+                for key in mappings.keys if isinstance(mappings, ast.Dict) else ():
+                    if key is not None:
+                        yield from self.find_typed(key, _QUOTED)
+
+    def find_typed(self, node: ast.expr, pattern: re.Pattern[str]) -> Iterator[tuple[str, Span]]:
+        """Yield what a pattern finds in the text of a node, with the place of its first group."""
+        span = self.reader.locate_expression(node).span
+        if span is not None:
+            for match in pattern.finditer(self.reader.file.text, span.start, span.end):
+                yield match[1], self.reader.file.make_span(match.start(1), match.end(1))
 
     def split_command(self, command: ast.expr) -> tuple[Sequence[ast.expr], list[str], tuple[str, ...]]:
         """Return the pieces of a command, their texts, and its words; no words where it is too long."""

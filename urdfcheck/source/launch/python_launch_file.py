@@ -9,11 +9,12 @@ import os
 import re
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from tokenize import detect_encoding
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.launch.python_texts import (
     MAX_LENGTH,

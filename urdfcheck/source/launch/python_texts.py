@@ -7,8 +7,9 @@ import os
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.finder import PackageFinder
 
 # A longer text is not a path: it comes from names that multiply each other.

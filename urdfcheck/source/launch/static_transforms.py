@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.launch.substitutions import SubstitutionResolver, split_command
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element

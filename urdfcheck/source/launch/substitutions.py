@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.launch.python_texts import MAX_LENGTH
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.xml import Attribute, Element

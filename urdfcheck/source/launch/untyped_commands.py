@@ -10,10 +10,10 @@ import os
 import re
 import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import Edit, Location
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.launch.launch_file import Launch, is_description, read_description
 from urdfcheck.source.launch.passed_arguments import XacroCallReader
 from urdfcheck.source.launch.python_launch_file import PythonLaunchReader

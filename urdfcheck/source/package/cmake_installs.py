@@ -8,8 +8,8 @@ from __future__ import annotations
 import posixpath
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.installed_files import (
     MOST_ENTRIES,
     InstalledEntry,

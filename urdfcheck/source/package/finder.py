@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import SLIP_LIKENESS
 from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type, read_installed_files
 from urdfcheck.source.package.installed_files import InstalledFiles

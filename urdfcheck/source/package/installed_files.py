@@ -9,7 +9,8 @@ import fnmatch
 import posixpath
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+from urdfcheck.core.records import dataclass
 
 # The most folders and files of one build file that are looked at: each path of a model is compared with all of them.
 MOST_ENTRIES = 500

@@ -5,10 +5,11 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.core import Edit, Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type
 from urdfcheck.source.package.cmake_installs import CmakeCommand, parse_commands, read_cmake_installs
 from urdfcheck.source.package.finder import Package, format_path

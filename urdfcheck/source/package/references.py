@@ -6,12 +6,12 @@ import ast
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
 from pathlib import Path
 
 from urdfcheck.core import Location
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS

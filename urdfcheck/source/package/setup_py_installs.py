@@ -10,9 +10,9 @@ from __future__ import annotations
 import ast
 import posixpath
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.installed_files import (
     MOST_ENTRIES,
     InstalledEntry,

@@ -10,9 +10,9 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch
 from urdfcheck.source.package.finder import PackageFinder

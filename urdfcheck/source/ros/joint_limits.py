@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.ros.yaml_files import read_located_yaml
 from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue

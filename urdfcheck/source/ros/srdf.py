@@ -6,11 +6,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import SRDF_SUFFIXES, is_model, is_xacro
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path, load_package
@@ -29,6 +29,16 @@ LEVELS_DOWN = 3
 SETUP_FILE = ".setup_assistant"
 MAX_FOLDERS = 200
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
+# The attributes that name links and joints of the robot, by element and the element around it.
+_PART_NAMES = {
+    ("link", "group"): {"name": "link"},
+    ("chain", "group"): {"base_link": "link", "tip_link": "link"},
+    ("end_effector", "robot"): {"parent_link": "link"},
+    ("virtual_joint", "robot"): {"child_link": "link"},
+    ("joint", "group"): {"name": "joint"},
+    ("joint", "group_state"): {"name": "joint"},
+    ("passive_joint", "robot"): {"name": "joint"},
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,6 +75,15 @@ class Srdf:
     def robot(self) -> str:
         return self.root.get("name").strip()
 
+    def iter_part_names(self) -> Iterator[tuple[str, Attribute]]:
+        """Yield the attributes that name links and joints of the robot, each with its kind; those of pairs are not among them."""
+        for element in self.root.walk():
+            around = element.parent.tag if element.parent is not None else ""
+            for name, kind in _PART_NAMES.get((element.tag, around), {}).items():
+                attribute = element.attributes.get(name)
+                if attribute is not None and attribute.value.strip():
+                    yield kind, attribute
+
     @cached_property
     def disabled_pairs(self) -> tuple[SrdfPair, ...]:
         return self._read_pairs("disable_collisions")
@@ -81,18 +100,7 @@ class Srdf:
     @cached_property
     def grouped_links(self) -> frozenset[str]:
         """The links that groups, chains, end effectors and virtual joints name."""
-        link_attributes = {
-            "chain": ("base_link", "tip_link"),
-            "end_effector": ("parent_link",),
-            "virtual_joint": ("child_link",),
-        }
-        links: set[str] = set()
-        for element in self.root.walk():
-            attributes = link_attributes.get(element.tag, ())
-            if element.tag == "link" and element.parent is not None and element.parent.tag == "group":
-                attributes = ("name",)
-            links |= {element.get(name).strip() for name in attributes}
-        return frozenset(links - {""})
+        return frozenset(attribute.value.strip() for kind, attribute in self.iter_part_names() if kind == "link")
 
     @cached_property
     def groups(self) -> Mapping[str, Element]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from urdfcheck.core import Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import Attribute, Definition, flatten_definitions
 
 # The search does not go to the end of the text from each of many places: the next opening bracket ends it.

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from urdfcheck.core import Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import XmlError
 
 # The message of "expansion-failed" is xacro's own: what follows in it on the reason, and the reason for a file that xacro

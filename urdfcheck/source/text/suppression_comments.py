@@ -9,9 +9,9 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from urdfcheck.core import NEWLINE, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import SourceFile, XmlError, parse_xml
 
 MARK = "urdfcheck:"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile
 
 # A substitution that contains blanks, ``$(find pkg)`` or ``${2 * pi}``, belongs to one word.

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-import tomli
-
 Key = tuple[str | int, ...]
 
 # Parts of a dotted key that get a line each; real keys have fewer.
@@ -82,7 +80,7 @@ class _KeyScanner:
         while match := _KEY.match(self.text, self.at):
             self.at = match.end()
             typed = match[1]
-            keys = (*keys, typed if typed[0] not in "\"'" else next(iter(tomli.loads(f"{typed}=0"))))
+            keys = (*keys, _unquote(typed) if typed[0] in "\"'" else typed)
             if not match[2]:
                 break
         return line, keys
@@ -113,3 +111,11 @@ class _KeyScanner:
             else:
                 self.read_pair(key)
         self.at += 1
+
+
+def _unquote(key: str) -> str:
+    """Return what a quoted key means."""
+    import tomli
+
+    name: str = next(iter(tomli.loads(f"{key}=0")))
+    return name

@@ -11,11 +11,12 @@ from array import array
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from xml.parsers import expat
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml_mistakes import describe_mistake
 from urdfcheck.system.encodings import UnreadableEncodingError, decode_text, decode_xml, find_byte_beyond_utf_8
 from urdfcheck.system.files import FileTooLargeError, read_regular

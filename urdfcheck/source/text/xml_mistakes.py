@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from xml.parsers.expat import ErrorString, errors
+
+from urdfcheck.core.records import dataclass
 
 _GENERAL_REPAIR = (
     "fix the XML here: check for a missing `>`, quote or end tag, or a `&` that should be `&amp;`, just before it"

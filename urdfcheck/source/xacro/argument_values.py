@@ -9,11 +9,12 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import combinations, product
 from math import prod
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml

@@ -10,12 +10,12 @@ xacro keeps its state in module globals: one expansion at a time in a process.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from xml.dom import minidom
 
 from urdfcheck.core import Span
 from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile

@@ -6,11 +6,12 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 from xml.dom import minidom
 
 from urdfcheck.core import Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Definition, XmlError, flatten_definitions
 from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError

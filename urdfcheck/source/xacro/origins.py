@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import lru_cache
 from typing import Any
 from xml.dom import UserDataHandler, minidom
 from xml.parsers import expat
 
 from urdfcheck.core import Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import Attribute, Definition, Element
 from urdfcheck.source.text.xml_mistakes import NO_CHARACTER
 

@@ -10,12 +10,13 @@ import warnings
 from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 from xml.dom import minidom
 
 from urdfcheck.core import Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import Attribute, Definition
 from urdfcheck.source.xacro.expansion_state import CYCLE, ActiveCall, ExpansionTrace, describe_value
 from urdfcheck.source.xacro.expressions.compile_expression import (
@@ -38,6 +39,8 @@ from urdfcheck.source.xacro.patches import (
 
 # Each frame of xacro's own recursion comes with one or two of ours: a chain of macros that plain xacro expands must fit.
 _RECURSION_FACTOR = 3
+# Characters of a text that is not handed to xacro where there is nothing to evaluate in it.
+_LONGEST_PLAIN = 4096
 # A file that includes itself through others makes a circle, but its conditions may end it after a few rounds.
 _MAX_INCLUDED = 4
 # Functions of xacro with a wrapper ``wrap_…`` below.
@@ -168,10 +171,19 @@ class Tracer:
 
         return trace_element
 
+    def is_plain(self, text: Any) -> bool:
+        """Whether a text is its own value, as most are, and within the limits, towards which it counts."""
+        if type(text) is not str or "$" in text or len(text) > min(_LONGEST_PLAIN, self.guards.steps):
+            return False
+        self.guards.measure(text)
+        return True
+
     def wrap_eval_text(self, original: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap ``eval_text``: note what the text of an attribute reads."""
 
         def evaluate_bounded(text: Any, symbols: Any) -> Any:
+            if self.is_plain(text):
+                return text
             try:
                 if isinstance(text, str):  # xacro copies the rest of the text at each of its parts
                     self.guards.charge(text.count("$") * len(text) // 4096)
@@ -192,15 +204,18 @@ class Tracer:
                 self.trace.set_position(frame.node, frame.pending.pop(0))
             elif frame is not None and isinstance(text, str) and "$" in text:
                 self.trace.set_text_position(text, frame.node)
-            self.evaluating += 1
-            self.trace.readers.append([])
-            try:
-                with self.trace.remember_failure():
-                    result = evaluate_bounded(text, symbols)
-            finally:
-                self.evaluating -= 1
-                self.last_reads = tuple(dict.fromkeys(self.trace.readers.pop()))
-            if self.trace.is_condition():
+            if self.is_plain(text):
+                result, self.last_reads = text, ()
+            else:
+                self.evaluating += 1
+                self.trace.readers.append([])
+                try:
+                    with self.trace.remember_failure():
+                        result = evaluate_bounded(text, symbols)
+                finally:
+                    self.evaluating -= 1
+                    self.last_reads = tuple(dict.fromkeys(self.trace.readers.pop()))
+            if self.last_reads and self.trace.is_condition():
                 self.trace.report_environment_decision(self.last_reads)
             origin = get_origin(self.trace.node)
             if is_attribute and origin is not None and self.trace.attribute is not None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from urdfcheck.core import Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.xml import Attribute, Element

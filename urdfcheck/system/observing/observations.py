@@ -19,11 +19,12 @@ import time
 from _thread import allocate_lock
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.system.observing.questions import compute_sha256, observed
 
 if TYPE_CHECKING:

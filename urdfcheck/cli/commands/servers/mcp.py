@@ -11,6 +11,7 @@ from pathlib import Path
 from urdfcheck.cli.options import CommandParser
 from urdfcheck.cli.terminal import OK
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.system.installation import name_distribution
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -32,7 +33,7 @@ def main(words: Sequence[str]) -> int:
     if not folder.is_dir():
         raise UrdfcheckError(f"{folder} is not a folder")
     if importlib.util.find_spec("mcp") is None:
-        raise UrdfcheckError('the server needs the package mcp: pip install "urdfcheck[mcp]"')
+        raise UrdfcheckError(f'the server needs the package mcp: pip install "{name_distribution()}[mcp]"')
     from urdfcheck.mcp.server import build_server
 
     os.chdir(folder)  # paths are named from there

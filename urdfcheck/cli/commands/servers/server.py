@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from urdfcheck.cli.options import CommandParser, add_options, read_options
 from urdfcheck.cli.terminal import OK
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.system.installation import name_distribution
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -27,7 +28,7 @@ def main(words: Sequence[str]) -> int:
     """Run the command."""
     options = build_parser().parse_args(words)
     if importlib.util.find_spec("pygls") is None:
-        raise UrdfcheckError("the language server needs pygls: pip install 'urdfcheck[server]'")
+        raise UrdfcheckError(f"the language server needs pygls: pip install '{name_distribution()}[server]'")
     run_options = read_options(options, ())
 
     from urdfcheck.server.language_server import serve

@@ -12,11 +12,11 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 from urdfcheck.cli import COMMANDS, load_command
 from urdfcheck.cli.options import CommandParser
 from urdfcheck.cli.terminal import OK
+from urdfcheck.core.records import dataclass
 
 FILES, FOLDERS = "files", "folders"
 _KINDS = {

@@ -6,13 +6,14 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.cli.options import EPILOG, CommandParser, add_options, read_options
 from urdfcheck.cli.terminal import OK, print_document, say
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -150,6 +151,7 @@ def _build_report(resolver: ConfigResolver, config: Config, path: Path, *, basel
         ),
         make_setting("target", ", ".join(effective.policy.targets), on_command_line=given.target is not None),
         make_setting("exclude", ", ".join(config.exclude)),
+        *(Setting("exclude", pattern, COMMAND_LINE) for pattern in given.exclude),
         *(Setting("packages", f"{n} = {format_path(p)}", at["packages", n]) for n, p in config.packages.items()),
         make_setting("package-path", ", ".join(map(format_path, config.package_path))),
         Setting("baseline", "", DEFAULT)

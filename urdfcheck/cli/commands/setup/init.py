@@ -8,14 +8,15 @@ import os
 import re
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from urdfcheck.cli.install_origin import InstallOrigin, find_install_origin
 from urdfcheck.cli.options import CommandParser
 from urdfcheck.cli.output_files import CheckedFolders, write_file
 from urdfcheck.cli.terminal import NOTHING, OK, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from urdfcheck.core import ModelInfo, Run
@@ -107,19 +108,18 @@ urdfcheck:
       codequality: urdfcheck.codequality.json
       junit: urdfcheck.junit.xml
 """
-LOCAL_HOOKS = """\
-- repo: local # runs the urdfcheck that is installed; with an address: repo, rev, and only the two ids
+# Without a repository that has the hooks. What stands in braces is how they are run.
+_OWN_HOOKS = """\
+- repo: local # {note}
   hooks:
     - id: urdfcheck
       name: urdfcheck
-      entry: urdfcheck --allow-empty
-      language: system
+      {entry}
       types_or: [urdf, xacro]
       require_serial: true
     - id: urdfcheck-meshes
       name: urdfcheck (models of changed meshes, launch files and settings)
-      entry: urdfcheck --allow-empty
-      language: system
+      {entry}
       files: |
         (?xi)(
           \\.(stl|dae|obj|ply|off|glb|gltf|bin|srdf)
@@ -129,6 +129,16 @@ LOCAL_HOOKS = """\
         )$
       require_serial: true
 """
+LOCAL_HOOKS = _OWN_HOOKS.format(
+    note="runs the urdfcheck that is installed; with an address: repo, rev, and only the two ids",
+    entry="entry: urdfcheck --allow-empty\n      language: system",
+)
+PINNED_HOOKS = _OWN_HOOKS.replace(
+    "{entry}",
+    "entry: python -I -m urdfcheck --allow-empty\n"
+    "      language: python\n"
+    "      additional_dependencies: [{requirement}]",
+).replace("{note}", "pre-commit installs this version by itself")
 HOOKS = """\
 - repo: {address}
   rev: {revision}
@@ -163,6 +173,11 @@ def build_parser() -> argparse.ArgumentParser:
     p.add_argument(
         "folder", nargs="?", default=".", metavar="FOLDER", help="where the models are (default: this folder)"
     )
+    p.add_argument(
+        "--vscode",
+        action="store_true",
+        help="also write a task that lists findings as problems, the settings and the JSON Schema of the configuration",
+    )
     p.add_argument("--dry-run", action="store_true", help="write nothing, and print what would be written")
     return p
 
@@ -181,19 +196,20 @@ def main(words: Sequence[str]) -> int:
     if not outcome.models:
         say(f"no model was found in {folder}: there is nothing to set up")
         return NOTHING
-    address, revision = find_install_origin()
-    install = f"git+{address}@{revision}" if address else UNKNOWN
-    action = _format_github_action(address, revision)
+    origin = find_install_origin()
+    install = origin.requirement or UNKNOWN
+    action = _format_github_action(origin.address, origin.revision)
     needing = _collect_needed_arguments(outcome, folder)
     steps = [
         _plan_configuration(folder, needing, _list_expanded_by_launch(outcome)),
-        _plan_hooks(root / PRE_COMMIT, HOOKS.format(address=address, revision=revision) if address else LOCAL_HOOKS),
+        _plan_hooks(root / PRE_COMMIT, format_hooks(origin)),
         _plan_job(root, install, action=action, folder=inside),
     ]
+    more = _plan_vscode(root, inside) if options.vscode else []
     _report_found(outcome)
-    for step in steps:
+    for step in (*steps, *more):
         _run_step(step, root, dry=options.dry_run)
-    _report_next_steps(steps, needing, known=bool(address), dry=options.dry_run)
+    _report_next_steps(steps, needing, known=bool(origin.requirement), dry=options.dry_run)
     return OK
 
 
@@ -261,19 +277,14 @@ def _find_repository(folder: Path) -> Path:
     return next((f for f in (real, *real.parents) if (f / ".git").exists()), real)
 
 
-def find_install_origin() -> tuple[str, str]:
-    """Return the address and the commit that urdfcheck was installed from (PEP 610); empty where pip did not record them."""
-    from importlib.metadata import PackageNotFoundError, distribution
-
-    try:
-        origin = json.loads(distribution("urdfcheck").read_text("direct_url.json") or "{}")
-    except (PackageNotFoundError, ValueError):
-        return "", ""
-    commit = origin.get("vcs_info", {}).get("commit_id", "")
-    return (origin["url"], commit) if commit else ("", "")
-
-
 # -- what is to be written ---------------------------------------------------------------------------------------------
+
+
+def format_hooks(origin: InstallOrigin) -> str:
+    """Return the entry for pre-commit: the hooks of the repository, the version of the index, or what is installed here."""
+    if origin.address:
+        return HOOKS.format(address=origin.address, revision=origin.revision)
+    return PINNED_HOOKS.format(requirement=_quote_yaml(origin.requirement)) if origin.requirement else LOCAL_HOOKS
 
 
 def _plan_configuration(
@@ -461,6 +472,23 @@ def _plan_job(root: Path, install: str, *, action: str, folder: str) -> SetupSte
     if tree is None or not isinstance(tree, yaml.MappingNode) or tree.flow_style:
         return SetupStep(path=path, verb="kept", reason="it cannot be added to: add what follows", added=job)
     return SetupStep(path=path, verb="extended", text=_append_text(before, job), added=job)
+
+
+def _plan_vscode(root: Path, folder: str) -> list[SetupStep]:
+    from urdfcheck.cli.vscode_files import SCHEMA, render_vscode_files
+
+    steps = []
+    for name, text in render_vscode_files(folder).items():
+        shown = f"the JSON Schema of urdfcheck.toml, {len(text) // 1000} kB" if name == SCHEMA else text
+        path = root / name
+        if not path.exists():
+            steps.append(SetupStep(path=path, verb="wrote", text=text, added=shown))
+        elif name == SCHEMA or "urdfcheck" in _read_text(path):
+            steps.append(SetupStep(path=path, verb="kept", reason="it is there already"))
+        else:
+            reason = "it may have comments, which would be lost: add what follows"
+            steps.append(SetupStep(path=path, verb="kept", reason=reason, added=text))
+    return steps
 
 
 def _append_text(before: str, added: str, *, blank: bool = True) -> str:

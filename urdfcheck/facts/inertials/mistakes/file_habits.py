@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+
+from urdfcheck.core.records import dataclass
 
 # What exporters and the conventions of a CAD program do to all links alike. The others are slips in one link. Not "rpy_missing":
 # undoing it borrows the axes from the mesh, so that many links with something else fit it a little better.

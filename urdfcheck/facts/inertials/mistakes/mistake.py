@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.inertia_tensor import compute_parallel_axis_term
 
 if TYPE_CHECKING:
@@ -56,6 +56,8 @@ LOG_PRIORS = {
     "com_missing (tensor about the origin)": -3.5,  # confirmed: 21 links of 1 robot
     "unmirrored": -3.0,
     "unmirrored (the tensor alone)": -9.0,  # signs of all products are likelier: only where one of them is right already
+    # Evidence, not frequency: the product that a flip of all three would make wrong is right, in size and sign.
+    "unmirrored (the tensor alone, product by product)": -1.0,
     "unmirrored (has a twin)": -2.0,  # a part with a mirror image is the one whose numbers were copied
     "rpy_missing": -3.0,  # confirmed: 1
     "rpy_twice": -3.5,

@@ -54,6 +54,10 @@ _OTHER_SIGNS = 2.0 * np.eye(3) - 1.0
 _TELLING_DIGITS = 4
 # Products below this part of the largest moment do not show on which side of a mirror a part is.
 _NO_PRODUCT = 0.02
+# Each of three products is near the reference's by chance, sign and size, in one tensor of thousands. Below this part of the
+# largest moment it is what tessellation makes of none.
+_NEAR_PRODUCT, _LEAST_PRODUCT = 0.1, 1e-4
+_PRODUCTS = np.triu_indices(3, 1)
 # Detail of a mistake that left the COM as it should be.
 TENSOR_ALONE = "the tensor alone"
 # Detail of a COM that is missing beside a tensor that is not about it.
@@ -126,7 +130,9 @@ def _undo_unmirrored(suspect: Suspect) -> Corrected:
         if np.linalg.norm(declared.com - expected) < np.linalg.norm(image - expected):
             turned = mirror @ declared.rotation
             tensor = declared.rotation.T @ turned @ declared.tensor @ turned.T @ declared.rotation
-            alone = prior if suspect.reference.twin is not None else f"unmirrored ({TENSOR_ALONE})"
+            alone = prior
+            if suspect.reference.twin is None:
+                alone = f"unmirrored ({TENSOR_ALONE}{', product by product' if _fits_each_product(suspect, tensor) else ''})"
             yield make_mistake(alone, f"{axis}, {TENSOR_ALONE}"), replace(declared, tensor=tensor)
             continue
         mirrored = DeclaredInertial(
@@ -136,6 +142,14 @@ def _undo_unmirrored(suspect: Suspect) -> Corrected:
             rotation=mirror @ declared.rotation @ mirror,
         )
         yield make_mistake(prior, axis), mirrored
+
+
+def _fits_each_product(suspect: Suspect, tensor: Mat3) -> bool:
+    """Whether each product of ``tensor`` (3, 3) has the sign and nearly the size of the reference's: then one that was right is
+    among them, and the export did not flip all."""
+    drawn, expected = tensor[_PRODUCTS], _compute_reference_tensor(suspect)[_PRODUCTS]
+    is_shown = np.abs(expected) > _LEAST_PRODUCT * np.abs(tensor).max()
+    return bool((is_shown & (np.abs(drawn - expected) < _NEAR_PRODUCT * np.abs(expected))).all())
 
 
 def _undo_rpy_twice(suspect: Suspect) -> Corrected:
@@ -298,12 +312,13 @@ def _compute_tensor_scale(declared: DeclaredInertial, reference: Reference) -> f
 def _undo_steiner_missing(suspect: Suspect) -> Corrected:
     geometry, declared = suspect.geometry, suspect.declared
     if geometry is not None and len(geometry.pieces) > 1:
-        term = _compute_term_of_pieces(geometry, declared.mass, declared.rotation)
+        term = compute_term_of_pieces(geometry, declared.mass, declared.rotation)
         yield make_mistake("steiner_missing"), replace(declared, tensor=declared.tensor + term)
 
 
-def _compute_term_of_pieces(geometry: VisualGeometry, mass: float, rotation: Mat3) -> Mat3:
-    """Compute what the parallel-axis theorem adds for the pieces of a part of uniform density, in the inertial frame's axes."""
+def compute_term_of_pieces(geometry: VisualGeometry, mass: float, rotation: Mat3) -> Mat3:
+    """Compute what the parallel-axis theorem adds (3, 3, kg m²) for the pieces of a part of uniform density and this ``mass``
+    (kg), in the inertial frame's axes, whose columns in the link's are ``rotation`` (3, 3)."""
     volumes = np.array([piece.volume for piece in geometry.pieces])
     levers = (np.array([piece.com for piece in geometry.pieces]) - geometry.solid.com) @ rotation
     return compute_covariance_inertia((levers.T * (volumes / volumes.sum())) @ levers, mass)
@@ -315,7 +330,7 @@ def _undo_own_missing(suspect: Suspect) -> Corrected:
     geometry, declared = suspect.geometry, suspect.declared
     if geometry is None or len(geometry.pieces) < 2:
         return
-    term = _compute_term_of_pieces(geometry, declared.mass, declared.rotation)
+    term = compute_term_of_pieces(geometry, declared.mass, declared.rotation)
     own = declared.rotation.T @ compute_solid_inertia(geometry.solid, declared.mass) @ declared.rotation
     off = float(np.linalg.norm(declared.tensor - term))
     if off < _SAME_TERM * float(np.linalg.norm(term)) and np.linalg.norm(own - term) > EFFECT * np.linalg.norm(own):
@@ -333,8 +348,17 @@ def _undo_other_body(suspect: Suspect) -> Corrected:
     own = suspect.reference.twin or DeclaredInertial(mass, solid.com, compute_solid_inertia(solid, mass))
     white = _compute_solid_whitening(suspect, solid)
     for name, body in _iter_other_bodies(geometry):
-        if _is_different_shape(body, white):
+        if _is_different_shape(body, white) and not (
+            name == "convex_hull" and _has_no_products_of(suspect.declared, body)
+        ):
             yield replace(make_mistake(name), source_body=body), own
+
+
+def _has_no_products_of(declared: DeclaredInertial, body: Solid) -> bool:
+    """Whether all typed products are zero, and those of a body are not: a formula makes such a tensor, no hull."""
+    products = (declared.rotation.T @ body.covariance @ declared.rotation)[_PRODUCTS]
+    is_turned = np.abs(products).max() > _LEAST_PRODUCT * np.trace(body.covariance)
+    return bool(is_turned and not declared.tensor[_PRODUCTS].any())
 
 
 def _iter_other_bodies(geometry: VisualGeometry) -> Iterator[tuple[str, Solid]]:

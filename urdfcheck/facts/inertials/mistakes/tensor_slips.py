@@ -6,12 +6,12 @@ Components are URDF's ``ixx ixy ixz iyy iyz izz`` in kg m².
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.inertia_tensor import (
     build_inertia_tensor,
     check_inertia_validity,

@@ -10,13 +10,15 @@ import numpy as np
 
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
+from urdfcheck.facts.inertials.mistakes.mixing_mistakes import compute_term_of_pieces
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry, split_visual_bodies
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
+    from urdfcheck.facts.inertials.inertia_tensor import Solid
 
 # So many links show the signs of the products, each of which is nearer to the drawn part by this factor with the other signs.
 _FEWEST, _NEARER = 2, 0.7
@@ -29,8 +31,13 @@ def join_added_pieces(
     model: Model, numbers: Mapping[str, DeclaredInertial], found: Mapping[str, Diagnosis]
 ) -> dict[str, Diagnosis]:
     """Return the verdicts: with the other signs of the products before the term of the parallel-axis theorem is added, where the
-    links of the file that lack the term show these; and with the cause of a link for those that have its numbers."""
+    links of the file that lack the term show these; and with the cause of a link for those that have its numbers. A wheel at
+    another place is the same export, whatever its COM."""
     joined = dict(found)
+    keys = {_get_key(numbers[name]) for name, one in found.items() if _lacks_term(one)}
+    for name, one in found.items():
+        if _get_key(numbers[name]) in keys and not _lacks_term(one):
+            joined[name] = _add_term(model, name, numbers[name], one)
     lacking = [name for name, one in found.items() if one.cause == "steiner_missing" and one.mended is not None]
     signed = {name: _negate_products(model, name, numbers[name], found[name]) for name in lacking}
     shown = [one for one in signed.values() if one is not None]
@@ -56,6 +63,29 @@ def _get_key(numbers: DeclaredInertial) -> tuple[str, ...]:
     return tuple(f"{value:.{_DIGITS}g}" for value in (numbers.mass, *np.linalg.eigvalsh(numbers.tensor)))
 
 
+def _lacks_term(diagnosis: Diagnosis) -> bool:
+    return diagnosis.cause == "steiner_missing" and diagnosis.judged_by == "mesh"
+
+
+def _add_term(model: Model, name: str, declared: DeclaredInertial, diagnosis: Diagnosis) -> Diagnosis:
+    """Return the verdict on a link with the numbers of one that lacks the term of its pieces: the same, if the term brings its
+    tensor nearer to what it draws."""
+    link = model.link_by_name[name]
+    drawn = measure_link_geometry(model, link)
+    pieces = () if drawn is None else drawn.pieces if len(drawn.pieces) > 1 else split_visual_bodies(model, link)
+    if drawn is None or not drawn.closed or len(pieces) < 2:
+        return diagnosis
+    term = compute_term_of_pieces(replace(drawn, pieces=pieces), declared.mass, declared.rotation)
+    mended = replace(declared, tensor=declared.tensor + term)
+    if _measure_distance(mended, drawn.solid) > _NEARER * _measure_distance(declared, drawn.solid):
+        return diagnosis
+    before = measure_inertial_mismatch(declared, drawn.solid.com, drawn.solid.covariance)
+    of_mesh = replace(
+        diagnosis, judged_by="mesh", at_fault=True, tensor_mismatch=before[0], com_mismatch=before[1], com_order=""
+    )
+    return of_mesh.name_cause("steiner_missing", mended, drawn.solid, unique=False)
+
+
 def _negate_products(
     model: Model, name: str, declared: DeclaredInertial, diagnosis: Diagnosis
 ) -> tuple[Diagnosis, bool] | None:
@@ -65,11 +95,15 @@ def _negate_products(
     if drawn is None or mended is None:
         return None
     signed = replace(mended, tensor=mended.tensor - 2.0 * _take_products(declared.tensor))
-    uniform = compute_solid_inertia(drawn.solid, declared.mass)
-    left, before = (float(np.linalg.norm(one.inertia - uniform)) for one in (signed, mended))
+    left, before = (_measure_distance(one, drawn.solid) for one in (signed, mended))
     tensor_mismatch, _ = measure_inertial_mismatch(signed, drawn.solid.com, drawn.solid.covariance)
     verdict = replace(diagnosis, detail=_OTHER_SIGNS, mended=signed, mended_tensor_mismatch=tensor_mismatch)
     return verdict, left < _NEARER * before
+
+
+def _measure_distance(numbers: DeclaredInertial, solid: Solid) -> float:
+    """Measure how far a tensor is from a uniform solid's at the same mass (Frobenius norm, kg m²)."""
+    return float(np.linalg.norm(numbers.inertia - compute_solid_inertia(solid, numbers.mass)))
 
 
 def _take_products(tensor: Array) -> Array:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.model.likeness.declared_inertials import estimate_from_twin
 from urdfcheck.model.likeness.identical_parts import estimate_from_copies

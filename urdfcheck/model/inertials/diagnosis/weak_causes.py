@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 _LEFT = 0.5
 # Causes that take what is drawn apart: collision shapes are not the pieces that a CAD program added.
 _OF_PIECES = frozenset({"steiner_missing", "own_missing", "one_piece"})
+# A mass and a tensor with so many digits each were computed together: nobody typed one of them later. What is not drawn, or a
+# second material, changes a size by less than this share.
+_EXPORTED_DIGITS, _OTHER_MATERIAL = 12, 0.25
 # Causes whose numbers come from the drawing, that are in the drawing, or of which the tensor shows only a part.
 _TOLD_BY_OTHERS = frozenset(
     {"rounded", "other_mass", "wrong_formula", "shell", "bounding_box", "convex_hull", "one_piece", "mesh_scale"}
@@ -50,6 +53,8 @@ def _is_weak(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Di
     if diagnosis.cause in _OF_PIECES and explain_collision_stand_in(model, link) is not None:
         return True
     mended = diagnosis.mended
+    if diagnosis.cause == "other_mass" and _is_of_one_export(declared, drawn):
+        return True
     if diagnosis.cause in _TOLD_BY_OTHERS or mended is None or (mended.com != declared.com).any():
         return False
     if mended.mass != declared.mass:
@@ -63,6 +68,18 @@ def _is_weak(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Di
 
 def _is_lighter_than_foam(declared: DeclaredInertial, drawn: VisualGeometry) -> bool:
     return drawn.solid.volume > 0.0 and declared.mass < LIGHTEST * drawn.solid.volume
+
+
+def _is_of_one_export(declared: DeclaredInertial, drawn: VisualGeometry) -> bool:
+    """Whether mass and tensor come from one computation, and the tensor is nearly of the size that the drawn part has."""
+    uniform = compute_solid_inertia(drawn.solid, declared.mass)
+    if abs(float(np.trace(declared.inertia) / np.trace(uniform)) - 1.0) >= _OTHER_MATERIAL:
+        return False
+    return all(_has_exported_digits(value) for value in (declared.mass, *declared.tensor.diagonal().tolist()))
+
+
+def _has_exported_digits(value: float) -> bool:
+    return float(f"{value:.{_EXPORTED_DIGITS - 2}e}") != value
 
 
 def _withdraw_cause(diagnosis: Diagnosis) -> Diagnosis:

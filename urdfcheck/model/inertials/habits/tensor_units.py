@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.habits.measured_tensors import MeasuredTensor, measure_tensors
 from urdfcheck.model.robot import Model

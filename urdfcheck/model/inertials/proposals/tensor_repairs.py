@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Edit
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import build_inertia_tensor, check_inertia_validity
 from urdfcheck.model.parts import Link

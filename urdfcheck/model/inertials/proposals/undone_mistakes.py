@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from urdfcheck.core import Span
-from urdfcheck.facts.inertials.certainty import EXACT
+from urdfcheck.facts.inertials.certainty import EXACT, UNIFORM
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
+from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance, compute_solid_inertia
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
@@ -30,6 +32,8 @@ _REMAINING, LARGEST_SOUND_MISMATCH = 0.3, 0.75
 # Another decimal point brings one number near the part's by chance: of 1,200 lumped parts of which one moment was multiplied by
 # any factor from 1/2000 to 2000, 12 % fit one with a mismatch below 0.75, and 2.4 % below 0.3; of those with a slip 57 % do.
 _LONE_NUMBER = 0.3
+# What tessellation leaves of a part's second moments, and the most that pieces which a mesh does not show one by one add.
+_FACETS, _MORE_PIECES = 0.005, 0.15
 # A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size.
 _FAR_COM = 0.1
 
@@ -45,7 +49,7 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
         return None
     if diagnosed.diagnosis.cause == "shell" and has_com_of_shell(model, link):
         return None  # the part may be hollow: then all of its numbers are right
-    change = build_inertial_repair(inertial, diagnosed.diagnosis.mended)
+    change = build_inertial_repair(inertial, _complete_term(model, link, diagnosed) or diagnosed.diagnosis.mended)
     if not change.text or _leaves_com_off(model, link, diagnosed):
         return None
     is_certain = (
@@ -58,6 +62,24 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
     )
     change = replace(change, where=describe_own_call(model, link, change))
     return change if is_certain else replace(change, edits=())
+
+
+def _complete_term(model: Model, link: Link, diagnosed: DiagnosedInertial) -> DeclaredInertial | None:
+    """Return the numbers of the drawn part, where a tensor lacks the parallel-axis term of more pieces than its mesh shows: the
+    COM is the uniform part's, and what is left once the term is added is such a term, too. None elsewhere."""
+    diagnosis, drawn = diagnosed.diagnosis, measure_link_geometry(model, link)
+    if diagnosis.cause != "steiner_missing" or diagnosis.mended is None or drawn is None or not drawn.closed:
+        return None
+    if diagnosis.detail or diagnosis.com_mismatch > UNIFORM:
+        return None
+    declared, solid = diagnosed.declared, drawn.solid
+    left = solid.covariance - compute_mass_covariance(diagnosis.mended.inertia, declared.mass)
+    size = float(np.trace(solid.covariance))
+    is_of_pieces = float(np.linalg.eigvalsh(left)[0]) > -_FACETS * size
+    if not is_of_pieces or not _FACETS * size < float(np.trace(left)) < _MORE_PIECES * size:
+        return None
+    uniform = compute_solid_inertia(solid, declared.mass)
+    return replace(declared, tensor=declared.rotation.T @ uniform @ declared.rotation)
 
 
 def has_mistake(model: Model, link: Link, cause: str) -> bool:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.likeness.mirror_pairs import PLACE, list_named_pairs
 from urdfcheck.model.likeness.origin_slips import OriginSlip, is_taken_back
 from urdfcheck.model.likeness.side_names import remove_places

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_named_pairs
 from urdfcheck.model.likeness.mirrored_joints import find_pair_joints
 from urdfcheck.model.likeness.shape_comparison import compute_centroid, is_alike

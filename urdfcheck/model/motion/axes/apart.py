@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.collision_geometry import PlacedGeometry, compute_shape_box
 from urdfcheck.facts.motion.gaps import Gaps, is_within, sample_vertices
 from urdfcheck.model.motion import poses
@@ -15,6 +15,7 @@ from urdfcheck.model.motion.axes.bodies import DrawnBodies
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
+from urdfcheck.system.installation import describe_left_out
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -183,10 +184,8 @@ class _Distances:
         if self._gaps is None:
             try:
                 self._gaps = Gaps()
-            except ImportError:
-                raise FactUnavailableError(
-                    "coal is not installed (there are no wheels of it for this platform)"
-                ) from None
+            except ImportError as error:
+                raise FactUnavailableError(describe_left_out(error) or str(error)) from None
         return self._gaps
 
     def _sample(self, head: str) -> Array | None:

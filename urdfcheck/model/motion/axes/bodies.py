@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.collision_geometry import CollisionGeometry, PlacedGeometry
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.motion.collisions.setup import describe_joint, make_geometry
@@ -15,7 +15,7 @@ from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
-from urdfcheck.system.array_cache import compute_code_version, find_library_origin
+from urdfcheck.system.installation import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Mat4

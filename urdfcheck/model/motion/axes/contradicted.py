@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.motion.axes.apart import ApartPart, find_apart_part
 from urdfcheck.model.motion.axes.bearings import BearingMismatch, find_bearing_mismatches

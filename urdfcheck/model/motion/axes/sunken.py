@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.winding import are_inside
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
 from urdfcheck.model.motion import poses

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.motion.collisions.setup import CollisionSetup
 from urdfcheck.model.parts import Shape
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.collision import Separation
 from urdfcheck.facts.motion.collision_geometry import PlacedGeometry
 from urdfcheck.model.motion.collisions.setup import CollisionSetup, make_colliders, make_geometry

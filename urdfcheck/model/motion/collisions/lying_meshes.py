@@ -6,11 +6,11 @@ right: meshes that lie on their sides break this symmetry, and turning them upri
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.motion.collisions.self_collisions import SelfCollisions, self_collisions
 from urdfcheck.model.motion.collisions.setup import CollisionSetup
 from urdfcheck.model.parts import Shape

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, SelfCollisions
 from urdfcheck.model.motion.collisions.setup import make_colliders
 from urdfcheck.model.shapes.displaced_collisions import DisplacedCollision, list_displaced_collisions

@@ -10,13 +10,14 @@ if TYPE_CHECKING:
 import hashlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.collision import Colliders, list_all_pairs
 from urdfcheck.facts.motion.collision_geometry import CollisionGeometry, PlacedGeometry
 from urdfcheck.model.meshes import MEASURING_MODULES
@@ -26,7 +27,7 @@ from urdfcheck.model.parts import Joint, Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS
 from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
-from urdfcheck.system.array_cache import compute_code_version, find_library_origin
+from urdfcheck.system.installation import compute_code_version, describe_left_out, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices
@@ -217,8 +218,8 @@ def make_colliders(placed: Sequence[PlacedGeometry]) -> Colliders:
     """
     try:
         return Colliders(placed)
-    except ImportError:
-        raise FactUnavailableError("coal is not installed (there are no wheels of it for this platform)") from None
+    except ImportError as error:
+        raise FactUnavailableError(describe_left_out(error) or str(error)) from None
 
 
 def make_geometry(model: Model, shape: Shape) -> CollisionGeometry:

@@ -9,11 +9,11 @@ if TYPE_CHECKING:
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.collision_geometry import ROUNDING
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
 from urdfcheck.facts.motion.swept_spheres import compute_least_distance

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Located
+from urdfcheck.core.records import dataclass
 from urdfcheck.model.ground.drive_plugins import DrivePlugin, list_drive_plugins
 from urdfcheck.model.ground.drive_wheels import list_drive_wheels
 from urdfcheck.model.ground.wheel_pair import find_lone_wheel_pair

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import Located, Location
 from urdfcheck.core.drive_test import HALF_TURN
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.model.ground.wheels import rolling_wheels
 from urdfcheck.model.motion.driving.drive_plan import DrivePlan, TypedSize, find_drive_plan

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from urdfcheck.core import Run
 from urdfcheck.core.model_diff import COSMETIC, IDENTICAL, VERDICTS, Diff, MechanismDiff, ModelDiff
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.changes.png import index_scenes
 from urdfcheck.output.shared.anchors import FindingCard, build_finding_cards

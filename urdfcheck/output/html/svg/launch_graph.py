@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.scene import SceneLaunch, SceneNode, SceneParameter, ScenePort
 from urdfcheck.output.html.svg.label_text import ADVANCE, SMALL, count_columns, shorten_name
 from urdfcheck.output.shared.anchors import ElementKey

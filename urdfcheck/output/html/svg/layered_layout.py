@@ -9,7 +9,8 @@ from __future__ import annotations
 import itertools
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+
+from urdfcheck.core.records import dataclass
 
 # Why here and not dagre or elk in the script of the 3D view: the report must show its graphs without JavaScript, when printed
 # and under a policy that blocks scripts, so the SVG has to be complete when Python writes it.

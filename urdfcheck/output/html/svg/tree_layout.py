@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.output.html.svg.label_text import ADVANCE, SMALL, count_columns, shorten_name
 from urdfcheck.output.shared.kinematic_forest import TreeEdge, TreeNode
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.scene import Scene, SceneJoint
 from urdfcheck.output.html.element_names import render_element_name
 from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_millimetres, format_number

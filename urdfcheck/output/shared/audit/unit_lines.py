@@ -6,9 +6,10 @@ import heapq
 import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from urdfcheck.core import Finding, ModelInfo, Severity, SkippedCheck
+from urdfcheck.core.records import dataclass
 from urdfcheck.output.shared.escaping import escape_for_json
 from urdfcheck.output.shared.json_objects import build_finding_object, build_model_object, build_skip_object
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 from urdfcheck.core import Finding, ModelInfo, Run
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_argument_option, join_names
 from urdfcheck.output.shared.wording import format_count
 

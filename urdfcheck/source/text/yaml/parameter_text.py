@@ -7,9 +7,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.source.text.yaml.values import YamlReadError
 

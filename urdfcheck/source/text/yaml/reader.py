@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 
 import yaml
 from yaml.nodes import MappingNode, Node, SequenceNode
@@ -18,6 +19,8 @@ from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue, make_yam
 MAX_CHARACTERS = 1_000_000
 MAX_NODES = 100_000
 MAX_DEPTH = 100
+# Characters of a file whose nodes are kept for the next time that it is read.
+_LONGEST_KEPT = 100_000
 
 
 class _DepthLimitedLoader(yaml.SafeLoader):
@@ -53,10 +56,21 @@ def compose_nodes(source: SourceFile) -> Node | None:
     if len(source.text) > MAX_CHARACTERS:
         message = f"it has {len(source.text):,} characters, more than {MAX_CHARACTERS:,}"
         raise YamlReadError(message, source.make_span(MAX_CHARACTERS, MAX_CHARACTERS + 1))
-    node: Node | None = yaml.compose(source.text, Loader=_DepthLimitedLoader)
+    # PyYAML writes merged keys into the nodes that it constructs values of: those are not shared.
+    is_shared = len(source.text) <= _LONGEST_KEPT and "<<" not in source.text
+    node = (_compose_known_text if is_shared else _compose_text)(source.text)
     if node is not None:
         _SizeCounter(source).count_values(node)
     return node
+
+
+def _compose_text(text: str) -> Node | None:
+    node: Node | None = yaml.compose(text, Loader=_DepthLimitedLoader)
+    return node
+
+
+# Most models of a package read the same files, and an editor reads them again after each key.
+_compose_known_text = lru_cache(maxsize=32)(_compose_text)
 
 
 @contextmanager

@@ -5,10 +5,10 @@ PyYAML is loaded with the first file: see `urdfcheck.source.text.yaml.reader`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 from urdfcheck.core import Edit, Location, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import SourceFile
 

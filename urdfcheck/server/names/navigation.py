@@ -10,6 +10,7 @@ from urdfcheck.core import Span
 from urdfcheck.export.index.source_index import ComputedText, NamePlace
 from urdfcheck.server.documents import DocumentStore, OpenDocument, find_word
 from urdfcheck.server.index_store import IndexedModel, IndexStore, locate_present
+from urdfcheck.server.names.name_groups import find_same_names
 
 
 def find_definitions(
@@ -39,30 +40,13 @@ def find_references(
     indexes: IndexStore, documents: DocumentStore, document: OpenDocument, offset: int, *, with_definitions: bool
 ) -> list[types.Location]:
     """Return where the name at an offset is used, in all models that know it."""
-    wanted: set[tuple[str, str, Span | None]] = {
-        (name.kind, name.name, definition)
-        for view in indexes.view(document)
-        for name in view.find_names(offset)
-        for definition in _iter_definitions(view.model, name)
-    }
-    wanted |= {(n.kind, n.name, None) for view in indexes.view(document) for n in view.find_names(offset)}
+    seeds = [name for view in indexes.view(document) for name in view.find_names(offset)]
+    models = list(indexes.models.values())
     found: list[types.Location] = []
-    for model in indexes.models.values():
-        spans = [
-            place.span
-            for place in model.index.names
-            if (place.kind, place.name, None) in wanted
-            and (with_definitions or not place.is_definition)
-            and _means_one_of(place, wanted)
-        ]
-        found += _locate_all(spans, model, documents)
+    for number, place in find_same_names([model.index for model in models], seeds):
+        if with_definitions or not place.is_definition:
+            found += _locate_all([place.span], models[number], documents)
     return _drop_repeated(found)
-
-
-def _means_one_of(place: NamePlace, wanted: set[tuple[str, str, Span | None]]) -> bool:
-    """Whether a place means one of the definitions, as far as it is known what it means."""
-    meant = (place.span,) if place.is_definition else place.targets
-    return not meant or any((place.kind, place.name, span) in wanted for span in meant)
 
 
 def _iter_definitions(model: IndexedModel, name: NamePlace) -> Iterator[Span]:

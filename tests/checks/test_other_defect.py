@@ -1,0 +1,164 @@
+"""What follows from another defect, or is one of another kind: the finding says so, or is left to the rule that has the cause."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import trimesh
+from builders import arm_on_base, box, collision, cylinder, find, inertial, joint, limit, link, mesh, robot, visual
+
+from urdfcheck.core import Finding
+
+
+def one(folder: Path, text: str, codes: str | set[str], name: str = "robot.urdf") -> Finding:
+    (finding,) = find(folder, text, codes, name=name)
+    return finding
+
+
+def title(finding: Finding) -> str:
+    assert finding.fix is not None
+    return finding.fix.title
+
+
+def test_a_call_without_its_prefix_is_no_misspelt_element(tmp_path: Path) -> None:
+    text = robot(
+        '<xacro:macro name="m_link" params="name"><link name="${name}"/></xacro:macro>',
+        link("base"),
+        '<m_link name="a"/>',
+        xacro=True,
+    )
+    assert one(tmp_path, text, {"XML003", "XAC007"}, "robot.urdf.xacro").code == "XAC007"
+
+
+def test_numbers_in_elements_of_their_own_are_not_moved(tmp_path: Path) -> None:
+    axis = "<axis><xyz>1 0 0</xyz><dynamics><friction>10</friction></dynamics></axis>"
+    text = robot(link("base"), link("arm"), joint("j", "base", "arm", axis, kind="fixed"))
+    (finding,) = [f for f in find(tmp_path, text, "XML003") if f.data["tag"] == "dynamics"]
+    assert title(finding).startswith("delete it, or write its numbers as attributes")
+
+
+@pytest.mark.parametrize(
+    ("numbers", "cause"),
+    [
+        ("0.01 0.01 0 0.01 0.01 0.01", None),
+        ("0.01 0.01 0.01 0.01 0.01 0.01", None),
+        ("0.03 0.01 0 0.01 0.02 0.03", "rows"),
+    ],
+)
+def test_rows_that_make_no_body_are_no_cause(tmp_path: Path, numbers: str, cause: str | None) -> None:
+    names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    terms = dict(zip(names, numbers.split(), strict=True))
+    for finding in find(tmp_path, arm_on_base(inertial(1, **terms)), "INR004"):
+        assert (finding.cause is not None and finding.cause.id == "rows") == (cause == "rows")
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("arm ", "delete each space at the beginning or end, here"),
+        ("an arm", "replace each space by an underscore, here"),
+        (" an arm", "delete each space at the beginning or end and replace each space by an underscore, here"),
+    ],
+)
+def test_a_space_at_the_end_of_a_name_is_a_slip(tmp_path: Path, name: str, advice: str) -> None:
+    text = robot(link("base"), joint("j", "base", name, kind="continuous"), link(name))
+    assert title(one(tmp_path, text, "NAM001")).startswith(advice)
+
+
+def test_what_publishes_the_joints_drives_none(tmp_path: Path) -> None:
+    def extend(library: str) -> str:
+        plugin = f'<plugin name="p" filename="{library}"><jointName>a, b, c</jointName></plugin>'
+        return robot(
+            link("base"),
+            *(link(name) + joint(name, "base", name, limit(-1, 1), kind="revolute") for name in "abc"),
+            f"<gazebo>{plugin}</gazebo>",
+            *("<transmission name='t'><joint name='a'/></transmission>",),
+        )
+
+    assert not find(tmp_path, extend("libgazebo_ros_joint_pose_trajectory.so"), "CTL002", pedantic=True)
+    (finding,) = find(tmp_path, extend("libgazebo_ros_joint_state_publisher.so"), "CTL002", pedantic=True)
+    assert finding.data["joints"] == "b, c"
+    assert "<ros2_control>" not in title(finding)
+
+
+def test_the_com_of_a_motor_is_not_that_of_its_shaft(tmp_path: Path) -> None:
+    shaft = visual(cylinder(0.003, 0.06), xyz="0 0 0.03")
+    assert not find(tmp_path, arm_on_base(inertial(0.5, 1e-4, com="0 0 -0.02"), shaft), "INR006")
+    assert find(tmp_path, arm_on_base(inertial(0.01, 1e-6, com="0 0 -0.02"), shaft), "INR006")
+
+
+def test_numbers_that_were_made_up_have_no_decimal_point(tmp_path: Path) -> None:
+    ball = visual(cylinder(0.05, 0.1))
+
+    def pair(other: float) -> str:
+        return robot(
+            link("base"),
+            link("a", inertial(0.1, 0.001), ball),
+            joint("ja", "base", "a", kind="continuous"),
+            link("b", inertial(0.2, other), visual(box("0.1 0.2 0.3"))),
+            joint("jb", "base", "b", kind="continuous"),
+        )
+
+    assert not [
+        f for f in find(tmp_path, pair(0.01), "INR009") if f.cause is not None and f.cause.id == "decimal_point"
+    ]
+
+
+def test_a_wheel_with_an_empty_range_is_to_turn(tmp_path: Path) -> None:
+    text = robot(
+        link("base"), link("left_wheel"), joint("left_wheel_joint", "base", "left_wheel", limit(0, 0), kind="revolute")
+    )
+    assert title(one(tmp_path, text, "JNT005")).startswith('write type="continuous"')
+
+
+@pytest.mark.parametrize(("part", "says"), [("", "drops the link"), (inertial(1, 0.01), "aborts at the first step")])
+def test_a_link_that_gazebo_drops_does_not_stop_it(tmp_path: Path, part: str, says: str) -> None:
+    finding = one(tmp_path, arm_on_base(part, collision(box("0.1 0.1 0"))), "GEO001")
+    assert finding.consequences["gazebo"].startswith(says)
+
+
+def test_an_element_of_a_macro_is_at_fault_where_the_macro_has_it(tmp_path: Path) -> None:
+    macro = """<xacro:macro name="m" params="name *origin place">
+<link name="${name}"><origin xyz="${place}"/></link>
+<joint name="${name}_j" type="fixed"><parent link="base"/><child link="${name}"/><origin xyz="0 0 1"/>
+<xacro:insert_block name="origin"/>
+</joint></xacro:macro>
+"""
+    call = '<xacro:m name="a" place="0 0 0.3">\n<origin xyz="0 1 0"/></xacro:m>'
+    text = robot(link("base"), "\n" + macro, call, xacro=True)
+    places = {f.code: f.location.span.line for f in find(tmp_path, text, {"XML003", "XML006"}, name="robot.urdf.xacro")}
+    first = text.splitlines().index(macro.splitlines()[0]) + 1
+    assert places == {"XML003": first + 1, "XML006": first + 3}
+
+
+@pytest.mark.parametrize(("height", "found"), [("0.1", True), ("0.106", False)])
+def test_boxes_around_two_drawings_that_differ_are_right(tmp_path: Path, height: str, found: bool) -> None:
+    """A part that stands elsewhere on the right makes its box higher by 6 mm, as its collision box is."""
+    for name, top in (("left", 0.1), ("right", float(height))):
+        write_boxes(
+            tmp_path / f"{name}_arm.stl", [((0.1, 0.1, 0.09), (0, 0, 0.045)), ((0.02, 0.02, 0.02), (0, 0, top - 0.01))]
+        )
+
+    def bar(height: float) -> str:
+        return collision(box(f"0.1 0.1 {height}"), xyz=f"0 0 {height / 2}")
+
+    text = robot(
+        link("base"),
+        *(
+            link(
+                f"{side}_arm",
+                inertial(1, 0.01),
+                visual(mesh(f"{side}_arm.stl")),
+                stand_in,
+            )
+            + joint(side, "base", f"{side}_arm", kind="continuous", xyz=f"0 {y} 0")
+            for side, stand_in, y in (("left", bar(0.1), 0.3), ("right", bar(0.106), -0.3))
+        ),
+    )
+    assert bool(find(tmp_path, text, "SYM007", pedantic=True)) == found
+
+
+def write_boxes(path: Path, boxes: list[tuple[tuple[float, float, float], tuple[float, float, float]]]) -> None:
+    parts = [trimesh.creation.box(size, trimesh.transformations.translation_matrix(place)) for size, place in boxes]
+    trimesh.util.concatenate(parts).export(path)

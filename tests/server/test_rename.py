@@ -1,0 +1,248 @@
+"""Renaming in an editor: in all files that know a name, tried before it is offered, refused with a sentence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lsprotocol import types
+from pygls.exceptions import JsonRpcException
+
+from .editor import Editor
+from .test_actions import apply
+from .test_questions import MACROS as SIMPLE_MACROS
+
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+
+MACROS = SIMPLE_MACROS.replace("length:=0.4", "length:=0.4 *origin").replace(
+    "<axis", '<xacro:insert_block name="origin"/>\n      <axis'
+)
+ROBOT = """<?xml version="1.0"?>
+<robot name="two_arms" xmlns:xacro="http://www.ros.org/wiki/xacro"> <!-- 🤖 é -->
+  <xacro:arg name="reach" default="0.5"/>
+  <xacro:include filename="arm.xacro"/>
+  <xacro:property name="mass" value="3"/>
+  <material name="blue"><color rgba="0 0 1 1"/></material>
+  <link name="base"><visual><geometry><box size="${mass} 1 1"/></geometry><material name="blue"/></visual></link>
+  <xacro:arm prefix="left" parent="base" length="$(arg reach)"><origin xyz="0 1 0"/></xacro:arm>
+  <xacro:arm prefix="right" parent="left_arm"><origin xyz="0 -1 0"/></xacro:arm>
+  <xacro:if value="$(eval reach &gt; 9)"><gazebo reference="base"/></xacro:if>
+  <gazebo><plugin name="p" filename="libgazebo_ros_p3d.so"><bodyName>base</bodyName></plugin></gazebo>
+</robot>
+"""
+OTHER = """<robot name="other" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:include filename="arm.xacro"/>
+  <link name="base"/>
+  <xacro:arm prefix="left" parent="base"><origin/></xacro:arm>
+</robot>
+"""
+SRDF = """<robot name="two_arms">
+  <group name="arms"><joint name="left_joint"/><chain base_link="base" tip_link="left_arm"/></group>
+  <disable_collisions link1="base" link2="left_arm" reason="Adjacent"/>
+</robot>
+"""
+CONTROLLERS = """arm_controller:
+  type: position_controllers/JointTrajectoryController
+  joints: [left_joint, right_joint]
+  constraints:
+    left_joint: {trajectory: 0.1}
+"""
+LAUNCH = """<launch>
+  <param name="robot_description" command="xacro $(find robot)/urdf/two_arms.urdf.xacro reach:=0.6"/>
+  <node pkg="tf2_ros" type="static_transform_publisher" name="tf" args="0 0 0 0 0 0 map base"/>
+</launch>
+"""
+PYTHON_LAUNCH = """import os
+import xacro
+from ament_index_python.packages import get_package_share_directory
+
+def generate_launch_description():
+    path = os.path.join(get_package_share_directory("robot"), "urdf", "two_arms.urdf.xacro")
+    return xacro.process_file(path, mappings={"reach": "0.7"})
+"""
+
+
+@pytest.fixture
+def files(editor: Editor, project: Path) -> dict[str, Path]:
+    """The robot and all that names its parts, by the beginning of their names; the first two are open."""
+    texts = {
+        "urdf/two_arms.urdf.xacro": ROBOT,
+        "urdf/arm.xacro": MACROS,
+        "urdf/other.urdf.xacro": OTHER,
+        "config/two_arms.srdf": SRDF,
+        "config/controllers.yaml": CONTROLLERS,
+        "launch/show.launch": LAUNCH,
+        "launch/show.launch.py": PYTHON_LAUNCH,
+    }
+    for name, text in texts.items():
+        (project / name).parent.mkdir(exist_ok=True)
+        (project / name).write_text(text, encoding="utf-8")
+        if len(editor.texts) < 2:
+            editor.open(project / name)
+    return {Path(name).name: project / name for name in texts}
+
+
+def rename(editor: Editor, path: Path, at: types.Position, name: str) -> dict[str, list[str]]:
+    """Rename what is at a position; return the changed lines by file, as they are then."""
+    params = types.RenameParams(editor.identify(path), at, name)
+    edit = editor.wait(editor.client.text_document_rename_async(params))
+    assert edit is not None
+    uris = [
+        change.text_document.uri for change in edit.document_changes or () if isinstance(change, types.TextDocumentEdit)
+    ]
+    paths = [Path(uri.removeprefix("file://")) for uri in uris]
+    before = {}
+    for changed in paths:
+        if changed not in editor.texts:
+            editor.open(changed)
+            edit = _with_version(edit, changed)
+        before[changed] = editor.texts[changed].split("\n")
+    apply(editor, edit)
+    return {
+        changed.name: [
+            new.strip() for old, new in zip(lines, editor.texts[changed].split("\n"), strict=True) if old != new
+        ]
+        for changed, lines in before.items()
+    }
+
+
+def _with_version(edit: types.WorkspaceEdit, path: Path) -> types.WorkspaceEdit:
+    for change in edit.document_changes or ():
+        if isinstance(change, types.TextDocumentEdit) and change.text_document.uri == path.as_uri():
+            change.text_document.version = 1
+    return edit
+
+
+def refuse(editor: Editor, path: Path, at: types.Position, name: str) -> str:
+    """The sentence with which a renaming is refused."""
+    params = types.RenameParams(editor.identify(path), at, name)
+    with pytest.raises(JsonRpcException) as refused:
+        editor.wait(editor.client.text_document_rename_async(params))
+    return str(refused.value.message)
+
+
+def prepare(editor: Editor, path: Path, at: types.Position) -> str:
+    params = types.PrepareRenameParams(editor.identify(path), at)
+    found = editor.wait(editor.client.text_document_prepare_rename_async(params))
+    assert isinstance(found, types.PrepareRenamePlaceholder)
+    assert editor.read(path, found.range) == found.placeholder
+    return found.placeholder
+
+
+@pytest.mark.smoke
+def test_a_link_gets_another_name_wherever_it_is_named(editor: Editor, files: dict[str, Path]) -> None:
+    robot = files["two_arms.urdf.xacro"]
+    at = editor.find(robot, 'link name="base"', part="base")
+    assert prepare(editor, robot, at) == "base"
+    assert rename(editor, robot, at, "chassis") == {
+        "two_arms.urdf.xacro": [
+            '<link name="chassis"><visual><geometry><box size="${mass} 1 1"/></geometry><material name="blue"/></visual></link>',
+            '<xacro:arm prefix="left" parent="chassis" length="$(arg reach)"><origin xyz="0 1 0"/></xacro:arm>',
+            '<xacro:if value="$(eval reach &gt; 9)"><gazebo reference="chassis"/></xacro:if>',
+            '<gazebo><plugin name="p" filename="libgazebo_ros_p3d.so"><bodyName>chassis</bodyName></plugin></gazebo>',
+        ],
+        "two_arms.srdf": [
+            '<group name="arms"><joint name="left_joint"/><chain base_link="chassis" tip_link="left_arm"/></group>',
+            '<disable_collisions link1="chassis" link2="left_arm" reason="Adjacent"/>',
+        ],
+        "show.launch": [
+            '<node pkg="tf2_ros" type="static_transform_publisher" name="tf" args="0 0 0 0 0 0 map chassis"/>'
+        ],
+    }
+
+
+def test_the_literal_part_of_names_that_a_macro_makes(editor: Editor, files: dict[str, Path]) -> None:
+    """In all robots that call it; where only one of its names is asked for, the other is not changed along."""
+    robot, macros = files["two_arms.urdf.xacro"], files["arm.xacro"]
+    at = editor.find(macros, 'joint name="${prefix}_joint"', part="_joint")
+    assert prepare(editor, macros, at) == "_joint"
+    assert rename(editor, macros, at, "_elbow") == {
+        "arm.xacro": ['<joint name="${prefix}_elbow" type="revolute">'],
+        "two_arms.srdf": [
+            '<group name="arms"><joint name="left_elbow"/><chain base_link="base" tip_link="left_arm"/></group>'
+        ],
+        "controllers.yaml": ["joints: [left_elbow, right_elbow]", "left_elbow: {trajectory: 0.1}"],
+    }
+    at = editor.find(robot, 'parent="left_arm"', part="left_arm")
+    sentence = (
+        "`left_arm` is made by `${prefix}_arm` (arm.xacro:5), which also makes `right_arm`: rename the text there."
+    )
+    assert refuse(editor, robot, at, "left_hand") == sentence
+    sentence = "`left_arm` is computed by `${prefix}_arm` (arm.xacro:5), which cannot become `l_arm`."
+    assert refuse(editor, robot, at, "l_arm") == sentence
+
+
+def test_a_macro_with_its_end_tags_and_in_robots_that_are_not_open(editor: Editor, files: dict[str, Path]) -> None:
+    macros = files["arm.xacro"]
+    changed = rename(editor, macros, editor.find(macros, 'name="arm"', part="arm"), "limb")
+    assert changed == {
+        "arm.xacro": ['<xacro:macro name="limb" params="prefix parent length:=0.4 *origin">'],
+        "two_arms.urdf.xacro": [
+            '<xacro:limb prefix="left" parent="base" length="$(arg reach)"><origin xyz="0 1 0"/></xacro:limb>',
+            '<xacro:limb prefix="right" parent="left_arm"><origin xyz="0 -1 0"/></xacro:limb>',
+        ],
+        "other.urdf.xacro": ['<xacro:limb prefix="left" parent="base"><origin/></xacro:limb>'],
+    }
+
+
+def test_an_argument_also_where_launch_files_pass_it(editor: Editor, files: dict[str, Path]) -> None:
+    robot = files["two_arms.urdf.xacro"]
+    changed = rename(editor, robot, editor.find(robot, "$(arg reach)", part="reach"), "span")
+    assert changed == {
+        "two_arms.urdf.xacro": [
+            '<xacro:arg name="span" default="0.5"/>',
+            '<xacro:arm prefix="left" parent="base" length="$(arg span)"><origin xyz="0 1 0"/></xacro:arm>',
+            '<xacro:if value="$(eval span &gt; 9)"><gazebo reference="base"/></xacro:if>',
+        ],
+        "show.launch": [
+            '<param name="robot_description" command="xacro $(find robot)/urdf/two_arms.urdf.xacro span:=0.6"/>'
+        ],
+        "show.launch.py": ['return xacro.process_file(path, mappings={"span": "0.7"})'],
+    }
+
+
+def test_a_property_in_its_scope_and_a_parameter_in_its_calls(editor: Editor, files: dict[str, Path]) -> None:
+    macros, robot = files["arm.xacro"], files["two_arms.urdf.xacro"]
+    changed = rename(editor, macros, editor.find(macros, "${mass}", part="mass"), "own_mass")
+    assert changed == {
+        "arm.xacro": [
+            '<xacro:property name="own_mass" value="${density * length * 0.01}"/>',
+            '<mass value="${own_mass}"/>',
+        ]
+    }, "the property of the same name outside the macro is another one"
+    changed = rename(editor, macros, editor.find(macros, "length:=0.4", part="length"), "size")
+    assert changed["two_arms.urdf.xacro"] == [
+        '<xacro:arm prefix="left" parent="base" size="$(arg reach)"><origin xyz="0 1 0"/></xacro:arm>'
+    ]
+    changed = rename(editor, robot, editor.find(robot, 'material name="blue"/', part="blue"), "navy")
+    assert len(changed["two_arms.urdf.xacro"]) == 2
+
+
+def test_what_cannot_be_a_name_is_refused(editor: Editor, files: dict[str, Path]) -> None:
+    robot, macros = files["two_arms.urdf.xacro"], files["arm.xacro"]
+    base = editor.find(robot, 'link name="base"', part="base")
+    taken = refuse(editor, robot, base, "left_arm")
+    assert taken.startswith("A link is already called `left_arm` (")
+    assert refuse(editor, robot, base, "my base").startswith("`my base` cannot be the name of a link: blanks, ")
+    density = editor.find(macros, '"density"', part="density")
+    assert refuse(editor, macros, density, "2d").startswith("`2d` cannot be the name of a property: ")
+    assert refuse(editor, macros, density, "pi").endswith("expressions already know `pi`.")
+    assert "already called `length`" in refuse(editor, macros, density, "length")
+    arm = editor.find(macros, 'name="arm"', part="arm")
+    assert refuse(editor, macros, arm, "property").endswith("`xacro:property` is xacro's own.")
+    with pytest.raises(JsonRpcException, match="no name here"):
+        prepare(editor, robot, editor.find(robot, "rgba"))
+
+
+def test_what_would_change_more_than_the_name_is_refused(editor: Editor, files: dict[str, Path]) -> None:
+    """A text of which a macro makes a link and a joint; nothing is renamed in a robot that does not expand."""
+    robot, macros = files["two_arms.urdf.xacro"], files["arm.xacro"]
+    editor.type(macros, editor.texts[macros].replace("${prefix}_arm", "${prefix}"))
+    editor.type(robot, editor.texts[robot].replace('parent="left_arm"', 'parent="left"'))
+    at = editor.find(robot, 'prefix="left"', part="left")
+    sentence = refuse(editor, robot, at, "front")
+    assert sentence.startswith(
+        "The name is not changed: joint[left_joint]@name would become `front_joint` instead of `left_joint`"
+    )
+    editor.type(robot, editor.texts[robot].replace("$(arg reach)", "$(arg raech)"))
+    assert "cannot be expanded" in refuse(editor, robot, at, "front")

@@ -1,0 +1,72 @@
+"""The launch files around a model that load it, and where they name its arguments."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from urdfcheck.core import Span
+from urdfcheck.source.launch.launch_file import Launch, load_launch
+from urdfcheck.source.launch.passed_arguments import (
+    ASSIGNMENT,
+    MOST_LAUNCHES,
+    XacroCallReader,
+    iter_launch_files,
+    make_reader,
+)
+from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
+from urdfcheck.source.package.finder import PackageFinder, has_dependency_entry
+from urdfcheck.system.files import read_regular
+
+
+def find_model_launches(model: Path, finder: PackageFinder) -> tuple[Launch, ...]:
+    """Load the XML launch files that load a model: those of its package, and of the packages around that depend on it."""
+    real = os.path.realpath(model)
+    launches = (
+        load_launch(path, finder)
+        for path, data in _iter_launches_around(model, finder)
+        if path.suffix != ".py" and b"robot_description" in data
+    )
+    return tuple(launch for launch in launches if any(_iter_loading(launch, real)))
+
+
+def find_argument_names(model: Path, finder: PackageFinder, launches: Iterable[Launch]) -> Iterator[tuple[str, Span]]:
+    """Yield the names of arguments that are passed to a model, each with its place: ``prefix`` of ``prefix:=left``.
+
+    ``launches``: the XML launch files that load the model. Python launch files are searched around it.
+    """
+    real = os.path.realpath(model)
+    for launch in launches:
+        for at in _iter_loading(launch, real):
+            for match in ASSIGNMENT.finditer(launch.files[at.file].text, at.start, at.end):
+                yield match[1], launch.files[at.file].make_span(*match.span(1))
+    for path, data in _iter_launches_around(model, finder):
+        reader = make_reader(path, data, finder) if path.suffix == ".py" and b"xacro" in data else None
+        if reader is not None:
+            with contextlib.suppress(ValueError, RecursionError, MemoryError):  # nested too deeply
+                yield from XacroCallReader(reader).read_names(real)
+
+
+def _iter_loading(launch: Launch, model: str) -> Iterator[Span]:
+    """Yield the places of the commands and files with which a launch file loads a model, given by its real path."""
+    for description in launch.descriptions:
+        span = description.at.span
+        is_model = description.path is not None and os.path.realpath(description.path) == model
+        if is_model and span is not None and span.file in launch.files:
+            yield span
+
+
+def _iter_launches_around(model: Path, finder: PackageFinder) -> Iterator[tuple[Path, bytes]]:
+    """Yield the launch files of the model's package and of those that depend on it, with what is in them."""
+    package = finder.find_package_of(model.absolute())
+    if package is None:
+        return
+    others = finder.list_workspace_packages().values()
+    folders = [f for f in others if f != package.path and has_dependency_entry(f, package.name) and finder.can_open(f)]
+    files = (path for folder in (package.path, *folders) for path in iter_launch_files(folder, finder))
+    for path in itertools.islice(files, MOST_LAUNCHES):
+        with contextlib.suppress(OSError):
+            yield path, read_regular(path, MAX_PYTHON)
