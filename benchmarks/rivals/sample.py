@@ -117,27 +117,24 @@ def ask_all(
 ) -> None:
     """Ask each program about each file that is not yet in the file ``keep``, and append the answers to it.
 
+    The programs take turns at each file: their times are ratios, and the load of a machine changes.
+
     :param environments: the folder that `programs` fills; a program that it lacks is not asked.
     :param limit: seconds that another program may take for one file.
     """
     known = read_answers(keep)
+    pythons = {program: find_python(program, environments) for program in programs}
+    peers = {program.name: Peer(python, program.adapter, limit) for program, python in pythons.items() if python}
     with keep.open("a", encoding="utf-8") as file:
-
-        def ask_open(name: str, ask: Callable[[Task], Answer]) -> None:
-            for task in tasks:
+        for task in tasks:
+            for name in (URDFCHECK, *peers):
                 key = (name, task.robot, task.operator)
                 if key not in known:
-                    file.write(json.dumps([*key, asdict(ask(task))]) + "\n")
+                    answer = ask_urdfcheck(task) if name == URDFCHECK else peers[name].ask(task.file)
+                    file.write(json.dumps([*key, asdict(answer)]) + "\n")
                     file.flush()
-
-        ask_open(URDFCHECK, ask_urdfcheck)
-        for program in programs:
-            python = find_python(program, environments)
-            if python is None:
-                continue
-            peer = Peer(python, program.adapter, limit)
-            ask_open(program.name, lambda task, peer=peer: peer.ask(task.file))  # type: ignore[misc]
-            peer.close()
+    for peer in peers.values():
+        peer.close()
 
 
 def read_answers(keep: Path) -> Answers:
