@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.mistakes.mixing_mistakes import compute_term_of_pieces
@@ -31,8 +32,7 @@ def join_added_pieces(
     model: Model, numbers: Mapping[str, DeclaredInertial], found: Mapping[str, Diagnosis]
 ) -> dict[str, Diagnosis]:
     """Return the verdicts: with the other signs of the products before the term of the parallel-axis theorem is added, where the
-    links of the file that lack the term show these; and with the cause of a link for those that have its numbers. A wheel at
-    another place is the same export, whatever its COM."""
+    links of the file that lack the term show these; and with the cause of a link for those that have its numbers."""
     joined = dict(found)
     keys = {_get_key(numbers[name]) for name, one in found.items() if _lacks_term(one)}
     for name, one in found.items():
@@ -68,18 +68,20 @@ def _lacks_term(diagnosis: Diagnosis) -> bool:
 
 
 def _add_term(model: Model, name: str, declared: DeclaredInertial, diagnosis: Diagnosis) -> Diagnosis:
-    """Return the verdict on a link with the numbers of one that lacks the term of its pieces: the same, if the term brings its
-    tensor nearer to what it draws."""
+    """Return the verdict on a link with the numbers of one that lacks the term of its pieces: the same, if the COM is that of
+    what it draws, and the term brings its tensor nearer. A COM that is elsewhere is another defect, which other rules report."""
     link = model.link_by_name[name]
     drawn = measure_link_geometry(model, link)
     pieces = () if drawn is None else drawn.pieces if len(drawn.pieces) > 1 else split_visual_bodies(model, link)
     if drawn is None or not drawn.closed or len(pieces) < 2:
         return diagnosis
+    before = measure_inertial_mismatch(declared, drawn.solid.com, drawn.solid.covariance)
+    if before[1] > EXACT:
+        return diagnosis
     term = compute_term_of_pieces(replace(drawn, pieces=pieces), declared.mass, declared.rotation)
     mended = replace(declared, tensor=declared.tensor + term)
     if _measure_distance(mended, drawn.solid) > _NEARER * _measure_distance(declared, drawn.solid):
         return diagnosis
-    before = measure_inertial_mismatch(declared, drawn.solid.com, drawn.solid.covariance)
     of_mesh = replace(
         diagnosis, judged_by="mesh", at_fault=True, tensor_mismatch=before[0], com_mismatch=before[1], com_order=""
     )
