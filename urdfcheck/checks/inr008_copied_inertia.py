@@ -173,7 +173,9 @@ def _compare_shapes(
 def _describe_equality(parts: Sequence[_InertiaSignature]) -> str:
     """Say how equal the tensors are: a mirrored part has products of the other sign."""
     return (
-        "digit for digit" if len({part.declared.components for part in parts}) == 1 else "apart from the signs of products"
+        "digit for digit"
+        if len({part.declared.components for part in parts}) == 1
+        else "apart from the signs of products"
     )
 
 
