@@ -91,6 +91,8 @@ def _may_steer(joint: Joint) -> bool:
 
 def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccentric: float) -> Iterator[Finding]:
     link = model.link_by_name[joint.child]
+    if any(_is_ball(shape) for shape in link.collisions):
+        return  # it rolls about any axis, whatever is drawn around it
     axis = np.array(joint.axis or (1.0, 0.0, 0.0))
     axis = axis / np.linalg.norm(axis)
     wheel = _SuspectWheel(joint=joint, link=link, axis=axis, evidence=_collect_evidence(model, link))
@@ -133,6 +135,12 @@ def _stands_across(model: Model, wheel: _SuspectWheel, witness: _AxisEvidence) -
     own = model.frames[wheel.link.name][:3, :3] @ witness.axis
     is_plumb = abs(abs(float(model.axes[wheel.joint.name][2])) - 1) < _SQUARE
     return witness.kind == "visual" and witness.is_wheel and is_plumb and abs(float(own[2])) < _SQUARE
+
+
+def _is_ball(shape: Shape) -> bool:
+    """Whether a collision shape is a sphere with its centre at the joint."""
+    xyz = shape.origin.xyz
+    return shape.kind == "sphere" and xyz is not None and not any(xyz)
 
 
 def _build_witness_finding(
