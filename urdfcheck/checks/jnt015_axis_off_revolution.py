@@ -130,7 +130,7 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
 def _stands_across(model: Model, wheel: _SuspectWheel, witness: _AxisEvidence) -> bool:
     """Whether a wheel is drawn upright, but its joint turns it about a plumb line.
 
-    A collision shape that agrees with such a joint was forgotten: a cylinder that nobody rotated is round about z.
+    A collision shape that agrees with such a joint was forgotten: a cylinder that is not rotated is round about z.
     """
     own = model.frames[wheel.link.name][:3, :3] @ witness.axis
     is_plumb = abs(abs(float(model.axes[wheel.joint.name][2])) - 1) < _SQUARE
