@@ -693,7 +693,11 @@ def test_what_is_known_is_known_to_an_audit_and_one_of_its_settings(
     words = ["audit", "r.urdf", "-o", str(tmp_path / "out"), "--tier", "source", "--jobs", "1"]
     assert main(words) == FINDINGS
     assert main(["baseline", "write", "r.urdf", "--tier", "source"]) == OK
+    capsys.readouterr()
     assert main(words) == OK
+    assert re.search(
+        r"^0 errors, 0 warnings, 0 info in 1 model; not shown: \d in the baseline$", capsys.readouterr().out, re.M
+    )
     (tmp_path / "urdfcheck.toml").write_text('[[suppress]]\ncodes = ["INR"]\nreason = "a dummy"\n')
     capsys.readouterr()
     assert main(words) == FAILED

@@ -395,3 +395,31 @@ def test_an_old_entry_of_the_cause_hides_nothing_and_is_not_stale(folder: Path) 
     run = check(folder, baseline=baseline.read_baseline(folder / baseline.DEFAULT_NAME, folder))
     assert [f.code for f in run.active_findings if f.severity > Severity.INFO] == ["XAC010"]
     assert [m.id for m in run.unchecked_models] == ["needy.urdf.xacro"]
+
+
+def test_a_hook_that_names_a_file_knows_what_was_accepted_with_the_arguments_of_its_launch_file(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A folder is checked with its launch files, which give the xacro arguments; pre-commit names the xacro alone."""
+    xacro = ROBOT.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"').replace(
+        '<link name="base"/>', '<xacro:arg name="tall" default="false"/><link name="base"/>'
+    )
+    (folder / "urdf/r.urdf").unlink()
+    (folder / "urdf/r.urdf.xacro").write_text(xacro)
+    (folder / "package.xml").write_text('<package format="3"><name>p</name><version>1.0.0</version></package>')
+    (folder / "launch").mkdir()
+    (folder / "launch/show.launch.xml").write_text(
+        '<launch><node pkg="robot_state_publisher" exec="robot_state_publisher"><param name="robot_description" '
+        "value=\"$(command 'xacro $(find-pkg-share p)/urdf/r.urdf.xacro tall:=true')\"/></node></launch>"
+    )
+    only = ["--select", "JNT005"]
+    for written, checked in ((".", "urdf/r.urdf.xacro"), ("urdf/r.urdf.xacro", ".")):
+        (folder / baseline.DEFAULT_NAME).unlink()
+        assert main(["baseline", "write", written, *only]) == OK
+        known = baseline.read_baseline(folder / baseline.DEFAULT_NAME, folder)
+        assert list(known.models) == ["urdf/r.urdf.xacro" + (" tall:=true" if written == "." else "")]
+        assert main([written, *only]) == OK
+        assert main([checked, *only]) == OK
+        capsys.readouterr()
+    (folder / "urdf/r.urdf.xacro").write_text(xacro.replace("</robot>\n", SECOND))
+    assert main(["urdf/r.urdf.xacro", *only]) == FINDINGS

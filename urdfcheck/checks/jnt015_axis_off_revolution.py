@@ -104,6 +104,10 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
     if drawn and not others:
         yield _build_axis_finding(model, rule, wheel, drawn=drawn[0], limit=limit)
         return
+    upright = next((witness for witness in against if _stands_across(model, wheel, witness)), None)
+    if upright is not None:
+        yield _build_axis_finding(model, rule, wheel, drawn=upright, limit=limit)
+        return
     for witness in against:
         yield _build_witness_finding(model, rule, wheel, witness, others=others)
     for witness in drawn:
@@ -121,6 +125,16 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
                     **wheel.names,
                 )
                 return
+
+
+def _stands_across(model: Model, wheel: _SuspectWheel, witness: _AxisEvidence) -> bool:
+    """Whether a wheel is drawn upright, but its joint turns it about a plumb line.
+
+    A collision shape that agrees with such a joint was forgotten: a cylinder that is not rotated is round about z.
+    """
+    own = model.frames[wheel.link.name][:3, :3] @ witness.axis
+    is_plumb = abs(abs(float(model.axes[wheel.joint.name][2])) - 1) < _SQUARE
+    return witness.kind == "visual" and witness.is_wheel and is_plumb and abs(float(own[2])) < _SQUARE
 
 
 def _is_ball(shape: Shape) -> bool:
@@ -196,10 +210,12 @@ def _build_axis_finding(
     element = joint.axis_element
     attribute = None if element is None else element.attributes.get("xyz")
     agreeing = [witness.kind for witness in wheel.evidence if measure_line_angle(witness.axis, drawn.axis) <= limit]
+    has_allies = any(measure_line_angle(witness.axis, wheel.axis) <= limit for witness in wheel.evidence)
     return rule.finding(
         "default" if attribute is None else "axis",
         at=joint.axis_location,
-        edits=edit_numbers(attribute, _format_axis(own)),
+        # What agrees with the axis now must be turned with it, and only the author can say how.
+        edits=() if has_allies else edit_numbers(attribute, _format_axis(own)),
         witnesses=" and ".join(agreeing),
         tell="shows" if len(agreeing) == 1 else "show",
         angle=math.degrees(measure_line_angle(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),

@@ -48,10 +48,26 @@ class Baseline:
     """Content of the file."""
     models: Mapping[str, Mapping[EntryKey, int]] = field(default_factory=dict)
     """Model id → (code, subject, message id) → how often it is accepted."""
+    launched: Mapping[str, Mapping[EntryKey, int]] = field(init=False, compare=False)
+    """File → what is accepted of it with any arguments."""
+
+    def __post_init__(self) -> None:
+        launched: dict[str, Counter[EntryKey]] = {}
+        for model, entries in self.models.items():
+            if (file := _ARGUMENTS.sub("", model)) != model:
+                launched[file] = launched.get(file, Counter()) | Counter(entries)
+        object.__setattr__(self, "launched", launched)
 
     def get_entries(self, model: str) -> Mapping[EntryKey, int]:
-        """Return the entries of a model."""
-        return self.models.get(model, {})
+        """Return the entries of a model.
+
+        A file is checked with the arguments of its launch file where that is seen, and without any where a hook names it
+        alone: the entries of the one hold for the other, unless it has its own.
+        """
+        if model in self.models:
+            return self.models[model]
+        file = _ARGUMENTS.sub("", model)
+        return self.models.get(file, {}) if file != model else self.launched.get(file, {})
 
     @property
     def size(self) -> int:

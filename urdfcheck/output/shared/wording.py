@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from urdfcheck.core import Confidence, Finding, ModelInfo, Run, Severity, Span, Verdict
 from urdfcheck.core.text import join_names
@@ -34,6 +34,20 @@ PROGRAM_NAMES = {
 def format_count(count: int, word: str) -> str:
     """Return ``2 links``; ``info`` has no plural."""
     return f"{count} {word}" + ("" if count == 1 or word == "info" else "s")
+
+
+def describe_suppressed(counts: Mapping[str, int]) -> str:
+    """Say how many findings are not shown, and why, as the end of a line; empty if there are none.
+
+    :param counts: number of suppressed findings by source, configuration and baseline.
+    """
+    where = {
+        "source": "suppressed in the source",
+        "configuration": "by the configuration",
+        "baseline": "in the baseline",
+    }
+    counted = [f"{counts[kind]:,} {words}" for kind, words in where.items() if counts.get(kind)]
+    return f"; not shown: {', '.join(counted)}" if counted else ""
 
 
 def format_place(span: Span) -> str:

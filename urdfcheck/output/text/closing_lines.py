@@ -16,6 +16,7 @@ from urdfcheck.output.shared.wording import (
     GLYPHS,
     SEVERITY_ORDER,
     describe_found_arguments,
+    describe_suppressed,
     format_count,
     get_base_name,
     sort_worst_first,
@@ -107,7 +108,9 @@ def format_summary(run: Run, *, is_full: bool = False) -> Text:
         return Text("nothing to check: no model, launch file or package was found there", "bold")
     unchecked = describe_not_checked(run)
     took = [f"{run.seconds:.1f} s"] if run.seconds else []  # a reproducible report has no duration
-    end = "".join(f" · {part}" for part in (describe_checked_units(run), *took)) + _describe_suppressed(run)
+    end = "".join(f" · {part}" for part in (describe_checked_units(run), *took)) + describe_suppressed(
+        run.suppressed_counts
+    )
     if not set(run.rules) - {"URC900"} and not (run.active_findings or run.failures or unchecked):
         # It reports crashes, whatever is selected.
         return Text(f"nothing was looked for: no rule is selected (urdfcheck config says by what){end}", "bold")
@@ -147,14 +150,3 @@ def describe_fixable(run: Run) -> str:
     if safe and unsafe:
         return f"{safe} fixable with --fix, {unsafe} more with --unsafe-fixes"
     return f"{safe or unsafe} fixable with {FIX_OPTIONS[kinds[0]]}" if kinds else ""
-
-
-def _describe_suppressed(run: Run) -> str:
-    """Say how many findings are not shown, and why."""
-    where = {
-        "source": "suppressed in the source",
-        "configuration": "by the configuration",
-        "baseline": "in the baseline",
-    }
-    counted = [f"{count} {where[kind]}" for kind, count in run.suppressed_counts.items() if count]
-    return f"; not shown: {', '.join(counted)}" if counted else ""

@@ -9,7 +9,7 @@ from urdfcheck.output.shared.audit.unit_lines import AuditSummary, UnitRow
 from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.output.shared.rule_statistics import format_table
 from urdfcheck.output.shared.verdict.not_checked import GLYPH
-from urdfcheck.output.shared.wording import SEVERITY_ORDER
+from urdfcheck.output.shared.wording import SEVERITY_ORDER, describe_suppressed
 
 # Worst models shown; the index page shows all.
 MOST_WORST = 10
@@ -69,7 +69,8 @@ def _format_totals(summary: AuditSummary) -> str:
     with_errors = (
         f"; errors in {_format_count(summary.models_with_errors, 'model')}" if summary.models_with_errors else ""
     )
-    return f"{first}{counts} in {_format_count(summary.kinds['model'], 'model')}{also}{with_errors}"
+    hidden = describe_suppressed(summary.suppressed)
+    return f"{first}{counts} in {_format_count(summary.kinds['model'], 'model')}{also}{with_errors}{hidden}"
 
 
 def _format_count(count: int, word: str) -> str:

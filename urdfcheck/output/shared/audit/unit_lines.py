@@ -64,6 +64,8 @@ class UnitRow:
     """Findings that are errors, warnings and information."""
     codes: tuple[tuple[str, Severity, int], ...] = ()
     """Each rule that fired with its worst severity and its number of findings, the worst first."""
+    suppressed: tuple[str, ...] = ()
+    """Of each finding that does not count, who accepts it: source | configuration | baseline."""
     failures: tuple[str, ...] = ()
     """What failed in urdfcheck itself."""
     reason: str = ""
@@ -114,6 +116,7 @@ def parse_unit_line(text: bytes) -> UnitRow:
         mass=model.get("mass"),
         counts=(counts[Severity.ERROR], counts[Severity.WARNING], counts[Severity.INFO]),
         codes=tuple(codes),
+        suppressed=tuple(finding["suppressed"]["kind"] for finding in record["findings"] if finding["suppressed"]),
         failures=tuple(record["failures"]),
         reason=not_checked.get("reason", ""),
         command=not_checked.get("command") or "",
@@ -141,6 +144,8 @@ class AuditSummary:
     """Models by status."""
     counts: Counter[Severity] = field(default_factory=Counter)
     """Findings by severity."""
+    suppressed: Counter[str] = field(default_factory=Counter)
+    """Findings that do not count, by who accepts them."""
     rules: dict[str, RuleCount] = field(default_factory=dict)
     """The rules that fired, by code."""
     worst: list[UnitRow] = field(default_factory=list)
@@ -190,6 +195,7 @@ class AuditSummary:
             self.worst_severity = max(row.worst, self.worst_severity or row.worst)
         for severity, number in zip((Severity.ERROR, Severity.WARNING, Severity.INFO), row.counts, strict=True):
             self.counts[severity] += number
+        self.suppressed.update(row.suppressed)
         for code, severity, number in row.codes:
             rule = self.rules.setdefault(code, RuleCount())
             rule.findings += number
