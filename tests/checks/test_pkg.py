@@ -488,6 +488,18 @@ def test_where_a_dependency_is_named(tmp_path: Path, name: str, text: str, told:
     assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == ([["gone"]] if told else [])
 
 
+@pytest.mark.parametrize(("build", "launcher"), [("ament_cmake", "ros2_launch"), ("catkin", "roslaunch")])
+@pytest.mark.parametrize("uses", ["gone", "mine"])
+def test_the_program_that_stops_is_that_of_the_package_s_ros(
+    tmp_path: Path, build: str, launcher: str, uses: str
+) -> None:
+    own = manifest(f"<export><build_type>{build}</build_type></export>")
+    launch = f'<launch><include file="$(find {uses})/a.launch"/></launch>'
+    write(tmp_path, {"p/package.xml": own, "p/urdf/r.urdf": URDF, "p/launch/a.launch": launch})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert set(finding.consequences) == {launcher}
+
+
 @pytest.mark.parametrize(
     ("lines", "uses", "told"),
     [
