@@ -106,19 +106,30 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
         yield _build_witness_finding(model, rule, wheel, witness, others=others)
     for witness in drawn:
         if witness.shape is not None and witness not in against:
-            centre, radius = witness.shape.centre, witness.shape.radius
-            offset = float(np.linalg.norm(centre - (centre @ axis) * axis))
-            if offset > eccentric * radius:
+            part = _measure_offset(witness, axis)
+            if part > eccentric:
                 yield rule.finding(
                     "eccentric",
                     at=witness.location,
                     kind=witness.kind,
-                    offset=offset * 1e3,
-                    part=offset / radius,
-                    centre=format_point(centre, decimals=5),
+                    offset=part * witness.shape.radius * 1e3,
+                    part=part,
+                    centre=format_point(witness.shape.centre, decimals=5),
+                    effect="it lifts the robot once per turn"
+                    if any(one.kind == "collision" and _measure_offset(one, axis) > eccentric for one in drawn)
+                    else "it is seen to wobble when the joint turns",
                     **wheel.names,
                 )
                 return
+
+
+def _measure_offset(witness: _AxisEvidence, axis: Array) -> float:
+    """Measure how far the centre of what is drawn is from a unit ``axis`` (3,) through the origin, as a share of its
+    radius; 0 for an inertia."""
+    if witness.shape is None:
+        return 0.0
+    centre = witness.shape.centre
+    return float(np.linalg.norm(centre - (centre @ axis) * axis)) / witness.shape.radius
 
 
 def _build_witness_finding(
