@@ -429,6 +429,8 @@ def test_a_slash_too_many_is_taken_away_where_a_package_stands_behind_it(tmp_pat
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ["package://p/meshes/a.stl"]
     assert not finding.message.count("//p")
+    # Given the folder that the path starts from, it loads the mesh.
+    assert "unless" in finding.consequences["pinocchio"]
 
 
 def test_what_needs_meshes_that_are_not_installed_is_listed_as_skipped(tmp_path: Path) -> None:
