@@ -38,12 +38,13 @@ rule: $(VENV)/.tested
 	@test -n "$(CODE)" || { echo "usage: make rule CODE=NAM008"; exit 2; }
 	@$(BIN)/python -m urdfcheck.dev rule $(CODE)
 
-# The index of the rules, the pages about the model, the command line and the configuration, the table of the hostile files and the sample reports; tests say when they are stale.
+# The index of the rules, the pages about the model, the command line, the configuration and what was measured, the table of the hostile files and the sample reports; tests say when they are stale.
 reports: $(VENV)/.installed
 	$(BIN)/python tools/make_rules_index.py
 	$(BIN)/python tools/make_model_page.py
 	$(BIN)/python tools/make_command_page.py
 	$(BIN)/python tools/make_configuration_page.py
+	$(BIN)/python tools/make_truth_page.py
 	$(BIN)/python tools/make_hostile_table.py
 	$(BIN)/python tools/make_reports.py
 

@@ -195,7 +195,7 @@ MISTAKES: tuple[tuple[str, str, Mistake], ...] = (
     ("own_missing", "", lambda t, drawn: replace(t, tensor=t.tensor - _added(t, drawn).tensor)),
     ("one_piece", "", lambda t, drawn: uniform(drawn.pieces[0])),
     ("products_sign", "", lambda t, _: with_slots(t, np.array(slots(t)) * (1, -1, -1, 1, -1, 1))),
-    ("axes_permuted", "y z x", lambda t, _: replace(t, tensor=t.tensor[np.ix_((2, 0, 1), (2, 0, 1))])),
+    ("axes_permuted", "z x y", lambda t, _: replace(t, tensor=t.tensor[np.ix_((2, 0, 1), (2, 0, 1))])),
     ("slots_swapped", "ixx and izz", _order(5, 1, 2, 3, 4, 0)),
     ("slots_shifted", "all six are one slot too late", _order(5, 0, 1, 2, 3, 4)),
     ("quarter_turn", "-90° about x", lambda t, _: turned(t, quarter(0))),

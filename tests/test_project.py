@@ -44,6 +44,7 @@ def test_changelog_begins_with_this_version() -> None:
         ("make_model_page", "render_page", "docs/what-a-check-can-ask.md"),
         ("make_command_page", "render_page", "docs/command-line.md"),
         ("make_configuration_page", "render_page", "docs/configuration-keys.md"),
+        ("make_truth_page", "render_page", "docs/how-true-is-it.md"),
     ],
 )
 def test_generated_pages_are_current(generator: str, render: str, page: str) -> None:

@@ -1,7 +1,6 @@
-"""The defects of simcheck's own benchmark, found by urdfcheck and by simcheck: ``python benchmarks/rivals --simcheck PYTHON``.
+"""The defects of simcheck's own benchmark, found by urdfcheck and by others: ``python benchmarks/rivals --programs FOLDER``.
 
-The robots are those of the folders that ``URDFCHECK_CORPUS`` names. Prints Markdown tables; the README says what every number
-means.
+The robots are those of the folders that ``URDFCHECK_CORPUS`` names. The README says what every number means.
 """
 
 from __future__ import annotations
@@ -20,23 +19,28 @@ import time
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from datetime import date
 from pathlib import Path
 from statistics import median
 from xml.etree import ElementTree as ET
 
 sys.path.append(str(Path(__file__).parents[1] / "accuracy"))
 
-from judging import Said, find_changed, find_new, is_about, list_said_by_urdfcheck
+from judging import Said, find_change, find_new, is_located, list_said_by_urdfcheck
+from programs import PROGRAMS
 from real.robots import RealRobot, list_robots
-from sample import SIDE, SOUND, Answer, Task, ask_all, build_sample_tables, draw_sample, read_answers
+from results import build_results, format_results
+from sample import SOUND, Answer, Task, ask_all, draw_sample, read_answers
 
 import urdfcheck
 from urdfcheck.core import Run
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.run.request import RunOptions, make_request
 
+PLANTER = Path(__file__).with_name("plant_with_simcheck.py")
+RESULTS = Path(__file__).with_name("answers.json")
 # Simcheck's operators, and the rules of urdfcheck that name what each does or its direct effect.
-NAMING = {
+RULES = {
     "scale_mm": {"MSH008", "GEO001", "INR010", "INR005", "INR009"},
     "scale_small": {"MSH008", "GEO001", "INR010", "INR005", "INR009", "INR018"},
     "flip_axis": {"JNT021", "SYM004", "SYM005", "SYM008", "COL005"},
@@ -74,25 +78,27 @@ class Case:
 def main() -> None:
     """Plant, check, and print."""
     parser = argparse.ArgumentParser(prog="python benchmarks/rivals", description=__doc__.partition(":")[0])
-    parser.add_argument("--simcheck", required=True, help="a Python in whose environment simcheck is installed")
+    parser.add_argument(
+        "--programs", required=True, type=Path, help="the folder that programs.py has filled; simcheck plants"
+    )
     parser.add_argument("--count", type=int, default=20, help="how many robots, the smallest first")
     parser.add_argument("--robots", default="", help="only robots whose name contains this")
     parser.add_argument("--operators", default="", help="only these, separated by commas")
     parser.add_argument("--list", action="store_true", help="list every case with what urdfcheck reports")
-    parser.add_argument("--sample", type=int, default=0, help="ask simcheck too, about a sample of so many rounds")
+    parser.add_argument("--sample", type=int, default=0, help="ask all programs, about a sample of so many rounds")
     parser.add_argument("--seed", type=int, default=1, help="of the sample")
-    parser.add_argument("--limit", type=int, default=240, help="seconds that simcheck may take for one file")
+    parser.add_argument("--limit", type=int, default=240, help="seconds that another program may take for one file")
     parser.add_argument("--keep", type=Path, help="the file of the sample's answers, which a second run continues")
     options = parser.parse_args()
     if options.sample and options.keep is None:
         parser.error("--sample needs --keep FILE")
     robots = {robot.name: robot for robot in list_plain_robots(options.count) if options.robots in robot.name}
-    wanted = set(options.operators.split(",")) if options.operators else set(NAMING)
+    wanted = set(options.operators.split(",")) if options.operators else set(RULES)
     with tempfile.TemporaryDirectory() as folder:
         tasks = [
             task
             for number, robot in enumerate(robots.values())
-            for task in plant(robot, Path(folder) / str(number), options.simcheck)
+            for task in plant(robot, Path(folder) / str(number), options.programs / "simcheck" / "bin" / "python")
             if task.operator in {*wanted, SOUND}
         ]
         if not tasks:
@@ -100,7 +106,7 @@ def main() -> None:
                 "no robot in which simcheck can plant: does URDFCHECK_CORPUS name a folder with a corpus.json?"
             )
         if options.sample:
-            print(compare_sample(tasks, robots, options))
+            compare_sample(tasks, robots, options)
             return
         cases = check_all(tasks, robots)
     if options.list:
@@ -117,9 +123,9 @@ def list_plain_robots(count: int) -> list[RealRobot]:
     return sorted(plain, key=lambda robot: (robot.links, robot.name))[:count]
 
 
-def plant(robot: RealRobot, folder: Path, python: str) -> list[Task]:
+def plant(robot: RealRobot, folder: Path, python: Path) -> list[Task]:
     """Let simcheck plant every defect in a robot; the first task is the sound robot."""
-    done = subprocess.run([python, SIDE, "plant", robot.entry, folder], capture_output=True, text=True, check=False)
+    done = subprocess.run([python, PLANTER, robot.entry, folder], capture_output=True, text=True, check=False)
     if done.returncode:
         print(f"{robot.name}: simcheck does not read it: {done.stderr.strip().splitlines()[-1:]}")
         return []
@@ -131,7 +137,7 @@ def plant(robot: RealRobot, folder: Path, python: str) -> list[Task]:
             operator=operator,
             file=made["file"],
             what=made["what"],
-            parts=tuple(find_changed(Path(clean), Path(made["file"]))),
+            change=find_change(Path(clean), Path(made["file"])),
         )
         for operator, made in written["planted"].items()
     ]
@@ -156,8 +162,8 @@ def check_all(tasks: Sequence[Task], robots: dict[str, RealRobot]) -> list[Case]
     return cases
 
 
-def compare_sample(tasks: Sequence[Task], robots: dict[str, RealRobot], options: argparse.Namespace) -> str:
-    """Check a sample with both programs. Nothing is kept between two files: each program reads every mesh again."""
+def compare_sample(tasks: Sequence[Task], robots: dict[str, RealRobot], options: argparse.Namespace) -> None:
+    """Ask all programs about a sample, and write the results. Nothing is kept between two files: each mesh is read again."""
 
     def ask_urdfcheck(task: Task) -> Answer:
         start = time.process_time()
@@ -166,13 +172,12 @@ def compare_sample(tasks: Sequence[Task], robots: dict[str, RealRobot], options:
 
     drawn = draw_sample([task for task in tasks if task.operator != SOUND], options.sample, options.seed)
     used = {task.robot for task in drawn}
-    sound = [task for task in tasks if task.operator == SOUND and task.robot in used]
-    ask_urdfcheck(sound[0])  # loads the modules
-    ask_all([*sound, *drawn], ask_urdfcheck, options.simcheck, options.limit, options.keep)
-    asked = {(task.robot, task.operator) for task in (*sound, *drawn)}
-    return build_sample_tables(
-        [(task, answers) for task, answers in read_answers(options.keep) if (task.robot, task.operator) in asked]
-    )
+    asked = [*(task for task in tasks if task.operator == SOUND and task.robot in used), *drawn]
+    ask_urdfcheck(asked[0])  # loads the modules
+    ask_all(asked, ask_urdfcheck, PROGRAMS, environments=options.programs, limit=options.limit, keep=options.keep)
+    results = build_results(asked, read_answers(options.keep), date.today())
+    RESULTS.write_text(format_results(results), encoding="utf-8")
+    print(f"{RESULTS}: {len(results['programs'])} programs, {len(results['files'])} files")
 
 
 def check_file(file: str, robot: RealRobot, *, cache: bool = True) -> Run:
@@ -187,14 +192,14 @@ def judge(case: Case, before: Sequence[Said], after: Sequence[Said]) -> None:
     counted: set[str] = set()
     for said in find_new(before, after):
         line = f"{said.severity} {said.same}: {said.message}"
-        if is_about(said, case.task.parts, case.task.operator):
+        if is_located(said, case.task.change, case.task.operator):
             counted.add(said.check)
             case.loud |= said.severity != "info"
             case.lines.append(line)
         else:
             case.elsewhere.append(line)
     if counted:
-        case.outcome = "named" if counted & NAMING[case.task.operator] else "found"
+        case.outcome = "named" if counted & RULES[case.task.operator] else "found"
 
 
 def describe(case: Case) -> str:
@@ -214,7 +219,7 @@ def build_table(cases: Sequence[Case]) -> str:
         "| operator | files | found | named | at warning |",
         "|---|---:|---:|---:|---:|",
     ]
-    for operator in (*(name for name in NAMING if name in by_operator), "all"):
+    for operator in (*(name for name in RULES if name in by_operator), "all"):
         some = cases if operator == "all" else by_operator[operator]
         named, loud = sum(c.outcome == "named" for c in some), sum(c.loud for c in some)
         lines.append(f"| {operator} | {len(some)} | {_count_found(some)} | {named} | {loud} |")

@@ -1,31 +1,27 @@
-"""A seeded sample of the planted files, each checked by urdfcheck and by simcheck.
+"""A seeded sample of the planted files, each checked by urdfcheck and by other programs.
 
-simcheck needs minutes for some files: what was asked is kept as JSON lines, and a second run continues.
+Some programs need minutes: what was asked is kept as JSON lines, and a second run continues.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import random
 import subprocess
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from statistics import median
 from typing import Any
 
-from judging import Said, find_new, is_about, list_said_by_simcheck, read_said
+from judging import Change, Said, list_said
+from programs import URDFCHECK, Program, find_python
 
-SIDE = Path(__file__).with_name("simcheck_side.py")
+SERVER = Path(__file__).parent / "adapters" / "serve.py"
 # Operators of which every file is taken, because few programs find them; of the others one in each round.
 ALWAYS = ("flip_axis", "joint_into_parent")
 SOUND = "sound"
-# simcheck without and with an engine, and how the engine is called.
-RIVALS = {"simcheck, static": "none", "simcheck": "mujoco"}
-PROGRAMS = ("urdfcheck", *RIVALS)
-# It reports the absolute paths of simcheck's copies, which the published robots do not have.
-OF_THE_COPY = "PKG004"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,8 +33,7 @@ class Task:
     """Or `SOUND`."""
     file: str
     what: str = ""
-    parts: tuple[str, ...] = ()
-    """Names of what was changed, and the children of changed joints."""
+    change: Change = field(default_factory=Change)
     turn: int = 0
     """The round in which it was drawn; 0: always taken."""
 
@@ -52,6 +47,10 @@ class Answer:
     """Why there is no answer, or not all of it."""
     seconds: float = 0.0
     """Of processor time."""
+
+
+# By program, robot and operator.
+Answers = dict[tuple[str, str, str], Answer]
 
 
 def draw_sample(planted: Sequence[Task], rounds: int, seed: int) -> list[Task]:
@@ -75,20 +74,21 @@ def draw_sample(planted: Sequence[Task], rounds: int, seed: int) -> list[Task]:
     return drawn
 
 
-class Rival:
-    """A process of simcheck that checks files one after the other."""
+class Peer:
+    """A process of another program that checks files one after the other."""
 
-    def __init__(self, python: str, engine: str, limit: int) -> None:
+    def __init__(self, python: Path, adapter: str, limit: int) -> None:
         """Start it.
 
         :param limit: seconds for one file.
         """
         self._process = subprocess.Popen(
-            [python, str(SIDE), "check", str(limit), engine],
+            [python, str(SERVER), adapter, str(limit)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             text=True,
+            env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
         )
 
     def ask(self, file: str) -> Answer:
@@ -98,8 +98,8 @@ class Rival:
         assert back is not None
         to.write(f"{file}\n")
         to.flush()
-        line = next(json.loads(line) for line in back if line.startswith("{"))
-        return Answer(said=list_said_by_simcheck(line["said"]), problem=line["problem"], seconds=line["seconds"])
+        line = json.loads(back.readline())
+        return Answer(said=list_said(line["said"], file), problem=line["problem"], seconds=line["seconds"])
 
     def close(self) -> None:
         """Let it end."""
@@ -107,83 +107,45 @@ class Rival:
 
 
 def ask_all(
-    tasks: Sequence[Task], ask_urdfcheck: Callable[[Task], Answer], python: str, limit: int, keep: Path
+    tasks: Sequence[Task],
+    ask_urdfcheck: Callable[[Task], Answer],
+    programs: Sequence[Program],
+    *,
+    environments: Path,
+    limit: int,
+    keep: Path,
 ) -> None:
-    """Ask all programs about each file that is not yet in the file ``keep``, and append the answers to it.
+    """Ask each program about each file that is not yet in the file ``keep``, and append the answers to it.
 
-    :param limit: seconds that simcheck may take for one file.
+    The programs take turns at each file: their times are ratios, and the load of a machine changes.
+
+    :param environments: the folder that `programs` fills; a program that it lacks is not asked.
+    :param limit: seconds that another program may take for one file.
     """
-    known = {(task.robot, task.operator) for task, _ in read_answers(keep)}
-    rivals = {name: Rival(python, engine, limit) for name, engine in RIVALS.items()}
+    known = read_answers(keep)
+    pythons = {program: find_python(program, environments) for program in programs}
+    peers = {program.name: Peer(python, program.adapter, limit) for program, python in pythons.items() if python}
     with keep.open("a", encoding="utf-8") as file:
         for task in tasks:
-            if (task.robot, task.operator) in known:
-                continue
-            answers = {"urdfcheck": ask_urdfcheck(task), **{name: rivals[name].ask(task.file) for name in rivals}}
-            file.write(json.dumps([asdict(task), {name: asdict(answer) for name, answer in answers.items()}]) + "\n")
-            file.flush()
-    for rival in rivals.values():
-        rival.close()
+            for name in (URDFCHECK, *peers):
+                key = (name, task.robot, task.operator)
+                if key not in known:
+                    answer = ask_urdfcheck(task) if name == URDFCHECK else peers[name].ask(task.file)
+                    file.write(json.dumps([*key, asdict(answer)]) + "\n")
+                    file.flush()
+    for peer in peers.values():
+        peer.close()
 
 
-def read_answers(keep: Path) -> list[tuple[Task, dict[str, Answer]]]:
+def read_answers(keep: Path) -> Answers:
     """Read the answers of earlier runs."""
-    if not keep.exists():
-        return []
-    found = []
-    for line in keep.read_text(encoding="utf-8").splitlines():
-        task, answers = json.loads(line)
-        read = {
-            name: Answer(
-                said=[read_said(one) for one in kept["said"]], problem=kept["problem"], seconds=kept["seconds"]
-            )
-            for name, kept in answers.items()
-        }
-        found.append((Task(**{**task, "parts": tuple(task["parts"])}), read))
+    lines = keep.read_text(encoding="utf-8").splitlines() if keep.exists() else []
+    found = {}
+    for name, robot, operator, answer in map(json.loads, lines):
+        found[name, robot, operator] = _read_answer(answer)
     return found
 
 
-def build_sample_tables(asked: Sequence[tuple[Task, dict[str, Answer]]]) -> str:
-    """Count by operator and program what was found, and at warning or above; and what is reported of the sound robots."""
-    sound = {task.robot: answers for task, answers in asked if task.operator == SOUND}
-    planted = [(task, answers) for task, answers in asked if task.operator != SOUND and task.robot in sound]
-    head = "".join(f" {name} | at warning | seconds |" for name in PROGRAMS)
-    lines = [f"| operator | files |{head}", "|---|---:|" + "---:|" * 3 * len(PROGRAMS)]
-    for operator in (*dict.fromkeys(sorted(task.operator for task, _ in planted)), "all"):
-        some = [(task, answers) for task, answers in planted if operator in {task.operator, "all"}]
-        cells = "".join(_describe_share(some, sound, name) for name in PROGRAMS)
-        lines.append(f"| {operator} | {len(some)} |{cells}")
-    lines += [
-        "",
-        "| of the sound robots | with a warning or an error | warnings | errors | seconds |",
-        "|---|---:|---:|---:|---:|",
-    ]
-    for name in PROGRAMS:
-        loud = [_list_loud(answers[name]) for answers in sound.values()]
-        total = Counter(severity for one in loud for severity, _ in one)
-        seconds = median(answers[name].seconds for answers in sound.values())
-        lines.append(
-            f"| {name} | {sum(map(bool, loud))} of {len(loud)} | {total['warning']} | {total['error']} | {seconds:.1f} |"
-        )
-    broken = [(task, name, a[name].problem) for task, a in asked for name in PROGRAMS if a[name].problem]
-    lines.append(f"\n{len(broken)} answers with a problem: {Counter(problem for *_, problem in broken)}")
-    return "\n".join(lines)
-
-
-def list_found(task: Task, sound: Answer, answer: Answer) -> list[Said]:
-    """Return what a program reports that counts as found."""
-    return [said for said in find_new(sound.said, answer.said) if is_about(said, task.parts, task.operator)]
-
-
-def _list_loud(answer: Answer) -> set[tuple[str, str]]:
-    """Return the warnings and errors, each as severity and kind with its parts."""
-    return {(said.severity, said.same) for said in answer.said if said.severity != "info" and said.check != OF_THE_COPY}
-
-
-def _describe_share(some: Iterable[tuple[Task, dict[str, Answer]]], sound: dict[str, Any], name: str) -> str:
-    """Return three cells: how many of the files were found, how many at warning, and the median of the seconds."""
-    listed = list(some)
-    found = [list_found(task, sound[task.robot][name], answers[name]) for task, answers in listed]
-    loud = sum(any(said.severity != "info" for said in one) for one in found)
-    seconds = median(answers[name].seconds for _, answers in listed)
-    return f" {sum(map(bool, found))} | {loud} | {seconds:.1f} |"
+def _read_answer(kept: dict[str, Any]) -> Answer:
+    said = [Said(**{**one, "parts": tuple(one["parts"])}) for one in kept["said"]]
+    return Answer(said=said, problem=kept["problem"], seconds=kept["seconds"])

@@ -6,7 +6,21 @@ from pathlib import Path
 
 import pytest
 import trimesh
-from builders import arm_on_base, box, collision, cylinder, find, inertial, joint, limit, link, mesh, robot, visual
+from builders import (
+    arm_on_base,
+    box,
+    collision,
+    cylinder,
+    find,
+    inertial,
+    joint,
+    limit,
+    link,
+    mesh,
+    robot,
+    sphere,
+    visual,
+)
 
 from urdfcheck.core import Finding
 
@@ -162,3 +176,35 @@ def test_boxes_around_two_drawings_that_differ_are_right(tmp_path: Path, height:
 def write_boxes(path: Path, boxes: list[tuple[tuple[float, float, float], tuple[float, float, float]]]) -> None:
     parts = [trimesh.creation.box(size, trimesh.transformations.translation_matrix(place)) for size, place in boxes]
     trimesh.util.concatenate(parts).export(path)
+
+
+def test_a_bracket_that_carries_a_wheel_is_not_to_turn_and_a_pose_goes_into_the_origin(tmp_path: Path) -> None:
+    bracket = robot(
+        link("base"),
+        link("wheel_bracket"),
+        joint("wheel_joint", "base", "wheel_bracket", limit(0.4, 0.4), kind="revolute"),
+        link("tyre"),
+        joint("wheel_joint_2", "wheel_bracket", "tyre", kind="continuous"),
+    )
+    advice = title(one(tmp_path, bracket, "JNT005"))
+    assert advice == "give the real range, or make the joint fixed, with 0.4 rad in its <origin>"
+
+
+def test_a_robot_on_wheels_that_lean_by_a_rounded_pi_stands(tmp_path: Path) -> None:
+    wheels = [
+        link(name, inertial(0.2, 1e-4), collision(cylinder(0.03, 0.02), rpy="1.5708 0 0"))
+        + joint(name, "base", name, kind="continuous", xyz=f"{x} {y} 0", axis="0 1 0")
+        for name, x, y in (("a", 0.1, 0.148), ("b", 0.1, -0.148), ("c", -0.1, 0.148), ("d", -0.1, -0.148))
+    ]
+    text = robot(link("base", inertial(1, 0.01, com="-0.01 0.039 0")), *wheels)
+    assert not find(tmp_path, text, "DYN004")
+
+
+def test_a_ball_caster_rolls_about_any_axis(tmp_path: Path) -> None:
+    def caster(shape: str) -> str:
+        disc = visual(cylinder(0.03, 0.01), rpy="1.5708 0 0")
+        part = link("caster_wheel", inertial(0.1, 1e-4), disc, shape)
+        return robot(link("base"), part, joint("j", "base", "caster_wheel", kind="continuous"))
+
+    assert find(tmp_path, caster(collision(cylinder(0.03, 0.01), rpy="1.5708 0 0")), "JNT015")
+    assert not find(tmp_path, caster(collision(sphere(0.03))), "JNT015")

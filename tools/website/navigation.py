@@ -37,6 +37,7 @@ DEMOS = Page("guides/demos.md", "fixtures/demos/README.md")
 EXIT_CODES = Page("reference/exit-codes.md")
 PYTHON_API = Page("reference/python-api.md")
 SCHEMAS = Page("reference/json.md")
+TRUTH = Page("how-true-is-it.md", "docs/how-true-is-it.md")
 
 # The rules follow their index; `rule_pages` adds them.
 NAVIGATION = (
@@ -134,6 +135,7 @@ NAVIGATION = (
         ),
     ),
     SAMPLE,
+    TRUTH,
     Section(
         "Project",
         (

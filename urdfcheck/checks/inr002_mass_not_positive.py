@@ -12,7 +12,7 @@ from urdfcheck.model.rigid_bodies import compute_body_mass
 ZERO = 1e-15
 # What programs do with an inertia without mass: on a link that moves, and on one fixed to a link with mass.
 ALONE = {
-    "gazebo": "drops the link and everything behind it, without a message",
+    "gazebo": "drops the link and everything behind it",
     "mujoco": "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL",
 }
 FUSED = {

@@ -159,6 +159,7 @@ def _compare_shapes(
         links=join_names([part.declared.link.name for part in wrong]),
         original=original.declared.link.name,
         worst=worst.declared.link.name,
+        equal=_describe_equality([*wrong, original]),
         role=original.role,
         size=_format_equivalent_box(worst),
         original_size=_format_equivalent_box(original),
@@ -167,6 +168,15 @@ def _compare_shapes(
         explains=[f"INR009 link[{name}]" for name in _list_unexplained(model, wrong)],
     )
     yield replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in places)))
+
+
+def _describe_equality(parts: Sequence[_InertiaSignature]) -> str:
+    """Say how equal the tensors are: a mirrored part has products of the other sign."""
+    return (
+        "digit for digit"
+        if len({part.declared.components for part in parts}) == 1
+        else "apart from the signs of products"
+    )
 
 
 def _list_unexplained(model: Model, parts: Sequence[_InertiaSignature]) -> list[str]:

@@ -59,9 +59,11 @@ from urdfcheck.model.inertials.shared_mistakes import (
     shows_habit_alone,
 )
 from urdfcheck.model.motion.fixed_base import list_bolted_links
+from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.shapes.visual_solid import (
+    describe_geometry_source,
     explain_collision_stand_in,
     has_loose_hull,
     measure_link_geometry,
@@ -348,9 +350,17 @@ def _build_cause_finding(
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit=fallback if mended is None else mended.words,
-        alone="" if mended is None else f"; {data['source']} alone has {mended.words}",
+        alone=_describe_drawn_com(model, link, mended) if message == "com_missing" else "",
         **data,
     )
+
+
+def _describe_drawn_com(model: Model, link: Link, mended: InertialRepair | None) -> str:
+    """Return the end of the advice about a COM that was not filled in: the drawn part's, with its tensor if that differs too."""
+    if mended is not None and not any(f"{name}=" in mended.text for name in TENSOR_NAMES):
+        return f"; {describe_geometry_source(model, link)} alone has {mended.words}"
+    drawn = describe_drawn_inertial(model, link, with_com=True)
+    return drawn and f"; for comparison: {drawn}"
 
 
 def _is_drawn_elsewhere(model: Model, link: Link) -> bool:

@@ -10,7 +10,7 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import collect_plugin_texts
 from urdfcheck.model.repairs.edits import swap_values
-from urdfcheck.model.wheel_names import is_revolute_wheel
+from urdfcheck.model.wheel_names import WHEEL_NAME, is_revolute_wheel
 
 # What a wheel is, unless it is not to turn.
 _CONTINUOUS = 'write type="continuous" if the wheel turns, or make the joint fixed'
@@ -48,13 +48,20 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joints=join_names(joint.name for joint in joints),
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
-            instead=_CONTINUOUS
-            if all(map(is_revolute_wheel, joints))
-            else "give the real range, or make the joint fixed",
+            instead=_describe_instead(model, joints, value),
             keep=_describe_keeping([joint for joint in joints if joint.child in named]),
             also=". Effort and velocity are 0 too" if is_empty else "",
             explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
         )
+
+
+def _describe_instead(model: Model, joints: Sequence[Joint], value: float) -> str:
+    """Say what to write in place of an empty range at ``value`` (rad or m): a fixed joint stands at zero."""
+    carriers = {joint.parent for joint in model.joints if WHEEL_NAME.search(f"{joint.name} {joint.child}")}
+    if all(is_revolute_wheel(joint) and joint.child not in carriers for joint in joints):
+        return _CONTINUOUS
+    moved = "" if value == 0 else f", with {value:g} {joints[0].position_unit} in its <origin>"
+    return f"give the real range, or make the joint fixed{moved}"
 
 
 def _describe_keeping(joints: Sequence[Joint]) -> str:

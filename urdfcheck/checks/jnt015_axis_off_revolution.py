@@ -91,6 +91,8 @@ def _may_steer(joint: Joint) -> bool:
 
 def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccentric: float) -> Iterator[Finding]:
     link = model.link_by_name[joint.child]
+    if any(_is_ball(shape) for shape in link.collisions):
+        return  # it rolls about any axis, whatever is drawn around it
     axis = np.array(joint.axis or (1.0, 0.0, 0.0))
     axis = axis / np.linalg.norm(axis)
     wheel = _SuspectWheel(joint=joint, link=link, axis=axis, evidence=_collect_evidence(model, link))
@@ -130,6 +132,12 @@ def _measure_offset(witness: _AxisEvidence, axis: Array) -> float:
         return 0.0
     centre = witness.shape.centre
     return float(np.linalg.norm(centre - (centre @ axis) * axis)) / witness.shape.radius
+
+
+def _is_ball(shape: Shape) -> bool:
+    """Whether a collision shape is a sphere with its centre at the joint."""
+    xyz = shape.origin.xyz
+    return shape.kind == "sphere" and xyz is not None and not any(xyz)
 
 
 def _build_witness_finding(

@@ -155,7 +155,8 @@ def _compute_planar_hull(flat: Array) -> list[int]:
     hulls in two dimensions*, 1979)."""
     # Corners that differ only by rounding count as one: the turns between them are noise.
     grain = max(1e-9 * float(np.ptp(flat, axis=0).max()), 1e-300)
-    _, distinct = np.unique(np.round(flat / grain), axis=0, return_index=True)
+    flat = np.round(flat / grain)  # as they are sorted, or the chain would turn back at corners that change places
+    _, distinct = np.unique(flat, axis=0, return_index=True)
     order = [int(i) for i in distinct]
 
     def build_half_hull(places: list[int]) -> list[int]:

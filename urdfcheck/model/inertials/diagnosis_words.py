@@ -203,6 +203,7 @@ def collect_message_data(
         "fault": _describe_fault(cause, size=size, apart=apart) or doubted,
         "fault_short": doubted,  # the cause says more than how far off the numbers are
         "source": source,
+        "upward": "" if "about z" in diagnosis.detail else ", as when a program with another upward axis exported them",
         "off": f", {apart} from {'the drawn part' if source == 'the drawn part' else 'the shape'}'s" if apart else "",
         "apart": apart,
         "twins": join_names(judged.twins),

@@ -132,7 +132,7 @@ def _undo_axes_permuted() -> Multiplied:
     for order in ((1, 0, 2), (2, 1, 0), (0, 2, 1), (1, 2, 0), (2, 0, 1)):
         source = [_COMPONENT_AT[order[i], order[j]] for i, j in COMPONENT_INDICES]
         yield (
-            make_mistake("axes_permuted", " ".join("xyz"[i] for i in order)),
+            make_mistake("axes_permuted", " ".join("xyz"[order.index(i)] for i in range(3))),
             Multiplier(components=np.eye(6)[source]),
         )
 

@@ -1,0 +1,1 @@
+"""The page ``docs/how-true-is-it.md``, made from the data of the benchmarks."""
