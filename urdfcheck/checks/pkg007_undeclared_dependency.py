@@ -185,7 +185,7 @@ def _build_finding(
 
 
 def _name_launcher(consequences: Mapping[str, str], root: Element) -> dict[str, str]:
-    """Say what the pages say of roslaunch of the program that reads the launch files of a package with this manifest."""
+    """Give what the page says about roslaunch to the program that reads the launch files of a package with this manifest."""
     launcher = name_launch_command(root)
     return {launcher if name == "roslaunch" else name: sentence for name, sentence in consequences.items()}
 
