@@ -302,6 +302,12 @@ def test_how_far_and_how_large(tmp_path: Path, collision: str, message: str | No
     assert [f.message_id for f in found] == ([message] if message else [])
 
 
+def test_which_of_the_two_is_out_of_place_is_left_open(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, robot(link("a", box("visual", xyz="0.3 0 0") + box("collision"))), "GEO003")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("or the reverse if the visual is out of place")
+
+
 @pytest.mark.parametrize(("size", "said"), [("0.6 0.6 0.6", "its scale"), ("0.8 0.1 0.8", "one edge agrees")])
 def test_a_scale_is_no_explanation_where_one_dimension_agrees(tmp_path: Path, size: str, said: str) -> None:
     (finding,) = find(tmp_path, robot(link("a", box("visual") + box("collision", size))), "GEO003")

@@ -788,5 +788,19 @@ def test_a_moment_that_is_too_small_is_not_called_too_large(tmp_path: Path) -> N
     )
     (finding,) = find(tmp_path, wheel, "INR005")
     assert finding.message_id == "uneven"
+    assert "About this COM, 0.1 kg inside" in finding.message
     assert finding.fix is not None
     assert finding.fix.title.startswith('write izz="3.125e-05", as the shape has')
+
+
+@pytest.mark.parametrize("rpy", ["0 1.5708 0", "0 0 0"])
+def test_a_moment_beyond_a_disc_is_too_large_however_the_disc_is_turned(tmp_path: Path, rpy: str) -> None:
+    # About a diameter, no mass in the disc has ixx: rounded angles mix its two equal variances.
+    disc = robot(
+        link("base"),
+        joint("axle", "base", "disc", kind="continuous", xyz="0.3 0 0", axis="1 0 0"),
+        link("disc", inertial(0.2, "0.00021792", ixx="0.0004225", rpy=rpy), visual(cylinder(0.04, 0.01), rpy=rpy)),
+    )
+    (finding,) = find(tmp_path, disc, "INR005")
+    assert finding.message_id == "exceeds"
+    assert "0.00662 m at most about this COM" in finding.message

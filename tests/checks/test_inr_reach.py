@@ -40,6 +40,17 @@ def test_sound_links_without_a_mesh_are_quiet(tmp_path: Path) -> None:
     assert find_far(tmp_path, make_arm(com=2.0, tensor=6.0)) == []
 
 
+def test_the_length_is_named_for_what_it_is(tmp_path: Path) -> None:
+    # A tensor of 9 kg·m² at 1 kg has a radius of gyration of 3 m about every axis; its mass spreads 3/√2 m along one.
+    text = make_arm().replace(
+        '<mass value="1.3"/><inertia ixx="0.00052" ixy="0" ixz="0" iyy="0.0098" iyz="0" izz="0.0099"/>',
+        '<mass value="1"/><inertia ixx="9" ixy="0" ixz="0" iyy="9" iyz="0" izz="9"/>',
+        1,
+    )
+    (found,) = [finding for finding in find(tmp_path, text, "INR018") if finding.message_id == "spread"]
+    assert "an RMS spread of mass of 2.12 m along one axis" in found.message
+
+
 @pytest.mark.parametrize(
     ("factors", "message", "severity"),
     [

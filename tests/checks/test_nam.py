@@ -279,6 +279,14 @@ class TestNAM005:
         assert find(tmp_path, robot(self.robot(*pairs, ("left_lidar", "right_lidar", 0.2))), "NAM005")
 
     @pytest.mark.parametrize(("kind", "found"), [("fixed", False), ("continuous", True)])
+    def test_who_moves_the_wrong_part_is_said_of_parts_that_move(self, tmp_path: Path, kind: str, found: bool) -> None:
+        body = self.robot(*self.USUAL) + self.robot(("left_part", "right_part", -0.2), type_="fixed").partition("/>")[2]
+        for side in ("left", "right"):
+            body += links(f"{side}_tip") + make_joint(f"t_{side}", f"{side}_part", f"{side}_tip", "", kind)
+        (finding,) = find(tmp_path, robot(body), "NAM005")
+        assert ("ros2_control" in finding.consequences) == found
+
+    @pytest.mark.parametrize(("kind", "found"), [("fixed", False), ("continuous", True)])
     def test_fixed_parts_alone_do_not_outvote_a_pair_on_the_usual_side(
         self, tmp_path: Path, kind: str, found: bool
     ) -> None:

@@ -429,6 +429,8 @@ def test_a_slash_too_many_is_taken_away_where_a_package_stands_behind_it(tmp_pat
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ["package://p/meshes/a.stl"]
     assert not finding.message.count("//p")
+    # Given the folder that the path starts from, it loads the mesh.
+    assert "unless" in finding.consequences["pinocchio"]
 
 
 def test_what_needs_meshes_that_are_not_installed_is_listed_as_skipped(tmp_path: Path) -> None:
@@ -486,6 +488,18 @@ def test_where_a_dependency_is_named(tmp_path: Path, name: str, text: str, told:
     inner = {"inner/package.xml": manifest("<depend>gone</depend>", name="inner")} if name.startswith("inner") else {}
     write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": URDF, name: text, **inner})
     assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == ([["gone"]] if told else [])
+
+
+@pytest.mark.parametrize(("build", "launcher"), [("ament_cmake", "ros2_launch"), ("catkin", "roslaunch")])
+@pytest.mark.parametrize("uses", ["gone", "mine"])
+def test_the_program_that_stops_is_that_of_the_package_s_ros(
+    tmp_path: Path, build: str, launcher: str, uses: str
+) -> None:
+    own = manifest(f"<export><build_type>{build}</build_type></export>")
+    launch = f'<launch><include file="$(find {uses})/a.launch"/></launch>'
+    write(tmp_path, {"p/package.xml": own, "p/urdf/r.urdf": URDF, "p/launch/a.launch": launch})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert set(finding.consequences) == {launcher}
 
 
 @pytest.mark.parametrize(

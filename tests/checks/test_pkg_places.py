@@ -198,7 +198,7 @@ def test_a_folder_without_meshes_loses_none(tmp_path: Path) -> None:
         text='<launch><arg name="r" default="$(find-pkg-share p)/rviz/a.rviz"/></launch>',
     )
     (finding,) = check(tmp_path, codes={"PKG008"}).findings
-    assert set(finding.consequences) == {"colcon", "roslaunch"}
+    assert set(finding.consequences) == {"colcon", "ros2_launch"}
 
 
 @pytest.mark.parametrize(

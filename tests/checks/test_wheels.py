@@ -393,6 +393,20 @@ def test_a_wheel_beside_its_axis_is_a_cam(tmp_path: Path, offset: float, said: b
         assert messages == (["eccentric"] if said else [])
 
 
+def test_only_what_collides_lifts_the_robot(tmp_path: Path) -> None:
+    """The origin of the wheel's joint carries the drawing along: moving it alone changes nothing."""
+    text = changed(FOUR, 0, offset=0.01).text()
+    (seen,) = find_in_car(tmp_path / "a", "JNT015", text)
+    assert "lifts the robot" not in seen.message
+    assert seen.fix is not None
+    assert seen.fix.title.endswith("what front_left_wheel holds back by as much")
+    drawn = text[text.index("<visual>", text.index('<link name="front_left_wheel">')) :]
+    drawn = drawn[: drawn.index("</visual>") + len("</visual>")]
+    both = text.replace(drawn, drawn + drawn.replace("visual>", "collision>"), 1)
+    (felt,) = find_in_car(tmp_path / "b", "JNT015", both)
+    assert "lifts the robot" in felt.message
+
+
 def test_only_round_things_are_judged(tmp_path: Path) -> None:
     """A square plate has the moments of a disc; an arm that is a cylinder turns about any axis."""
     plate = (

@@ -216,6 +216,18 @@ class TestXML003:
         assert finding.fix is not None
         assert finding.fix.title.split()[0] == verb
 
+    @pytest.mark.parametrize(
+        ("parent", "repair"), [("a", "has the same"), ("j", "has its own <parent>")], ids=["same", "the joint itself"]
+    )
+    def test_a_parent_that_names_another_one_than_the_joint_is_not_the_same(
+        self, tmp_path: Path, parent: str, repair: str
+    ) -> None:
+        joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+        text = f'<robot name="r"><link name="a"/><link name="b"><parent link="{parent}"/></link>{joint}</robot>'
+        (finding,) = findings(tmp_path, text, "XML003")
+        assert finding.fix is not None
+        assert finding.fix.title == f"delete it: the joint that places the link {repair}"
+
     def test_repairs_of_several_kinds_are_all_told(self, tmp_path: Path) -> None:
         inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
         text = f'<robot name="r"><link name="a"><limit effort="1"/><mass value="2"/>{inertial}</link></robot>'

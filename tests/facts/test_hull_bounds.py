@@ -9,7 +9,12 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.optimize import nnls
 
-from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent, measure_hull_distance
+from urdfcheck.facts.inertials.hull_bounds import (
+    compute_spread_ratios,
+    has_excess_moment,
+    measure_extent,
+    measure_hull_distance,
+)
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 pytestmark = pytest.mark.slow
@@ -96,3 +101,20 @@ def test_turning_and_scaling_change_nothing(number: int, scale: float) -> None:
     before, _ = compute_spread_ratios(points, com, spread, margin=0.1)
     after, _ = compute_spread_ratios(moved, moved_com, scale**2 * turn @ spread @ turn.T, margin=0.1 * scale)
     assert_allclose(np.sort(after), np.sort(before), rtol=1e-6)
+
+
+def test_equal_variances_are_bounded_along_the_axes_of_the_hull() -> None:
+    plate = CUBE * (8.0, 8.0, 1.0)
+    # A disc's tensor turned a quarter about y: rounding mixes the directions y and z, of which z is across the plate.
+    turn = rpy_to_matrix((np.pi / 4, 0, 0))
+    spread = turn @ np.diag((2.0, 40.0, 40.0 + 1e-9)) @ turn.T
+    ratios, _ = compute_spread_ratios(plate, (0, 0, 0), spread)
+    assert_allclose(np.sort(ratios), (2 / 64, 40 / 64, 40))
+    assert has_excess_moment(plate, (0, 0, 0), spread)
+
+
+def test_no_moment_is_more_than_that_of_all_mass_at_the_farthest_point() -> None:
+    rod = CUBE * (8.0, 0.1, 0.1) @ rpy_to_matrix((0, 0, np.pi / 4)).T
+    # Along x and y alone the rod reaches so far, but not along both at once.
+    assert has_excess_moment(rod, (0, 0, 0), np.diag((32.5, 32.0, 0.001)))
+    assert not has_excess_moment(rod, (0, 0, 0), np.diag((31.5, 30.0, 0.001)))

@@ -229,7 +229,7 @@ def _describe_repair(message: str, pair: _BoxPair, owner: _Owner | None) -> str:
     if owner is not None:
         return f"move the <collision> to {owner.link.name}, with the <origin> that leaves it in its place at rest"
     if message == "apart":
-        return "give the <collision> the <origin> that puts it where the visual is"
+        return "give the <collision> the <origin> that puts it where the visual is, or the reverse if the visual is out of place"
     edges = [box[1] - box[0] for box in (pair.visual_box, pair.collision_box)]
     both = "give collision and visual the same size, whichever is right"
     if (np.maximum(*edges) <= _SAME_EDGE * np.minimum(*edges)).any():

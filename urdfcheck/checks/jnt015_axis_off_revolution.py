@@ -112,16 +112,18 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
         yield _build_witness_finding(model, rule, wheel, witness, others=others)
     for witness in drawn:
         if witness.shape is not None and witness not in against:
-            centre, radius = witness.shape.centre, witness.shape.radius
-            offset = float(np.linalg.norm(centre - (centre @ axis) * axis))
-            if offset > eccentric * radius:
+            part = _measure_offset(witness, axis)
+            if part > eccentric:
                 yield rule.finding(
                     "eccentric",
                     at=witness.location,
                     kind=witness.kind,
-                    offset=offset * 1e3,
-                    part=offset / radius,
-                    centre=format_point(centre, decimals=5),
+                    offset=part * witness.shape.radius * 1e3,
+                    part=part,
+                    centre=format_point(witness.shape.centre, decimals=5),
+                    effect="it lifts the robot once per turn"
+                    if any(one.kind == "collision" and _measure_offset(one, axis) > eccentric for one in drawn)
+                    else "it is seen to wobble when the joint turns",
                     **wheel.names,
                 )
                 return
@@ -135,6 +137,15 @@ def _stands_across(model: Model, wheel: _SuspectWheel, witness: _AxisEvidence) -
     own = model.frames[wheel.link.name][:3, :3] @ witness.axis
     is_plumb = abs(abs(float(model.axes[wheel.joint.name][2])) - 1) < _SQUARE
     return witness.kind == "visual" and witness.is_wheel and is_plumb and abs(float(own[2])) < _SQUARE
+
+
+def _measure_offset(witness: _AxisEvidence, axis: Array) -> float:
+    """Measure how far the centre of what is drawn is from a unit ``axis`` (3,) through the origin, as a share of its
+    radius; 0 for an inertia."""
+    if witness.shape is None:
+        return 0.0
+    centre = witness.shape.centre
+    return float(np.linalg.norm(centre - (centre @ axis) * axis)) / witness.shape.radius
 
 
 def _is_ball(shape: Shape) -> bool:

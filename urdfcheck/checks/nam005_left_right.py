@@ -21,6 +21,11 @@ _RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT"}
 _SHORT_LEFT = re.compile(r"l|[fbrhmFBRHM]?[lL]|[lL][fbrhmFBRHM]")
 # Frames are aligned to within this rotation (entries of the matrix).
 _ALIGNMENT_TOLERANCE = 1e-3
+# What programs do where a swapped part moves; of cameras and other fixed parts, only the images are swapped.
+_MOVING = {
+    "ros2_control": "moves the joint on the other side than the one that a command names",
+    "moveit": "plans for the named part, which is on the other side",
+}
 # No real name is longer, and each word costs a comparison.
 _MAX_NAME_LENGTH = 200
 
@@ -57,9 +62,19 @@ def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Fin
             offset=abs(odd[0].offset),
             others=join_names(side.left.child for side in usual),
             count=len(usual),
+            consequences=_MOVING if any(_is_driven(model, side) for side in odd) else None,
             more="" if len(odd) == 1 else f" (likewise {join_names(side.left.child for side in odd[1:])})",
         )
         yield replace(finding, subjects=tuple(f"link[{joint.child}]" for joint in joints))
+
+
+def _is_driven(model: Model, pair: _LimbPair) -> bool:
+    """Whether a joint of either limb moves."""
+    ends = {pair.left.child, pair.right.child}
+    return any(
+        joint.type != "fixed" and not ends.isdisjoint(step.child for step in model.tree.find_path_to(joint.child))
+        for joint in model.joints
+    )
 
 
 def _find_limb_pairs(model: Model, apart: float) -> Iterator[_LimbPair]:

@@ -12,6 +12,7 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.source.package.alternatives import select_alternatives
+from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import read_install_rules
@@ -176,7 +177,17 @@ def _build_finding(
         places=join_names((f"{name} in {_get_file(uses[0])}" for name, uses in missing.items()), 4),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
     )
-    return replace(finding, subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()))
+    return replace(
+        finding,
+        subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()),
+        consequences=_name_launcher(finding.consequences, root),
+    )
+
+
+def _name_launcher(consequences: Mapping[str, str], root: Element) -> dict[str, str]:
+    """Give what the page says about roslaunch to the program that reads the launch files of a package with this manifest."""
+    launcher = name_launch_command(root)
+    return {launcher if name == "roslaunch" else name: sentence for name, sentence in consequences.items()}
 
 
 def _get_file(use: PackageMention) -> str:
@@ -282,7 +293,11 @@ def _build_misnamed_finding(
         tag=runtime,
         where=", ".join(dict.fromkeys(use.location.span.file for use in uses[:2] if use.location.span)),
     )
-    return replace(finding, subjects=(f"package[{package.name}]/{runtime}[{name}]",))
+    return replace(
+        finding,
+        subjects=(f"package[{package.name}]/{runtime}[{name}]",),
+        consequences=_name_launcher(finding.consequences, root),
+    )
 
 
 def _find_home(package: Package, name: str, uses: Sequence[PackageMention]) -> tuple[str, str] | None:

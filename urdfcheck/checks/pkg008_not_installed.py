@@ -10,6 +10,7 @@ from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
+from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.package.installed_files import InstalledFiles
@@ -112,4 +113,4 @@ def _describe_loss(package: Package, folders: Iterable[str]) -> dict[str, str]:
         lost["rviz"] = f"drops the meshes, because `package://{package.name}` is the install folder, which lacks them"
     if ".xacro" in suffixes:
         lost["xacro"] = "stops if the file that it needs is not installed"
-    return lost or {"roslaunch": "stops where the file is read, or starts the program without it"}
+    return lost or {name_launch_command(package.root): "stops where the file is read, or starts the program without it"}

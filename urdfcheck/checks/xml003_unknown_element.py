@@ -66,6 +66,8 @@ _XACRO = frozenset(["macro", "property", "include", "arg", "if", "unless", "inse
 _REPEATED = {"robot": CHILDREN["robot"], "link": frozenset({"visual", "collision"})}
 # The parts of a joint that a fixed one does not use.
 _OF_MOVING_JOINTS = frozenset({"axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"})
+# Those that name other elements: a link needs none.
+_NAMING = frozenset({"parent", "child"})
 _AGREE = {False: "has its", True: "have their"}
 RENAMING = "write `<{near}>`, also in the end tag"
 MERGING = "write a single `<{near}>` where a <{parent}> has the element twice"
@@ -258,6 +260,8 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
             repair = f"delete it: {_list_tags(held)} beside it {_AGREE[len(held) > 1]} own"
         elif parent == "link" and all(_repeats_joint(place, model) for place in places):
             repair = "delete it: the joint that places the link has the same"
+        elif parent == "link" and child.tag in _NAMING and all(_list_joint_elements(place, model) for place in places):
+            repair = f"delete it: the joint that places the link has its own <{child.tag}>"
         else:
             repair = f"move it into {listed}"
         return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
@@ -285,17 +289,24 @@ def _has_in_all(around: Element | None, homes: list[str], tag: str) -> bool:
 
 
 def _repeats_joint(place: Element, model: Model) -> bool:
-    """Whether an element in a link has the numbers of that of its tag in the joint above the link: it was typed twice."""
+    """Whether an element in a link says the same as that of its tag in the joint above the link: it was typed twice."""
+    return any(_read_values(other) == _read_values(place) for other in _list_joint_elements(place, model))
+
+
+def _list_joint_elements(place: Element, model: Model) -> list[Element]:
+    """List the elements of the same tag in the joint above the link that holds an element."""
     above = [j for j in model.joints if place.parent is not None and j.child == place.parent.get("name")]
-    others = [other for joint in above for other in joint.element.find_children(place.tag)]
-    return any(_read_numbers(other) == _read_numbers(place) for other in others)
+    return [other for joint in above for other in joint.element.find_children(place.tag)]
 
 
-def _read_numbers(element: Element) -> dict[str, list[float | None]]:
-    """Return the numbers of each attribute; those of an origin that it lacks are zeros."""
+def _read_values(element: Element) -> dict[str, list[float | str]]:
+    """Return the numbers and words of each attribute; those of an origin that it lacks are zeros."""
     missing = {"xyz": "0 0 0", "rpy": "0 0 0"} if element.tag == "origin" else {}
     typed = {name: attribute.value for name, attribute in element.attributes.items()}
-    return {name: [parse_number(word) for word in value.split()] for name, value in (missing | typed).items()}
+    return {
+        name: [word if (number := parse_number(word)) is None else number for word in value.split()]
+        for name, value in (missing | typed).items()
+    }
 
 
 def _describe_sdf_repair(parent: str, places: list[Element]) -> str:

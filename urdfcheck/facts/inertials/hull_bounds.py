@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 _ROWS = 256
 # Steps of Wolfe's algorithm; in three dimensions it needs about ten.
 _STEPS = 100
+# Variances that agree to this share have no axes of their own: a rotation in five digits mixes them at will.
+_EQUAL = 1e-3
 
 
 def measure_extent(points: ArrayLike) -> float:
@@ -93,15 +95,46 @@ def compute_spread_ratios(
     Ratios (3,) of the variance along each principal axis of ``covariance`` (3, 3), the mean of ``(x - com)(x - com)ᵀ``, to the
     greatest of any distribution with this ``com`` (3,) within the hull: ``(max - c)(c - min)`` (Bhatia and Davis, *A
     better bound on the variance*, 2000). Above 1 no mass inside has it; infinite where the COM is not between the points.
-    The hull may be ``margin`` (m) larger on all sides. The directions are the columns of the (3, 3) array.
+    The hull may be ``margin`` (m) larger on all sides. The directions are the columns of the (3, 3) array. Where variances are
+    equal, any directions between theirs are principal: those of the hull then count if they say more.
     """
-    variances, axes = np.linalg.eigh(np.asarray(covariance, dtype=float))
-    along = (np.asarray(points, dtype=float) - np.asarray(com, dtype=float)) @ axes
+    spread = np.asarray(covariance, dtype=float)
+    corners = np.asarray(points, dtype=float) - np.asarray(com, dtype=float)
+    variances, axes = np.linalg.eigh(spread)
+    ratios = _divide_by_bounds(corners, variances, axes, margin)
+    turned = _align_equal_axes(corners, variances, axes)
+    if turned is not None:
+        other = _divide_by_bounds(corners, np.einsum("ij,ik,kj->j", turned, spread, turned), turned, margin)
+        if other.max() > ratios.max():
+            return other, turned
+    return ratios, axes
+
+
+def _divide_by_bounds(corners: Array, variances: Array, axes: Array, margin: float) -> Array:
+    """Compute the ratios (3,) of ``variances`` (3,) along the columns of ``axes`` (3, 3) to their bounds about the origin inside
+    the hull of ``corners`` (K, 3)."""
+    along = corners @ axes
     above, below = along.max(axis=0) + margin, margin - along.min(axis=0)
     bound = np.maximum(above, 0.0) * np.maximum(below, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.where(bound > 0.0, variances / bound, np.where(variances > 0.0, np.inf, 0.0))
-    return ratios, axes
+        ratios: Array = np.where(bound > 0.0, variances / bound, np.where(variances > 0.0, np.inf, 0.0))
+    return ratios
+
+
+def _align_equal_axes(corners: Array, variances: Array, axes: Array) -> Array | None:
+    """Turn principal ``axes`` (3, 3) of equal ``variances`` (3,, ascending) among themselves to the principal axes of ``corners``
+    (K, 3); None where all variances differ."""
+    apart = np.flatnonzero(np.diff(variances) > _EQUAL * abs(variances[-1])) + 1
+    groups = np.split(np.arange(3), apart)
+    if len(groups) == 3:
+        return None
+    centred = corners - corners.mean(axis=0)
+    turned: Array = axes.copy()
+    for group in groups:
+        if len(group) > 1:
+            flat = centred @ axes[:, group]
+            turned[:, group] = axes[:, group] @ np.linalg.eigh(flat.T @ flat)[1]
+    return turned
 
 
 def is_possible_elsewhere(points: ArrayLike, covariance: ArrayLike, ratio: float = 1.0, margin: float = 0.0) -> bool:
@@ -116,11 +149,13 @@ def is_possible_elsewhere(points: ArrayLike, covariance: ArrayLike, ratio: float
 
 def has_excess_moment(points: ArrayLike, com: ArrayLike, covariance: ArrayLike, margin: float = 0.0) -> bool:
     """Whether a principal moment is greater than that of any mass inside the hull of ``points`` (K, 3) with this ``com`` (3,): a
-    moment is the sum of two variances, each of which may be too great beside one that is too small. The arguments are those of
-    `compute_spread_ratios`."""
+    moment is the sum of two variances, each of which may be too great beside one that is too small, and no mass is farther from
+    the moment's axis than the farthest point. The arguments are those of `compute_spread_ratios`."""
     ratios, axes = compute_spread_ratios(points, com, covariance, margin)
     variances = np.einsum("ij,ik,kj->j", axes, np.asarray(covariance, dtype=float), axes)
     if not np.isfinite(ratios).all() or not (ratios > 0.0).all():
         return True
     bounds = variances / ratios
-    return bool((variances.sum() - variances > bounds.sum() - bounds).any())
+    squares = ((np.asarray(points, dtype=float) - np.asarray(com, dtype=float)) @ axes) ** 2
+    farthest = np.sqrt((squares.sum(axis=1, keepdims=True) - squares).max(axis=0)) + margin
+    return bool((variances.sum() - variances > np.minimum(bounds.sum() - bounds, farthest**2)).any())

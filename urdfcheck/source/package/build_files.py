@@ -20,6 +20,11 @@ def read_build_type(root: Element | None) -> str:
     return types[0] if types else ""
 
 
+def name_launch_command(root: Element | None) -> str:
+    """Return the consumer that reads the launch files of a package with this manifest."""
+    return "ros2_launch" if read_build_type(root).startswith("ament_") else "roslaunch"
+
+
 def read_installed_files(name: str, build: str, read_text: Callable[[str], str | None]) -> InstalledFiles | None:
     """Return what the build of a package installs into its share folder; None if no build file shows it.
 
