@@ -288,3 +288,16 @@ def test_a_group_moves_what_hangs_on_its_joints(tmp_path: Path, group: str, move
     srdf = load_srdf(tmp_path / "arm.srdf", {}, robot.source.finder, robot="arm")
     assert srdf is not None
     assert find_moved_links(robot, srdf) == moved
+
+
+def test_an_overlap_that_the_srdf_disables_is_known_to_its_author(tmp_path: Path) -> None:
+    disabled = '<disable_collisions link1="base" link2="fore" reason="Default"/>\n'
+    for srdf, severity in ((NEIGHBOURS, Severity.WARNING), (NEIGHBOURS + disabled, Severity.INFO)):
+        folder = tmp_path / severity.name
+        folder.mkdir()
+        urdf = make_two_bars(fore="1.2 0.3 0.3")
+        (finding,) = find_with_srdf(folder, "COL001", srdf, urdf)
+        assert finding.severity == severity
+        assert finding.fix is not None
+        assert ("add <disable_collisions>" in finding.fix.title) == (severity is Severity.WARNING)
+        assert finding.consequences["moveit"].startswith("ignores") == (severity is Severity.INFO)

@@ -22,12 +22,15 @@ from builders import (
     visual,
 )
 
-from urdfcheck.core import Finding
+from urdfcheck.core import Finding, Severity
 
 
 def one(folder: Path, text: str, codes: str | set[str], name: str = "robot.urdf") -> Finding:
     (finding,) = find(folder, text, codes, name=name)
     return finding
+
+
+PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 def title(finding: Finding) -> str:
@@ -208,3 +211,87 @@ def test_a_ball_caster_rolls_about_any_axis(tmp_path: Path) -> None:
 
     assert find(tmp_path, caster(collision(cylinder(0.03, 0.01), rpy="1.5708 0 0")), "JNT015")
     assert not find(tmp_path, caster(collision(sphere(0.03))), "JNT015")
+
+
+@pytest.mark.parametrize(("right", "found"), [("0.05 0 0", False), ("0.05 0.03 0", True)])
+def test_equal_inertials_of_drawings_that_are_shifted_are_not_compared(tmp_path: Path, right: str, found: bool) -> None:
+    """The right part is drawn 20 mm aside. Where its COM is its own as well, the two differ."""
+    write_boxes(tmp_path / "part.stl", [((0.1, 0.06, 0.03), (0, 0, 0)), ((0.03, 0.02, 0.02), (0.03, 0.02, 0.025))])
+    moments = {"ixx": 4e-4, "iyy": 9e-4, "izz": 1.1e-3}
+    text = robot(
+        link("base"),
+        *(
+            link(f"{side}_part", inertial(1, com=com, **moments), visual(mesh("part.stl"), xyz=xyz))
+            + joint(f"{side}_joint", "base", f"{side}_part", kind="continuous", xyz=f"0 {y} 0")
+            for side, com, xyz, y in (("left", "0.05 0 0", "0.05 0 0", 0.2), ("right", right, "0.05 0.02 0", -0.2))
+        ),
+    )
+    assert bool(find(tmp_path, text, "SYM004", pedantic=True)) == found
+
+
+@pytest.mark.parametrize(("mass", "found"), [(0.02, False), (2, True)])
+def test_the_com_of_a_light_part_of_a_body_moves_nothing(tmp_path: Path, mass: float, found: bool) -> None:
+    """Of 20 g on 5 kg, a COM that is 50 mm off moves that of the body by 0.2 mm."""
+    part = inertial(mass, ixx=mass * 1e-3, iyy=mass * 2e-3, izz=mass * 2.5e-3)
+    text = robot(
+        link("base"),
+        link("chassis", inertial(5, ixx=0.02, iyy=0.03, izz=0.04), visual(box("0.2 0.1 0.1"))),
+        joint("j0", "base", "chassis", kind="floating"),
+        link("sensor", part, visual(box("0.15 0.1 0.05"), xyz="0.05 0 0")),
+        joint("j1", "chassis", "sensor", kind="fixed"),
+    )
+    assert bool([f for f in find(tmp_path, text, "INR009", pedantic=True) if "sensor" in f.message]) == found
+
+
+@pytest.mark.parametrize(
+    ("sign", "words"), [("", "digit for digit, but"), ("-", "digit for digit, apart from the signs")]
+)
+def test_tensors_with_other_signs_are_not_equal(tmp_path: Path, sign: str, words: str) -> None:
+    terms = {"ixx": 0.012345, "iyy": 0.023456, "izz": 0.030123, "ixy": 0.001234}
+    shapes = {"a": box("0.3 0.2 0.1"), "b": box("0.9 0.02 0.02")}
+    text = robot(
+        link("base"),
+        *(
+            link(name, inertial(1, **terms | ({} if name == "a" else {"ixy": f"{sign}0.001234"})), visual(shape))
+            + joint(f"j{name}", "base", name, kind="continuous")
+            for name, shape in shapes.items()
+        ),
+    )
+    assert words in one(tmp_path, text, "INR008").message
+
+
+def test_a_path_that_is_only_a_package_is_listed_as_it_is_typed(tmp_path: Path) -> None:
+    (tmp_path / "part.stl").write_text("solid p\nendsolid p\n")
+    finding = one(tmp_path, robot(link("a", visual(mesh("package://part.stl")))), "PKG001")
+    assert "(package://part.stl)" in finding.message
+
+
+def test_a_joint_that_keeps_a_link_for_a_plugin_is_a_note(tmp_path: Path) -> None:
+    plugin = '<gazebo><plugin name="p" filename="libvacuum.so"><bodyName>{}</bodyName></plugin></gazebo>'
+    locked = joint("j", "base", "cup", limit(0, 0), kind="revolute")
+    severities = [
+        one(tmp_path, robot(link("base"), link("cup"), locked, plugin.format(name)), "JNT005").severity
+        for name in ("cup", "other")
+    ]
+    assert severities == [Severity.INFO, Severity.WARNING]
+
+
+def test_a_turn_about_z_is_not_another_upward_axis(tmp_path: Path) -> None:
+    """A part whose numbers are turned by a quarter about z, or about x."""
+    drawn = [((0.1, 0.06, 0.03), (0.05, 0.0, 0.0)), ((0.03, 0.02, 0.02), (0.08, 0.02, 0.025))]
+    write_boxes(tmp_path / "part.stl", drawn)
+    solid = trimesh.load(tmp_path / "part.stl")
+    for axis, is_upward in (((0, 0, 1), False), ((1, 0, 0), True)):
+        turned = solid.copy()
+        turned.apply_transform(trimesh.transformations.rotation_matrix(1.5707963267948966, axis))
+        turned.density = 1.0 / turned.volume
+        tensor = turned.moment_inertia
+        terms = {
+            name: f"{tensor[i]:.6g}" for name, i in zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), PAIRS, strict=True)
+        }
+        com = " ".join(f"{value:.6g}" for value in turned.center_mass)
+        text = arm_on_base(inertial(1, com=com, **terms), visual(mesh("part.stl")))
+        causes = [
+            f.cause.text for f in find(tmp_path, text, "INR009") if f.cause is not None and f.cause.id == "quarter_turn"
+        ]
+        assert [("upward axis" in text) for text in causes] == [is_upward]

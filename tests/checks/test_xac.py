@@ -876,6 +876,13 @@ def test_what_a_robot_lacks_is_not_reported_while_a_call_makes_no_part(tmp_path:
     codes = {"CTL001", "GZB001", "XAC007"}
     lost = only(xacro(tmp_path, arm + '<arm n="a"/>' + transmission, codes))
     assert (lost.code, lost.data["hides"]) == ("XAC007", ["CTL001", "GZB001"])
+    # Whoever accepts the call still reads that these were not checked.
+    accepted = xacro(
+        tmp_path, arm + '<!-- urdfcheck: ignore[XAC007] another tool reads it -->\n<arm n="a"/>' + transmission, codes
+    )
+    assert [(finding.code, finding.suppressed is None) for finding in accepted.findings] == [("XAC007", False)]
+    assert [(skip.code, skip.is_partial) for skip in accepted.skipped] == [("CTL001", True), ("GZB001", True)]
+    assert accepted.skipped[0].reason == "what it reports waits for the repair of XAC007"
     found = xacro(tmp_path, arm + '<xacro:arm n="b"/>' + transmission, codes).findings
     assert sorted({finding.code for finding in found}) == ["CTL001", "GZB001"]
 

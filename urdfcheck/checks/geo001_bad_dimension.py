@@ -52,10 +52,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     if shape.kind == "sphere" and shape.role == "collision" and not any(values):
                         points.append((link.name, attribute))
                     else:
-                        reactions = {} if _has_mass(model, link) else {"gazebo": DROPPED}
-                        yield from _check_dimensions(
-                            rule, shape, attribute, link=link.name, values=sizes, reactions=reactions
-                        )
+                        yield from _check_dimensions(model, rule, shape, attribute, link=link, values=sizes)
     if points:
         yield _build_point_finding(model, rule, points)
 
@@ -84,22 +81,19 @@ def _has_mass(model: Model, link: Link) -> bool:
 
 
 def _check_dimensions(
-    rule: Rule,
-    shape: Shape,
-    attribute: Attribute,
-    *,
-    link: str,
-    values: dict[str, float],
-    reactions: Mapping[str, str],
+    model: Model, rule: Rule, shape: Shape, attribute: Attribute, *, link: Link, values: dict[str, float]
 ) -> Iterator[Finding]:
     mesh = shape.kind == "mesh"  # a negative scale mirrors it and is not a wrong size
     negative = [part for part, value in values.items() if value < 0 and not mesh]
     # A capsule without a cylinder between its caps is a sphere.
     may_be_zero = shape.kind == "capsule" and attribute.name == "length"
     zero = [part for part, value in values.items() if value == 0 and not may_be_zero]
-    reactions = {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED, **reactions}
+    if not (negative or zero):
+        return
+    reactions = {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED}
+    reactions |= {} if _has_mass(model, link) else {"gazebo": DROPPED}
     data: dict[str, Any] = {
-        "link": link,
+        "link": link.name,
         "role": shape.role,
         "kind": shape.kind,
         "dimension": attribute.name,

@@ -44,6 +44,7 @@ from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import (
     compute_drawn_tensor,
     describe_drawn_inertial,
+    format_comparison,
     lacks_only_com,
 )
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
@@ -201,9 +202,7 @@ def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, r
         return _Advice(undo, f"write {undo.words} if that is the mistake, or ", explained=explained)
     is_known = has_drawn_shape(part.link) and part.is_drawn and len(part.readings) == 1
     drawn = describe_drawn_inertial(model, part.link, with_com=has_com_apart(model, part.link)) if is_known else ""
-    unknown = _Advice(
-        remedy=_LONE_FRAME if _is_lone_frame(part) else "", comparison=drawn and f"; for comparison: {drawn}"
-    )
+    unknown = _Advice(remedy=_LONE_FRAME if _is_lone_frame(part) else "", comparison=format_comparison(drawn))
     if (like_others := _advise_undo_of_others(model, part, declared, ratio=ratio)) is not None:
         return like_others
     if part.link.name in (about_root := find_root_tensors(model)):

@@ -172,11 +172,10 @@ def _compare_shapes(
 
 def _describe_equality(parts: Sequence[_InertiaSignature]) -> str:
     """Say how equal the tensors are: a mirrored part has products of the other sign."""
-    return (
-        "digit for digit"
-        if len({part.declared.components for part in parts}) == 1
-        else "apart from the signs of products"
-    )
+    tensors = {part.declared.components for part in parts}
+    signs = {tuple(value < 0 for value in components) for components in tensors}
+    equal = "digit for digit" if len({tuple(map(abs, one)) for one in tensors}) == 1 else f"to {_DIGITS} digits"
+    return equal if len(signs) == 1 else f"{equal}, apart from the signs of products"
 
 
 def _list_unexplained(model: Model, parts: Sequence[_InertiaSignature]) -> list[str]:

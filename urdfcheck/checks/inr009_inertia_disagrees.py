@@ -45,7 +45,7 @@ from urdfcheck.model.inertials.inertial_effects import (
 )
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
-from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial
+from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, format_comparison
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake, name_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import (
@@ -76,7 +76,7 @@ AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 # Causes with messages of their own, which do not rest on how well the rest agrees.
 _TOLD_BY_ITSELF = frozenset({"shell", "com_missing", "mesh_scale"})
 _DECIMAL_POINTS = frozenset({"decimal_point", "decimal_point_of_all"})
-# A COM that moves that of its body by less (m) changes nothing that a joint or a wheel feels.
+# A COM that moves that of its body by less (m) is within what `PLACE` allows for a measurement by hand.
 _MOVED = 1e-3
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
 PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
@@ -359,8 +359,7 @@ def _describe_drawn_com(model: Model, link: Link, mended: InertialRepair | None)
     """Return the end of the advice about a COM that was not filled in: the drawn part's, with its tensor if that differs too."""
     if mended is not None and not any(f"{name}=" in mended.text for name in TENSOR_NAMES):
         return f"; {describe_geometry_source(model, link)} alone has {mended.words}"
-    drawn = describe_drawn_inertial(model, link, with_com=True)
-    return drawn and f"; for comparison: {drawn}"
+    return format_comparison(describe_drawn_inertial(model, link, with_com=True))
 
 
 def _is_drawn_elsewhere(model: Model, link: Link) -> bool:
@@ -390,7 +389,7 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
         at=tensor.element,
         severity=rank[0],
         confidence=rank[1],
-        comparison=drawn and f"; for comparison: {drawn}",
+        comparison=format_comparison(drawn),
         unlike=describe_other_shape(model, tensor.link, judged),
         hint=_POSSIBLE_TERM if _may_lack_term(model, tensor.link, judged) else "",
         **collect_message_data(model, tensor.link, judged),

@@ -43,6 +43,7 @@ from urdfcheck.model.likeness.mirrored_joints import (
     group_by_chain,
     is_shifted,
 )
+from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, make_attribute_edits
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.values import read_attribute_number
@@ -75,6 +76,8 @@ BOTH_SIDES_RELATIONS = {
     "both": "one part twice, mirrored or rotated",
     "copied": "one part twice",
 }
+# Drawings that are turned by less (rad) are shifted copies.
+_SAME_AXES = 1e-6
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
@@ -99,10 +102,6 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
             if finding is not None and not reported[subject] & {pair.one, pair.other}:
                 reported[subject] |= {pair.one, pair.other}
                 yield finding
-
-
-# Drawings that are turned by less (rad) are shifted copies.
-_SAME_AXES = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,9 +204,12 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
 
 
 def _are_shifted_drawings(pair: MirrorPair, side: PairSide) -> bool:
-    """Whether two links have one inertial and one drawing, which is elsewhere in one of them: that is not in their inertials."""
+    """Whether two links have one inertial and one drawing, which is elsewhere in one of them: drawing or COM may be wrong."""
     twin = get_comparable_inertial(side.twin)
-    if twin is None or not np.allclose(pair.linear, np.eye(3), atol=_SAME_AXES):
+    if twin is None or not any(
+        copy.mismatch < DIFFERENT and np.allclose(copy.rotation, np.eye(3), atol=_SAME_AXES)
+        for copy in pair.copy_transforms
+    ):
         return False
     return bool(
         side.actual.mass == twin.mass

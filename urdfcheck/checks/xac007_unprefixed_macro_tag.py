@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_repetition, join_names
+from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls
 from urdfcheck.source.text.xml import Element, SourceFile
@@ -138,7 +139,7 @@ def _list_explained(source: Source) -> list[str]:
     # The links of a robot without links are in the macros that it does not call, and so is its mass.
     explained = [f"{code} {root.subject}" for code in ("KIN007", "INR001") if has_unprefixed_calls(source, root)]
     if any(_makes_parts(source, call) for call in find_unprefixed_tags(source.trees, root, only_calls=True)):
-        explained += [f"{code} *" for code in _RULES_ABOUT_WHOLE_ROBOTS]
+        explained += [f"{code} {WHOLE_RULE}" for code in _RULES_ABOUT_WHOLE_ROBOTS]
     return explained + _list_joints_to(collect_uncalled_links(source.trees, root), root)
 
 

@@ -36,9 +36,8 @@ def find_install_origin() -> InstallOrigin:
     except (PackageNotFoundError, ValueError):
         return InstallOrigin()
     url, commit = origin.get("url", ""), origin.get("vcs_info", {}).get("commit_id", "")
-    if commit and (
-        folder := origin.get("subdirectory")
-    ):  # urdfcheck-core: what the repository installs is the full one
+    folder = origin.get("subdirectory")
+    if commit and folder:  # of urdfcheck-core: the repository itself installs the full one
         return InstallOrigin(requirement=f"{name} @ git+{url}@{commit}#subdirectory={folder}")
     if commit:
         return InstallOrigin(requirement=f"git+{url}@{commit}", address=url, revision=commit)

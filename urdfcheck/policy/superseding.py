@@ -11,6 +11,9 @@ from urdfcheck.core import Finding, Rule, Severity
 # `link[wheel]` of `link[wheel]/inertial/inertia@izz`, whatever the name contains.
 _ELEMENT = re.compile(r"[^/@\[]*\[.*?\](?=[/@]|$)", re.DOTALL)
 
+# Stands for all elements in what a finding explains.
+WHOLE_RULE = "*"
+
 
 def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
     """Drop findings whose rule page yields (``hidden_by``) to another rule that fired on the same element.
@@ -19,8 +22,7 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
     belong to stronger findings. A finding about a difference, which names one element in its subjects and all in its data
     (``between``), is dropped if one of these does. A finding that is the cause of others names them in its data
     (``explains``: ``JNT007 joint[knee]``, or ``JNT007 *`` for all of a rule), whatever their pages say; these are dropped too. A
-    finding that takes the place of
-    the one for which the model could not be checked is the cause in its stead.
+    finding that takes the place of the one for which the model could not be checked is the cause in its stead.
     """
     findings = list(findings)
     index_by_element: dict[tuple[str, str], int] = {}
@@ -49,7 +51,7 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
         superseding |= {
             element: explained[finding.code, place]
             for element in elements
-            for place in ("*", element)
+            for place in (WHOLE_RULE, element)
             if (finding.code, place) in explained
         }
         if elements <= superseding.keys() or between & superseding.keys():
@@ -59,6 +61,12 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
                 if finding.blocks_check:
                     inherited[other] = max(finding.severity, findings[other].severity)
     return [_take_place(f, hides.get(i), inherited.get(i)) for i, f in enumerate(findings) if i not in dropped]
+
+
+def list_held_back(finding: Finding) -> list[str]:
+    """List the rules of which a finding dropped whatever they reported, because it explains all of it."""
+    explained = finding.data.get("explains", ())
+    return [code for code in finding.data.get("hides", ()) if f"{code} {WHOLE_RULE}" in explained]
 
 
 def _take_place(finding: Finding, hidden: Collection[str] | None, severity: Severity | None) -> Finding:

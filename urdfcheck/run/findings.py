@@ -24,7 +24,7 @@ from urdfcheck.policy.fix_safety import mark_unsafe_across_models, mark_unsafe_i
 from urdfcheck.policy.on_request import split_unrequested
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.report_limits import MAX_FINDINGS_SIZE, limit_number, limit_size, truncate_texts
-from urdfcheck.policy.superseding import drop_superseded
+from urdfcheck.policy.superseding import drop_superseded, list_held_back
 from urdfcheck.policy.suppression import mark_suppressed
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit, UnitReport
@@ -94,6 +94,11 @@ def finalize_unit_findings(
             is_partial=True,
         )
         for (code, severity), count in unlisted.items()
+    ]
+    skips += [
+        SkippedCheck(code, unit.id, f"what it reports waits for the repair of {finding.code}", is_partial=True)
+        for finding in remaining
+        for code in list_held_back(finding)
     ]
     small, size = limit_size(listed, MAX_FINDINGS_SIZE)
     skips += explain_left_out(

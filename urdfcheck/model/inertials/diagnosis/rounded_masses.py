@@ -44,8 +44,10 @@ def name_units_of_rounded_masses(
             continue
         times = float(np.trace(declared.inertia) / np.trace(compute_solid_inertia(drawn.solid, declared.mass)))
         unit = _find_unit(declared.mass, times)
+        if unit is None:
+            continue
         scaled = replace(declared, tensor=declared.tensor / times)
-        if unit is None or measure_inertial_mismatch(scaled, drawn.solid.com, drawn.solid.covariance)[0] > PROPORTIONAL:
+        if measure_inertial_mismatch(scaled, drawn.solid.com, drawn.solid.covariance)[0] > PROPORTIONAL:
             continue
         mended = replace(declared, tensor=declared.tensor * TENSOR_UNITS[unit])
         ruled_out = tuple(cause for cause in one.ruled_out if cause not in {"inertia_unit", "units"})

@@ -53,6 +53,12 @@ def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False)
     return f"{change.text}{describe_own_call(model, link, change)} ({body} at this mass and uniform density{why})"
 
 
+def format_comparison(drawn: str) -> str:
+    """Return the end of an advice for which no mistake is known: what `describe_drawn_inertial` says is evidence there, not a
+    repair. Empty where it says nothing."""
+    return drawn and f"; for comparison: {drawn}"
+
+
 def describe_possible_inertial(model: Model, link: Link) -> str:
     """Describe the inertia of what the link draws, in place of one that no body has: with the COM where that was typed apart from
     the drawn part's, if it is known."""
