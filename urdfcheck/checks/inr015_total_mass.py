@@ -16,6 +16,8 @@ from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
 _MOST_LISTED = 3
+# One link has an impossible mass, not all, if the others have less than this share of what is possible.
+_OTHERS = 0.1
 # Kilograms per tonne.
 _TONNE = 1000.0
 
@@ -33,17 +35,7 @@ def check(
     edge, is_seen = _measure_extent(model, unseen, enough=(total / DENSEST) ** (1 / 3))
     # A mesh that was not read may be larger than what is seen of the robot, but not in a robot of a hundred tonnes.
     if total > DENSEST * edge**3 and (is_seen or total > most):
-        yield rule.finding(
-            "dense",
-            at=model.name_location,
-            cause=_name_unit(masses, "grams"),
-            severity=Severity.ERROR,
-            robot=model.name,
-            total=total,
-            links=len(masses),
-            edge=edge,
-            most=DENSEST * edge**3,
-        )
+        yield _build_density_finding(model, rule, total=total, edge=edge)
     elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
         yield _build_placeholder_finding(model, rule, masses[0])
     elif total > most or (total < least and _has_most_masses(model)):
@@ -69,6 +61,27 @@ def _has_most_masses(model: Model) -> bool:
     """Whether the sum is that of the robot: at least half of the bodies that move have a mass (INR001 reports the others)."""
     moving = [body for body in list_whole_bodies(model) if body.is_movable]
     return 2 * sum(bool(compute_body_mass(model, body.links)) for body in moving) >= len(moving)
+
+
+def _build_density_finding(model: Model, rule: Rule, *, total: float, edge: float) -> Finding:
+    """Build the finding about a ``total`` mass (kg) that no cube of this ``edge`` (m) has: of one link, or of all together."""
+    declared = [one for one in model.masses if one.mass > 0]
+    heaviest, most = max(declared, key=lambda one: one.mass), DENSEST * edge**3
+    is_one = len(declared) > 1 and heaviest.mass > most and total - heaviest.mass < _OTHERS * most
+    return rule.finding(
+        "dense_link" if is_one else "dense",
+        at=heaviest.attribute if is_one else model.name_location,
+        cause=None if is_one else _name_unit([one.mass for one in declared], "grams"),
+        severity=Severity.ERROR,
+        robot=model.name,
+        link=heaviest.link.name,
+        mass=heaviest.mass,
+        others=total - heaviest.mass,
+        total=total,
+        links=len(declared),
+        edge=edge,
+        most=most,
+    )
 
 
 def _build_placeholder_finding(model: Model, rule: Rule, mass: float) -> Finding:
