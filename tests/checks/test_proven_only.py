@@ -210,6 +210,23 @@ def test_a_wheel_is_as_large_as_it_collides_and_as_far_as_its_middle(tmp_path: P
     assert found == pytest.approx({"radius": 0.05, "separation": 0.24}, rel=1e-4)
 
 
+@pytest.mark.parametrize(("typed", "real"), [("0.34", []), ("0.28", [0.34])])
+def test_an_axle_stub_does_not_move_the_middle_of_a_wheel(tmp_path: Path, typed: str, real: list[float]) -> None:
+    parts = [
+        link(
+            f"{name}_wheel",
+            collision('<cylinder radius="0.1" length="0.04"/>', xyz=f"0 {sign}0.07 0", rpy="1.5708 0 0")
+            + collision('<cylinder radius="0.02" length="0.06"/>', xyz=f"0 {sign}0.02 0", rpy="1.5708 0 0"),
+        )
+        + joint(name, "base", f"{name}_wheel", kind="continuous", xyz=f"0 {sign}0.1 0", axis="0 1 0")
+        for name, sign in (("l", ""), ("r", "-"))
+    ]
+    numbers = f"<wheel_separation>{typed}</wheel_separation>"
+    block = DRIVE.format("libgazebo_ros_diff_drive.so", "d", name_sides("l", "r", numbers))
+    found = [f.data["real"] for f in find(tmp_path, robot(link("base"), *parts, block), "CTL007")]
+    assert found == pytest.approx(real, rel=1e-4)
+
+
 @pytest.mark.parametrize(("diameter", "real"), [(0.08, 0.1), (0.1, None), (0.104, None), (0.12, 0.1)])
 def test_a_bump_of_a_wheel_is_not_its_radius(tmp_path: Path, diameter: float, real: float | None) -> None:
     tyre = visual('<cylinder radius="0.05" length="0.03"/>', rpy="1.5708 0 0") + visual(
