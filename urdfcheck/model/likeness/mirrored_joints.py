@@ -203,7 +203,10 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
     places = np.array([frame[:3, 3] for frame in model.frames.values()])
     least = max(PLACE, _PLACE_SHARE * float(np.linalg.norm(np.ptp(places, axis=0))))
     displaced_by = distance if least < distance < APART * sides else 0.0
-    if displaced_by and _is_turned_with_parent(model, pair, joints, distance=displaced_by):
+    if displaced_by and (
+        _is_turned_with_parent(model, pair, joints, distance=displaced_by)
+        or _is_mirrored_in_parents(joints, known_pairs, least)
+    ):
         return None
     is_slip = STRAIGHT < angle < ARRANGED or (angle > ARRANGED and _is_renamed(pair, joints))
     if is_slip and angle < _SLIGHT_TILT and _is_turn_taken_back(pair, known_pairs):
@@ -239,6 +242,22 @@ def _is_turned_with_parent(model: Model, pair: MirrorPair, joints: tuple[Joint, 
     radii = [float(np.linalg.norm(arm - part * axis)) for arm, part in zip(arms, along, strict=True)]
     slack = _TURNED_SHARE * distance if _is_typed_alike(joints) else _TURNED_EXACTLY
     return math.hypot(along[0] - along[1], radii[0] - radii[1]) < slack
+
+
+def _is_mirrored_in_parents(joints: tuple[Joint, Joint], known_pairs: Sequence[MirrorPair], least: float) -> bool:
+    """Whether the places are mirror images, to ``least`` m, in the frames of two parents of which one is rotated as little as
+    3.14 for π leaves: at the end of a lever that is a distance, but the mistake is in the angle."""
+    one, other = (joint.origin.xyz for joint in joints)
+    parents = tuple(joint.parent for joint in joints)
+    above = next((p for p in known_pairs if parents in {(p.one, p.other), (p.other, p.one)}), None)
+    if one is None or other is None or above is None:
+        return False
+    if parents != (above.one, above.other):
+        one, other = other, one
+    straight = np.rint(above.linear)
+    # The norm of the difference of two rotations is √8 times the sine of half their angle.
+    angle = 2 * math.asin(min(1.0, float(np.linalg.norm(above.linear - straight)) / math.sqrt(8)))
+    return angle < STRAIGHT and float(np.linalg.norm(straight @ one + above.shift - other)) < least
 
 
 def _is_typed_alike(joints: tuple[Joint, Joint]) -> bool:
