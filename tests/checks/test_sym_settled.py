@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from builders import box, cylinder, find, inertial, joint, limit, link, robot, v
 from urdfcheck.core import Finding
 
 LIMIT = limit(-1, 1)
+PULLS = "gravity and mass matrix differ between the two sides: the robot pulls to one side"
 
 
 def find_places(folder: Path, *parts: str) -> list[Finding]:
@@ -144,6 +146,39 @@ def make_wheels(left: str, right: str) -> list[str]:
             joint(f"{side}_joint", "base", f"{side}_wheel", kind="continuous", xyz=f"0 {y} 0.075", axis="0 1 0")
         )
     return parts
+
+
+@pytest.mark.parametrize(
+    ("kind", "turn", "com", "told"),
+    [
+        ("continuous", 0.45, "0 0.01 0", []),
+        ("continuous", 0.45, "0.02 0.01 0", [PULLS]),
+        ("revolute", 0.45, "0 0.01 0", ["the mass matrix differs between the two sides"]),
+        ("fixed", 0.45, "0 0.01 0", ["the tensor of the body that holds both is not that of two equal sides"]),
+        ("fixed", 0.0, "0.02 0.01 0", ["the COM of the body that holds both is shifted to one side"]),
+    ],
+)
+def test_what_an_unlike_inertial_does_depends_on_what_differs_and_on_the_joint(
+    tmp_path: Path, kind: str, turn: float, com: str, told: list[str]
+) -> None:
+    """A propeller whose tensor was exported at another angle spins alike; the angle of a fixed part is another tensor."""
+    parts = [link("base", visual(box("0.3 0.3 0.05"), xyz="0 0 0.1"))]
+    blade = visual(box("0.3 0.01 0.02"), xyz="0 0.01 0")
+    for side, y, angle, place in (("left", 0.2, 0.0, "0 0.01 0"), ("right", -0.2, turn, com)):
+        mean, half = (1.54e-4 + 1.61e-3) / 2, (1.61e-3 - 1.54e-4) / 2
+        numbers = inertial(
+            0.2,
+            com=place,
+            ixx=mean - half * math.cos(2 * angle),
+            izz=mean + half * math.cos(2 * angle),
+            ixz=half * math.sin(2 * angle),
+            iyy=1.75e-3,
+        )
+        parts.append(link(f"{side}_prop", numbers, blade))
+        more = LIMIT if kind == "revolute" else ""
+        axis = "" if kind == "fixed" else "0 1 0"
+        parts.append(joint(f"{side}_joint", "base", f"{side}_prop", more, kind=kind, xyz=f"0 {y} 0.075", axis=axis))
+    assert [f.consequences["pinocchio"] for f in find_places(tmp_path, *parts)] == told
 
 
 def test_of_two_impossible_inertials_neither_repairs_the_other(tmp_path: Path) -> None:

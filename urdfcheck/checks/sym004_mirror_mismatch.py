@@ -16,7 +16,7 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_d
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.twin_slips import TwinSlip
-from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs
+from urdfcheck.facts.likeness.mirror import InertialDeviation, are_alike_when_spun, find_wrong_signs
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
@@ -38,8 +38,10 @@ from urdfcheck.model.likeness.mirror_places import iter_place_mistakes
 from urdfcheck.model.likeness.mirrored_joints import (
     MismatchedLimit,
     are_limits_measured,
+    are_moved_apart,
     find_mismatched_limit,
     find_pair_joints,
+    find_spin_axis,
     group_by_chain,
     is_shifted,
 )
@@ -61,6 +63,10 @@ _OUTSIDE = 0.1
 _SAME_COM = 0.01
 _EXPORT_BOTH = "export both again: neither COM is that of the part that it draws"
 _EXPORT_BOTH_INERTIALS = "export both again: neither inertial is that of the part that it draws"
+# What is so where the masses and the COMs are the same, and where no joint moves one side without the other.
+_MASS_MATRIX = "the mass matrix differs between the two sides"
+_OFF_PLANE = "the COM of the body that holds both is shifted to one side"
+_SKEW_TENSOR = "the tensor of the body that holds both is not that of two equal sides"
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
@@ -132,7 +138,10 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         return None
     wrong = find_wrong_side(model, pair, both, threshold=note)
     side, like = (both[1], ()) if wrong is None else wrong
-    if _are_shifted_drawings(pair, side):
+    axis = find_spin_axis(model, pair, side.link.name)
+    if _are_shifted_drawings(pair, side) or (
+        axis is not None and are_alike_when_spun(side.actual, side.expected, axis, note)
+    ):
         return None
     deviation, cause = side.deviation, find_cause(pair, side, note)
     if cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
@@ -170,6 +179,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         "related": [_locate_difference(model, side.twin, shown.deviation, note=note)],
         "cause": cause,
         "severity": shares.choose_severity(deviation.worst, pair, cause),
+        "consequences": _describe_consequences(model, pair, deviation, note),
     }
     shared = _has_shared_inertial(side)
     if wrong is None:
@@ -201,6 +211,16 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         )
     message, remedy = "like" if like else "inertial", "; ".join(remedies)
     return rule.finding(message, **place, edits=edits, remedy=remedy, like=join_names(like), **data)
+
+
+def _describe_consequences(
+    model: Model, pair: MirrorPair, deviation: InertialDeviation, note: float
+) -> dict[str, str] | None:
+    """Return what programs do where that is less than the page says; None where it is not."""
+    has_weight = max(deviation.mass, deviation.com_offset) > note
+    if not are_moved_apart(model, pair):
+        return dict.fromkeys(("pinocchio", "gazebo"), _OFF_PLANE if has_weight else _SKEW_TENSOR)
+    return None if has_weight else {"pinocchio": _MASS_MATRIX}
 
 
 def _are_shifted_drawings(pair: MirrorPair, side: PairSide) -> bool:
@@ -288,6 +308,7 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
         at=_locate_difference(model, sides.wrong, deviation, note=note),
         related=[_locate_difference(model, sides.right, deviation, note=note)],
         severity=Severity.INFO if is_doubtful else severity,
+        consequences=_describe_consequences(model, pair, deviation, note),
         cause=_name_slip(slip) if slip is not None else "other_part" if sides.copied is not None else None,
         factor=f"{sides.ratio:,.0f}",
         wrong=sides.wrong.name,

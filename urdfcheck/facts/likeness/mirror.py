@@ -14,15 +14,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.median import compute_median
+from urdfcheck.facts.motion.kinematics import compute_joint_motions
 from urdfcheck.facts.sphere_directions import spread_directions_and_axes
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from urdfcheck.facts.arrays import Array, Mat3, Vec3
-    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 
 
 # The numbers of an inertial besides its mass: the COM, and the inertia in URDF's order.
@@ -185,6 +186,30 @@ def measure_deviation(actual: DeclaredInertial, expected: DeclaredInertial) -> I
         mass=abs(actual.mass - expected.mass) / max(actual.mass, expected.mass),
         com_offset=float(np.linalg.norm(actual.com - expected.com)) / math.sqrt(size),
         spread=float(np.linalg.norm(spread)) / (2.0 * size),
+    )
+
+
+def are_alike_when_spun(one: DeclaredInertial, other: DeclaredInertial, axis: ArrayLike, threshold: float) -> bool:
+    """Whether two inertials are one part at two angles about a unit ``axis`` (3,) through the origin that holds both COMs.
+
+    ``threshold``: as a share of a mass, or of a length relative to the radius of gyration.
+    """
+    along = np.asarray(axis, dtype=float)
+    size = math.sqrt(max(0.0, float(np.trace(other.inertia))) / (2.0 * other.mass))
+    if any(float(np.linalg.norm(np.cross(along, part.com))) > threshold * size for part in (one, other)):
+        return False
+    across = np.linalg.svd(along[None, :])[2][1:]
+    across[1] *= math.copysign(1.0, float(np.cross(*across) @ along))
+    angles = []
+    for part in (one, other):
+        (p, q), (_, r) = across @ part.inertia @ across.T
+        angles.append(math.atan2(2.0 * q, p - r) / 2.0)
+    # Principal axes have no sense: half a turn more gives the same ones.
+    turns = angles[0] - angles[1] + np.array((0.0, math.pi))
+    return any(
+        measure_deviation(one, DeclaredInertial(other.mass, other.com, turn @ other.inertia @ turn.T)).worst
+        <= threshold
+        for turn in compute_joint_motions(along, turns, rotates=True)[:, :3, :3]
     )
 
 

@@ -100,6 +100,27 @@ def find_pair_joints(model: Model, pair: MirrorPair) -> tuple[Joint, Joint] | No
     return one, other
 
 
+def find_spin_axis(model: Model, pair: MirrorPair, link: str) -> Array | None:
+    """Return the unit axis (3,), in the frame of a ``link`` of the pair, about which its joint turns without limits, as the other
+    link's does: which angle is zero is then of no consequence. None where either is held or limited."""
+    joints = find_pair_joints(model, pair)
+    if joints is None or joints[0].type != "continuous":
+        return None
+    axis: Array = model.frames[link][:3, :3].T @ model.axes[model.tree.parent_joint[link].name]
+    return axis
+
+
+def are_moved_apart(model: Model, pair: MirrorPair) -> bool:
+    """Whether a joint moves one link of a pair without the other: otherwise both are parts of one body.
+
+    :raises FactUnavailableError: when the tree is broken.
+    """
+    one, other = (
+        {joint.name for joint in model.tree.find_path_to(name) if joint.is_movable} for name in (pair.one, pair.other)
+    )
+    return one != other
+
+
 def find_mismatched_limit(
     model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair], threshold: float
 ) -> MismatchedLimit | None:
