@@ -9,8 +9,10 @@ from builders import box, collision, find, inertial, joint, link, robot, visual
 from conftest import check, check_text
 
 from urdfcheck.core import Severity
+from urdfcheck.core.merging import join_occurrences
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import reduce_fixed_joints
+from urdfcheck.rules import load_rules
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
@@ -256,6 +258,41 @@ SENSOR = '<sensor name="s" type="force_torque"/>'
 )
 def test_blocks_of_joints(tmp_path: Path, body: str, expected: list[tuple[str, Severity]]) -> None:
     assert [(f.message_id, f.severity) for f in find(tmp_path, robot(MERGED + body), "GZB003")] == expected
+
+
+@pytest.mark.parametrize(
+    ("kind", "tags", "found"),
+    [
+        ("fixed", "<mu1>0</mu1><mu2>0</mu2>", ["surface"]),
+        ("continuous", "<mu1>0</mu1><mu2>0</mu2>", ["surface"]),
+        ("continuous", "<kp>1</kp><stopCfm>0</stopCfm>", []),
+        ("fixed", "<kp>1</kp><stopCfm>0</stopCfm>", ["joint-settings"]),
+        ("continuous", "<springStiffness>1</springStiffness>", []),
+    ],
+)
+def test_a_joint_has_no_friction(tmp_path: Path, kind: str, tags: str, found: list[str]) -> None:
+    body = make_link("base") + make_link("wheel", 0.1) + fixed("axle", "base", "wheel", kind) + block("axle", tags)
+    assert messages(tmp_path, body, "GZB003") == found
+
+
+@pytest.mark.parametrize(("kind", "spring"), [("fixed", False), ("prismatic", True)])
+def test_the_repair_of_friction_of_a_joint_names_the_link(tmp_path: Path, kind: str, spring: bool) -> None:
+    """In the block of a joint that moves, kp may be meant for a suspension."""
+    body = make_link("base") + make_link("leg", 0.1) + fixed("sus", "base", "leg", kind) + block("sus", "<kp>1</kp>")
+    (finding,) = find(tmp_path, robot(body), "GZB003")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write the name of the link: leg")
+    assert ("springStiffness" in finding.fix.title) is spring
+
+
+def test_two_blocks_of_one_link_are_two_places(tmp_path: Path) -> None:
+    links = [f"base_{'x' * 20}_{i}" for i in range(2)]
+    body = make_link("base", 1.0) + "".join(
+        make_link(name, 0.0, "") + fixed(f"{name}_j", "base", name) for name in links
+    )
+    body += "".join(f"{block(name, '<mu1>1</mu1>')}\n" for name in (*links, links[1]))
+    joint = join_occurrences(find(tmp_path, robot(body), "GZB003"), load_rules())
+    assert joint.headline == "3 places: Gazebo ignores mu1, misled by its name"
 
 
 def test_below_the_world_nothing_is_merged(tmp_path: Path) -> None:

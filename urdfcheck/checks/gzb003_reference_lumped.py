@@ -26,6 +26,9 @@ _COLLISION = frozenset({
     "mu1", "mu2", "fdir1", "kp", "kd", "minDepth", "maxVel", "maxContacts", "laserRetro", "collision",
 })  # fmt: skip
 _VISUAL = frozenset({"material", "visual"})
+# Stiffness and damping of contacts, which authors take for those of a suspension.
+_CONTACT_SPRING = frozenset({"kp", "kd"})
+_SPRING = "; a spring of the joint is <springStiffness> and <springReference>"
 # These still matter when the joint is gone; the rest only sets how a moving joint is solved.
 _FUNCTIONAL_TAGS = frozenset({"sensor", "plugin"})
 
@@ -42,9 +45,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if name in model.link_by_name:
             yield from _check_surface_settings(rule, "collision", block, shapes=collisions[name])
             yield from _check_surface_settings(rule, "visual", block, shapes=visuals[name])
-        elif joint is not None and is_merged_joint(joint, preserved):
+        elif joint is not None:
             tags = {child.tag for child in block.children}.difference(PRESERVE)
-            if tags:
+            if tags and tags <= _COLLISION | _VISUAL:
+                yield _build_surface_finding(rule, block, joint, tags)
+            elif tags and is_merged_joint(joint, preserved):
                 lost.setdefault("joint" if tags & _FUNCTIONAL_TAGS else "joint-settings", []).append(block)
     for message, lost_blocks in lost.items():
         yield _build_lost_finding(model, rule, message, blocks=lost_blocks, reduction=reduction)
@@ -92,6 +97,20 @@ def _build_lost_finding(
         content=_format_tags(lost),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(block.subject for block in blocks)))
+
+
+def _build_surface_finding(rule: Rule, block: Element, joint: Joint, tags: set[str]) -> Finding:
+    """Report settings of the shapes of a link in the block of a joint, of whatever type."""
+    return rule.finding(
+        "surface",
+        at=block.attributes["reference"],
+        related=[joint],
+        severity=Severity.WARNING if _COLLISION & tags else Severity.INFO,
+        joint=joint.name,
+        child=joint.child,
+        spring=_SPRING if joint.is_movable and tags <= _CONTACT_SPRING else "",
+        content=_format_tags([child.tag for child in block.children if child.tag in tags]),
+    )
 
 
 def _check_surface_settings(

@@ -136,7 +136,7 @@ def _count_first_list(template: str, texts: Mapping[str, str]) -> str:
 
 
 def fill_joint_headline(
-    template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]], kind: str
+    template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]], kind: str, places: int = 0
 ) -> str:
     """Fill a template for several findings at once.
 
@@ -148,6 +148,7 @@ def fill_joint_headline(
     :param data: values of each finding.
     :param names: elements that each finding is about.
     :param kind: what these elements are, in the plural: ``links``.
+    :param places: how many there are, where that is more than their names, which several may share.
     :raises KeyError: if ``data`` lacks a value of the template.
     """
     about = _ABOUT.fullmatch(template)
@@ -158,7 +159,8 @@ def fill_joint_headline(
             named = fill_headline(f"{{{about[1]}}}: {claim}", {**data[0], about[1]: join_names(everything)})
             if named.startswith(everything[0]):
                 return named
-            return fill_headline(f"{len(everything)} {kind}: {claim}", data[0])
+            counted = f"{places} places" if places > len(everything) else f"{len(everything)} {kind}"
+            return fill_headline(f"{counted}: {claim}", data[0])
     rest = format_more_places(len(data) - 1)
     return f"{fill_headline(template, data[0], LONGEST_HEADLINE - len(rest))}{rest}"
 

@@ -19,6 +19,7 @@ from urdfcheck.core.headlines import (
 )
 from urdfcheck.core.text import join_names
 
+_BLOCKS = "<gazebo> blocks"
 _NAMED = re.compile(r"\w+\[(.*?)\](?=[/@]|$)", re.DOTALL)
 
 
@@ -194,7 +195,10 @@ def _join_headlines(ordered: Sequence[Finding], rules: Mapping[str, Rule]) -> st
     try:
         template = rule.headlines[first.message_id] if rule is not None else ""
         if template and len({own.message_id for own in ordered}) == 1:
-            return fill_joint_headline(template, [own.data for own in ordered], names, _name_kind(ordered))
+            kind = _name_kind(ordered)
+            # Several blocks may be for one link.
+            places = len({own.location.span for own in ordered}) if kind == _BLOCKS else 0
+            return fill_joint_headline(template, [own.data for own in ordered], names, kind, places)
         return shorten_headline(first.headline, template, first.data, room) + rest
     except (KeyError, ValueError, TypeError):  # a finding that the page did not make
         return cut_line(first.headline, room) + rest
@@ -206,7 +210,7 @@ def _name_kind(findings: Iterable[Finding]) -> str:
         match[0].partition("[")[0] for own in findings for s in own.subjects if (match := _NAMED.match(s)) is not None
     }
     kind = kinds.pop() if len(kinds) == 1 else "element"
-    return "<gazebo> blocks" if kind == "gazebo" else f"{kind}s"
+    return _BLOCKS if kind == "gazebo" else f"{kind}s"
 
 
 def _join_consequences(ordered: Iterable[Finding]) -> dict[str, str]:
