@@ -121,6 +121,19 @@ def test_one_round_mass_of_all_links_is_no_load(tmp_path: Path, last: float, fou
     assert bool(find(tmp_path, make_robot_on_base(*parts), "DYN002")) == found
 
 
+@pytest.mark.parametrize(("base", "found"), [("fixed", ["first", "second"]), ("floating", ["second"])])
+def test_a_robot_that_floats_lifts_its_lighter_side(tmp_path: Path, base: str, found: list[str]) -> None:
+    """A chain of three equal parts behind the head: nothing holds the head while the first joint lifts two of them."""
+    limit, parts, parent = 'lower="-1.6" upper="1.6" effort="1"', [], "head"
+    for name, mass in (("first", 1.1), ("second", 1.0)):
+        parts.append(make_body(f"{name}_part", mass, "0 0 0.25"))
+        parts.append(make_driven_joint(name, parent, f"{name}_part", origin='xyz="0 0 0.5"', limit=limit))
+        parent = f"{name}_part"
+    text = robot(link("world"), make_body("head", 1.0), joint("float", "world", "head", kind=base), *parts)
+    (finding,) = find(tmp_path, text, "DYN002")
+    assert sorted(finding.data["joints"]) == found
+
+
 def test_joints_with_one_limit_are_one_finding(tmp_path: Path) -> None:
     limit = 'lower="-1.6" upper="1.6" effort="5"'
     legs = [

@@ -37,7 +37,11 @@ _KNOWN_SHARE = 0.9
 def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) -> Iterator[Finding]:
     groups: dict[tuple[float, bool], list[Overload]] = {}
     for load in find_overloads(model):
-        if _is_load_of_misplaced_coms(model, load) or _is_load_of_placeholders(model, load):
+        if (
+            _is_load_of_misplaced_coms(model, load)
+            or _is_load_of_placeholders(model, load)
+            or _is_load_of_heavier_side(model, load)
+        ):
             continue
         effort = load.joint.get_limit_value("effort") or 0.0
         is_exported = _is_placeholder(model, effort) and effort == _EXPORTED_EFFORT
@@ -102,6 +106,21 @@ def _is_load_of_placeholders(model: Model, load: Overload) -> bool:
     inertials = [model.link_by_name[name].inertial for name in list_carried_links(model, load.joint)]
     masses = [one.mass for one in inertials if one is not None and one.mass]
     return len(masses) >= _PLACEHOLDER_LINKS and len(set(masses)) == 1 and is_round(masses[0])
+
+
+def _is_load_of_heavier_side(model: Model, load: Overload) -> bool:
+    """Whether a joint of a robot that floats carries more than half of it: nothing holds the lighter side while it is lifted."""
+    floating = [one for one in model.tree.find_path_to(load.joint.parent) if one.type == "floating"]
+    if not floating:
+        return False
+    carried, total = (_sum_masses(model, joint) for joint in (load.joint, floating[-1]))
+    return carried > total / 2
+
+
+def _sum_masses(model: Model, joint: Joint) -> float:
+    """Return the mass (kg) of the links behind a joint."""
+    links = (model.link_by_name[name] for name in list_carried_links(model, joint))
+    return sum(link.inertial.mass or 0.0 for link in links if link.inertial is not None)
 
 
 def _list_efforts(model: Model) -> list[float]:
