@@ -1054,3 +1054,21 @@ def test_an_undefined_colour_is_proposed_by_its_name(tmp_path: Path, name: str, 
     (finding,) = check_text(tmp_path, text, codes={"XML011"}).findings
     assert finding.fix is not None
     assert f'<material name="{name}"><color rgba="{colour}"/></material>' in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("element", "found"),
+    [
+        ('<box_inertia m="0.1" x="0.05" y="0.05" z="0.05"/>', "ignored"),
+        ('<box_inertia ixx="0.1" y="0.05"/>', "misspelt"),
+        ('<box_inertia IXX="0.1"/>', "misspelt"),
+        ('<box_inertia name="a"/>', "misspelt"),
+    ],
+)
+def test_an_element_with_attributes_of_its_own_is_not_misspelt(tmp_path: Path, element: str, found: str) -> None:
+    """A macro's call without the macro has the arguments of the macro."""
+    text = f'<robot name="r"><link name="a"><inertial><mass value="1"/>{element}</inertial></link></robot>'
+    (finding,) = findings(tmp_path, text, "XML003", "robot.urdf.xacro")
+    assert finding.message_id == found
+    assert finding.fix is not None
+    assert ("calls a macro" in finding.fix.title) is (found == "ignored")

@@ -71,6 +71,7 @@ _NAMING = frozenset({"parent", "child"})
 _AGREE = {False: "has its", True: "have their"}
 RENAMING = "write `<{near}>`, also in the end tag"
 MERGING = "write a single `<{near}>` where a <{parent}> has the element twice"
+_CALL = "; if it calls a macro of xacro, define the macro and write `xacro:` before the name"
 DELETION = "delete it: <{parent}> already has a <{near}>"
 
 
@@ -282,7 +283,8 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         return None
     if child.tag in _SDF:
         return "sdf", Severity.WARNING, {"repair": _describe_sdf_repair(parent, places)}
-    return "ignored", Severity.INFO, {}
+    is_call = model.source.is_xacro and child.attributes and not child.children
+    return "ignored", Severity.INFO, {"call": _CALL if is_call else ""}
 
 
 def _list_tags(tags: list[str]) -> str:

@@ -183,7 +183,15 @@ def guess_element_tag(parent: str, child: Element) -> str | None:
     # <inertia ixx=…> in a link is not a misspelt <inertial>: its content belongs to <inertia>.
     expected = CHILDREN.get(child.tag) or frozenset(NUMERIC_ATTRIBUTES.get(child.tag, ()))
     content = {c.tag for c in child.children} | set(child.attributes)
-    return None if expected & content else close[0]
+    return None if expected & content or _has_other_content(child, close[0]) else close[0]
+
+
+def _has_other_content(element: Element, tag: str) -> bool:
+    """Whether an element has attributes, and nothing that a ``tag`` holds: it is something else, such as the call of a macro."""
+    known, own = get_known_attributes(tag), element.attributes.keys() - {"name"}
+    if not known or not own or any(child.tag in CHILDREN.get(tag, ()) for child in element.children):
+        return False
+    return all(name not in known and _find_nearest_attribute(tag, name) is None for name in own)
 
 
 def iter_misspelt_contents(robot: Element) -> Iterator[tuple[Element, Element]]:
