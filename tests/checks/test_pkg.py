@@ -509,6 +509,7 @@ def test_the_program_that_stops_is_that_of_the_package_s_ros(
         (("<test_depend>rviz</test_depend>",), "rviz", False),
         (("<exec_depend>ros_gz</exec_depend>",), "ros_gz_sim", False),
         (("<exec_depend>gazebo_ros_pkgs</exec_depend>",), "gazebo_ros", False),
+        (("<exec_depend>gazebo</exec_depend>",), "gazebo_ros", True),
         (("<exec_depend>q</exec_depend>",), "rviz", False),  # q depends on it
         (("<exec_depend>ros_gz_sim</exec_depend>",), "ros_gz", True),
     ],

@@ -30,6 +30,7 @@ from urdfcheck.system.files import read_regular
 
 # Metapackages, and what the names of their packages begin with unless with the name of the metapackage.
 _PARTS_OF = {
+    "gazebo": (),  # the key of the simulator alone, which rosdep installs without its packages for ROS
     "gazebo_ros_pkgs": ("gazebo_",),
     "ros_gz": ("ros_gz_", "ros_ign_"),
     "navigation2": ("nav2_",),
