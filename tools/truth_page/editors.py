@@ -77,7 +77,7 @@ def render_latency(answers: Answers) -> str:
     rows = []
     for row in answers["latency"]:
         times = [row[server][kind] for kind in ("wall", "processor") for server in (own, other)]
-        ratio = f"{times[0] / times[1]:.2g} ×"
+        ratio = _render_ratio(times[0] / times[1])
         name = f"{row['robot'].rpartition(':')[2]} ({row['links']} links)"
         rows.append(
             (name, STEPS[row["step"]], f"{times[0]:.2f} s", f"{times[1]:.3f} s", ratio, *map(_render_used, times[2:]))
@@ -88,3 +88,7 @@ def render_latency(answers: Answers) -> str:
 
 def _render_used(seconds: float) -> str:
     return f"{seconds:.2f} s" if seconds >= 0.01 else "below 0.01 s"
+
+
+def _render_ratio(ratio: float) -> str:
+    return f"{ratio:,.0f} ×" if ratio >= 10 else f"{ratio:.2g} ×"
