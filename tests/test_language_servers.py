@@ -63,7 +63,7 @@ def test_a_draw_takes_an_error_of_each_robot_before_a_second_one() -> None:
     assert {error.robot for error in drawn[:4]} == {"loud", "a", "b", "c"}
     assert [error.robot for error in drawn[4:]] == ["loud", "loud"]
     assert len({error.key for error in draw_errors(errors)}) == READ
-    assert draw_errors(errors, 6) == drawn
+    assert draw_errors(errors[::-1], 6) == drawn
 
 
 def test_labels_outlive_another_draw(tmp_path: Path) -> None:

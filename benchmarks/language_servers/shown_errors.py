@@ -31,7 +31,7 @@ class ShownError:
     reason: str = ""
 
     @property
-    def key(self) -> tuple[object, ...]:
+    def key(self) -> tuple[str, str, str, int, str, str]:
         """What tells it from others."""
         return self.server, self.robot, self.file, self.line, self.code, self.message
 
@@ -40,7 +40,7 @@ def draw_errors(errors: Sequence[ShownError], count: int = READ, seed: int = SEE
     """Draw errors of one server: one of each robot in turn, so that a robot with hundreds does not fill the draw."""
     chance = random.Random(seed)
     by_robot: dict[str, list[ShownError]] = defaultdict(list)
-    for error in errors:
+    for error in sorted(errors, key=lambda error: error.key):
         by_robot[error.robot].append(error)
     for some in by_robot.values():
         chance.shuffle(some)
