@@ -106,7 +106,7 @@ def _render_facts(rule: Rule) -> str:
         "gives way to": f"{', '.join(rule.hidden_by)} on the same element" if rule.hidden_by else "",
         "on request": describe_on_request(rule),
         "pedantic": describe_pedantic(rule),
-        "kinematics-only": describe_dynamics(rule),
+        "dynamics": describe_dynamics(rule),
         "targets": "what is reported depends on `--target`" if rule.depends_on_targets else "",
         "tags": " ".join(f"`{tag}`" for tag in rule.tags),
         "status": f"{rule.status}, since {rule.since}",

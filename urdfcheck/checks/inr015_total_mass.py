@@ -18,6 +18,9 @@ DENSEST = 22_590.0
 _MOST_LISTED = 3
 # One link has an impossible mass, not all, if the others have less than this share of what is possible.
 _OTHERS = 0.1
+# So many links with one mass of so many digits are no copies of one part, which a robot has beside others: one of 718 published
+# descriptions has such masses, each that of the assembly.
+_FEWEST_LINKS, _MANY_DIGITS = 4, 6
 # Kilograms per tonne.
 _TONNE = 1000.0
 
@@ -38,6 +41,17 @@ def check(
         yield _build_density_finding(model, rule, total=total, edge=edge)
     elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
         yield _build_placeholder_finding(model, rule, masses[0])
+    elif _is_one_mass(model, masses):
+        declared = [one for one in model.masses if one.mass > 0]
+        yield rule.finding(
+            "same",
+            at=declared[0].attribute,
+            related=[one.attribute for one in declared[1:]],
+            robot=model.name,
+            mass=masses[0],
+            links=len(masses),
+            total=total,
+        )
     elif total > most or (total < least and _has_most_masses(model)):
         # In tonnes too, a robot weighs a gram or more.
         light = _name_unit(masses, "tonnes") if _TONNE * total >= least else None
@@ -50,6 +64,18 @@ def check(
             total=total,
             links=len(masses),
         )
+
+
+def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
+    """Whether all links have one mass, to the last of many digits, though they draw different meshes."""
+    drawn = {
+        tuple(shape.mesh_filename.value for shape in one.link.visuals if shape.mesh_filename is not None)
+        for one in model.masses
+    }
+    digits = len(f"{masses[0]:.15g}".partition("e")[0].replace(".", "").strip("0"))
+    return (
+        len(masses) >= _FEWEST_LINKS and len(set(masses)) == 1 and digits >= _MANY_DIGITS and len(drawn) == len(masses)
+    )
 
 
 def _name_unit(masses: Sequence[float], unit: str) -> str | None:
