@@ -41,7 +41,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 def _describe_way_to_one_root(graph: KinematicGraph, joints: Sequence[Joint], roots: Sequence[str]) -> str:
     """Say how one of several roots remains.
 
-    A root that carries nothing but the link, as ``world`` does, was meant to carry the robot: by its other root.
+    A root that carries nothing but the link (``world``) was meant to carry the robot: by its other root.
     """
     parents = [joint.parent for joint in graph.edges]
     bare = [joint for joint in joints if joint.parent in roots and parents.count(joint.parent) == 1]

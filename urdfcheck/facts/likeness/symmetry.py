@@ -298,8 +298,8 @@ def _find_pair_operations(place: Array) -> list[_SymmetryOperation]:
 def _reverses_axis(operation: _SymmetryOperation, *, turn: Array, axes: Array) -> bool:
     """Whether a shift or rotation maps the axis of the first of two joints to the reverse of the second's.
 
-    Then one joint is no copy of the other, and the angle between their frames no error of either. In a mirror image the sense of
-    rotation is a choice.
+    Then one joint is not a copy of the other, whatever the angle between their frames. In a mirror image the sense of rotation
+    is a choice.
     """
     one, other = (turn[index] @ axes[index] for index in (0, 1))
     return bool(np.linalg.det(operation.linear) > 0.0) and float((operation.linear @ one) @ other) < 0.0

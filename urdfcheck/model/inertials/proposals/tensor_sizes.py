@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
@@ -12,12 +14,19 @@ from urdfcheck.model.parts import DeclaredTensor
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Vec3
+
 # The moments of all mass at twice the drawn part's size exceed those of any part like it: no small change makes a tensor right
 # that has more.
 _OTHER_SIZE = 1.0
 # Real parts are not uniform. Of 353 sound tensors of links that draw closed meshes (38 repositories), 92 % have all principal
 # moments within this factor of the uniform part's; of 353 that are not sound, 48 %.
 _UNLIKE = 2.0
+# Hollow parts, and parts of several materials, are not so far from the uniform one in their smallest moment.
+_THICKER = 10.0
+# Points on a line have a smallest moment of 0; that of a rod ten times as long as thick is 1.5 % of the largest.
+_LINE = 1e-2
 
 
 def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialProposal | None:
@@ -40,6 +49,18 @@ def is_unlike_drawn(model: Model, declared: DeclaredTensor) -> bool:
         return False
     moments, wanted = compute_principal_moments(declared.tensor)[0], compute_principal_moments(drawn)[0]
     return bool(((moments > _UNLIKE * wanted) | (_UNLIKE * moments < wanted)).any())
+
+
+def find_thicker_part(model: Model, declared: DeclaredTensor) -> Vec3 | None:
+    """Return the principal moments (3,) in kg m², ascending, of the closed solid that a link draws, if the typed tensor is one of
+    points on a line, and its smallest moment less than a tenth of the solid's; None otherwise.
+    """
+    geometry, drawn = measure_link_geometry(model, declared.link), compute_drawn_tensor(model, declared)
+    if geometry is None or not geometry.closed or drawn is None:
+        return None
+    typed, wanted = compute_principal_moments(declared.tensor)[0], compute_principal_moments(drawn)[0]
+    is_line = typed[0] < _LINE * typed[2]
+    return wanted if is_line and _THICKER * typed[0] < wanted[0] else None
 
 
 def _measure_size_excess(model: Model, declared: DeclaredTensor) -> float:
