@@ -195,13 +195,14 @@ def find_suspect_frames(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike
         for op, group in related
         if (way := _suspect_members(sorted(suspects), op, group, turn=turn, axes=axis)) is not None
     ]
-    # To a microradian: rounding must not decide between operations that say the same.
-    reverses, best = min(
-        ways,
-        key=lambda item: (item[1].kind == "axis_tilt", round(max(map(abs, item[1].angles)), 6), item[0]),
-        default=(False, None),
-    )
-    return None if reverses else best
+    best = min((_rank_suspects(way) for _, way in ways), default=None)
+    nearest = [(reverses, way) for reverses, way in ways if _rank_suspects(way) == best]
+    return None if all(reverses for reverses, _ in nearest) else nearest[0][1]
+
+
+def _rank_suspects(way: SuspectFrames) -> tuple[bool, float]:
+    """Return what is less for a better explanation; to a microradian: rounding must not decide between ways that say the same."""
+    return way.kind == "axis_tilt", round(max(map(abs, way.angles)), 6)
 
 
 def is_axis_renaming(rotation: Array) -> bool:
