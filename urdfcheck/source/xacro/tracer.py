@@ -130,6 +130,7 @@ class Tracer:
         patch(xacro, "glob", SimpleNamespace(glob=self.access.find_matching_files))
         patch(xacro, "parse_macro_arg", parse_next_parameter)
         patch(xacro, "replace_node", replace_node)
+        patch(xacro, "deepcopy", list)  # of the list of the files around a macro
         patch(xacro, "is_valid_name", limit_property_names(xacro.is_valid_name))
         patch(xacro.Table, "_setitem", self.wrap_set_item(xacro.Table._setitem))
         patch(xacro.Table, "_resolve_", self.wrap_resolve(xacro.Table._resolve_))
