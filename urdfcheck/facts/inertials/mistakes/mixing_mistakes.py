@@ -64,6 +64,8 @@ TENSOR_ALONE = "the tensor alone"
 ABOUT_ORIGIN = "tensor about the link's origin"
 # Half a unit of the last decimal, and what tessellation adds. Rounding that changes no moment by this part is not worth saying.
 _HALF, _LOST = 0.5 * ROUNDING_SLACK, 1.0 / 3.0
+# Programs print six decimals or more.
+_PRINTED = 1e-5
 # The tensor of pieces without extent is known to this share of itself: what tessellation and different densities leave.
 _SAME_TERM = 0.05
 
@@ -236,7 +238,7 @@ def _undo_rounded(suspect: Suspect) -> Corrected:
     least = float(declared.tensor.diagonal().min())
     if float(f"{least:.0e}") != least:  # a moment of which rounding took a third has no more than one digit
         return
-    if (declared.tensor == least * np.eye(3)).all():  # a placeholder is near by chance
+    if least > _PRINTED and (declared.tensor == least * np.eye(3)).all():  # a placeholder is near by chance
         return
     typed_axes = _compute_reference_tensor(suspect)
     off = np.abs(typed_axes - declared.tensor)
