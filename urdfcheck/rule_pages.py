@@ -58,10 +58,11 @@ def explain_page(page: str) -> str:
         facts.append(f"gives way to {', '.join(meta['hidden_by'])} on the same element")
     if meta.get("concerns"):
         facts.append(f"concerns {', '.join(meta['concerns'])} only")
-    on_request = meta.get("on_request", ())
+    on_request, dynamics = meta.get("on_request", ()), meta.get("dynamics", ())
     told = (
         describe_on_request(messages, messages if on_request is True else on_request),
         describe_pedantic(messages, meta.get("pedantic", {})),
+        describe_dynamics(messages, messages if dynamics is True else dynamics),
     )
     parts = [page.partition("\n")[0], " · ".join((*facts, *filter(None, told))), TITLE.sub("", rest).strip()]
     if options := meta.get("options"):
@@ -91,6 +92,14 @@ def describe_pedantic(messages: Collection[str], pedantic: Mapping[str, Sequence
         + " or ".join(("--pedantic", *(f"target {target}" for target in targets)))
         for targets, ids in sorted(ids_by_targets.items())
     )
+
+
+def describe_dynamics(messages: Collection[str], dynamics: Iterable[str]) -> str:
+    """Say which of a rule's ``messages`` are left out where the configuration says ``kinematics-only``; empty if none is."""
+    ids = frozenset(dynamics)
+    if not ids:
+        return ""
+    return f"{'all' if ids == set(messages) else ', '.join(sorted(ids))} left out with kinematics-only"
 
 
 def _name_notes(messages: Collection[str], ids: frozenset[str]) -> str:

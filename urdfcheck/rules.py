@@ -46,6 +46,7 @@ _KEYS = {
     "excess",
     "on_request",
     "pedantic",
+    "dynamics",
     "options",
     "messages",
     "headlines",
@@ -165,6 +166,7 @@ def load_page(path: Path) -> Rule:
             excess=str(meta.get("excess", "")),
             on_request=_parse_messages("on_request", meta.get("on_request", ()), meta["messages"]),
             pedantic=_parse_pedantic(meta.get("pedantic", {}), meta["messages"]),
+            dynamics=_parse_messages("dynamics", meta.get("dynamics", ()), meta["messages"]),
             layers=tuple(meta.get("layers", family.layers)),
         )
     except (KeyError, ValueError, TypeError) as error:
@@ -199,6 +201,11 @@ def describe_on_request(rule: Rule) -> str:
 def describe_pedantic(rule: Rule) -> str:
     """Say which notes of a rule are warnings with ``--pedantic``, and for which targets they are; empty if none is."""
     return rule_pages.describe_pedantic(rule.messages, rule.pedantic)
+
+
+def describe_dynamics(rule: Rule) -> str:
+    """Say which messages of a rule are left out where the configuration says ``kinematics-only``; empty if none is."""
+    return rule_pages.describe_dynamics(rule.messages, rule.dynamics)
 
 
 def has_check(rule: Rule) -> bool:

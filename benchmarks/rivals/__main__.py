@@ -41,7 +41,7 @@ PLANTER = Path(__file__).with_name("plant_with_simcheck.py")
 RESULTS = Path(__file__).with_name("answers.json")
 # Simcheck's operators, and the rules of urdfcheck that name what each does or its direct effect.
 RULES = {
-    "scale_mm": {"MSH008", "GEO001", "INR010", "INR005", "INR009"},
+    "scale_mm": {"MSH008", "GEO006", "GEO001", "INR010", "INR005", "INR009"},
     "scale_small": {"MSH008", "GEO001", "INR010", "INR005", "INR009", "INR018"},
     "flip_axis": {"JNT021", "SYM004", "SYM005", "SYM008", "COL005"},
     "zero_axis": {"JNT001"},

@@ -639,6 +639,21 @@ def test_a_robot_weighs_no_more_than_osmium(tmp_path: Path, mass: str, shape: st
     assert all(f.severity == (Severity.ERROR if f.message_id == "dense" else Severity.WARNING) for f in findings)
 
 
+@pytest.mark.parametrize(("others", "named"), [("0.2", "joint_link"), ("9000", None)])
+def test_the_one_link_that_is_heavier_than_its_robot_can_be_is_named(
+    tmp_path: Path, others: str, named: str | None
+) -> None:
+    text = robot(
+        link("base", inertial(float(others), 0.1), visual(box("0.1 0.1 0.1"))),
+        link("joint_link", inertial(30000, 0.1), visual(box("0.1 0.1 0.1"))),
+        joint("j", "base", "joint_link", kind="continuous", xyz="0.1 0 0"),
+    )
+    (finding,) = check_text(tmp_path, text, codes={"INR015"}).findings
+    assert finding.message_id == ("dense_link" if named else "dense")
+    assert finding.location.subject == (f"link[{named}]/inertial/mass@value" if named else "robot[r]@name")
+    assert finding.severity is Severity.ERROR
+
+
 def test_a_mesh_that_is_not_there_may_be_larger_than_what_is_seen(tmp_path: Path) -> None:
     mesh = '<visual><geometry><mesh filename="missing.stl"/></geometry></visual>'
     for mass, found in (("90000", []), ("600000", ["heavy"]), ("620000", ["dense"])):

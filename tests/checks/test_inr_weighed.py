@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import find, inertial, link, robot
+from builders import find, inertial, joint, link, mesh, robot, visual
+from conftest import check_text
 
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.run.request import RunOptions, make_request
@@ -44,3 +45,25 @@ def test_a_robot_without_masses_weighs_nothing(tmp_path: Path) -> None:
     assert find(tmp_path, text, "INR015") == []
     (finding,) = find(tmp_path, text, "INR015", options={"INR015": {"total_mass": 10.0}})
     assert "none has a mass" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("masses", "meshes", "found"),
+    [
+        (["156.563494224155"] * 4, "abcd", True),
+        (["156.563494224155"] * 4, "aaaa", False),  # one part, four times
+        (["156.563494224155"] * 3 + ["156.563494224156"], "abcd", False),
+        (["1.5"] * 4, "abcd", False),
+        (["156.563494224155"] * 3, "abc", False),
+    ],
+)
+def test_one_mass_of_many_digits_is_not_that_of_every_part(
+    tmp_path: Path, masses: list[str], meshes: str, found: bool
+) -> None:
+    links = [
+        link(f"l{i}", inertial(mass, 3.0), visual(mesh(f"{name}.stl")))
+        for i, (mass, name) in enumerate(zip(masses, meshes, strict=True))
+    ]
+    joints = [joint(f"j{i}", f"l{i}", f"l{i + 1}", kind="continuous", xyz="0 0 0.5") for i in range(len(links) - 1)]
+    findings = check_text(tmp_path, robot(*links, *joints), codes={"INR015"}).findings
+    assert [finding.message_id for finding in findings] == ["same"] * found

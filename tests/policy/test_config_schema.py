@@ -127,6 +127,7 @@ SECTION = st.fixed_dictionaries(
         ),
         "target": VALUES,
         "pedantic": VALUES,
+        "kinematics-only": VALUES,
     },
 )
 MODELS = st.fixed_dictionaries(

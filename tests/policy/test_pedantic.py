@@ -73,7 +73,7 @@ def test_the_configuration_is_pedantic(folder: Path, text: str, severities: dict
 def test_a_pedantic_command_wins(folder: Path) -> None:
     (folder / "urdfcheck.toml").write_text("pedantic = false")
     assert list_severities(folder, "--pedantic") == STRICT
-    assert "pedantic      true" in command("config", "--pedantic", "r.urdf", cwd=folder).stdout
+    assert "pedantic         true" in command("config", "--pedantic", "r.urdf", cwd=folder).stdout
 
 
 def test_a_gate_counts_pedantic_warnings(folder: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from urdfcheck.core import Applicability, Confidence, Rule, Severity, Verdict
 from urdfcheck.policy.consumers import CONSUMERS, is_news
-from urdfcheck.rules import describe_on_request, describe_pedantic, split_page
+from urdfcheck.rules import describe_dynamics, describe_on_request, describe_pedantic, split_page
 
 SEVERITIES = {
     Severity.ERROR: "the reference parser rejects the file or drops a part of it, or it is physically impossible",
@@ -106,6 +106,7 @@ def _render_facts(rule: Rule) -> str:
         "gives way to": f"{', '.join(rule.hidden_by)} on the same element" if rule.hidden_by else "",
         "on request": describe_on_request(rule),
         "pedantic": describe_pedantic(rule),
+        "dynamics": describe_dynamics(rule),
         "targets": "what is reported depends on `--target`" if rule.depends_on_targets else "",
         "tags": " ".join(f"`{tag}`" for tag in rule.tags),
         "status": f"{rule.status}, since {rule.since}",

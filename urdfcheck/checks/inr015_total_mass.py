@@ -16,6 +16,11 @@ from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
 _MOST_LISTED = 3
+# One link has an impossible mass, not all, if the others have less than this share of what is possible.
+_OTHERS = 0.1
+# So many links with one mass of so many digits are no copies of one part, which a robot has beside others: one of 718 published
+# descriptions has such masses, each that of the assembly.
+_FEWEST_LINKS, _MANY_DIGITS = 4, 6
 # Kilograms per tonne.
 _TONNE = 1000.0
 
@@ -33,19 +38,20 @@ def check(
     edge, is_seen = _measure_extent(model, unseen, enough=(total / DENSEST) ** (1 / 3))
     # A mesh that was not read may be larger than what is seen of the robot, but not in a robot of a hundred tonnes.
     if total > DENSEST * edge**3 and (is_seen or total > most):
-        yield rule.finding(
-            "dense",
-            at=model.name_location,
-            cause=_name_unit(masses, "grams"),
-            severity=Severity.ERROR,
-            robot=model.name,
-            total=total,
-            links=len(masses),
-            edge=edge,
-            most=DENSEST * edge**3,
-        )
+        yield _build_density_finding(model, rule, total=total, edge=edge)
     elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
         yield _build_placeholder_finding(model, rule, masses[0])
+    elif _is_one_mass(model, masses):
+        declared = [one for one in model.masses if one.mass > 0]
+        yield rule.finding(
+            "same",
+            at=declared[0].attribute,
+            related=[one.attribute for one in declared[1:]],
+            robot=model.name,
+            mass=masses[0],
+            links=len(masses),
+            total=total,
+        )
     elif total > most or (total < least and _has_most_masses(model)):
         # In tonnes too, a robot weighs a gram or more.
         light = _name_unit(masses, "tonnes") if _TONNE * total >= least else None
@@ -60,6 +66,18 @@ def check(
         )
 
 
+def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
+    """Whether all links have one mass, to the last of many digits, though they draw different meshes."""
+    drawn = {
+        tuple(shape.mesh_filename.value for shape in one.link.visuals if shape.mesh_filename is not None)
+        for one in model.masses
+    }
+    digits = len(f"{masses[0]:.15g}".partition("e")[0].replace(".", "").strip("0"))
+    return (
+        len(masses) >= _FEWEST_LINKS and len(set(masses)) == 1 and digits >= _MANY_DIGITS and len(drawn) == len(masses)
+    )
+
+
 def _name_unit(masses: Sequence[float], unit: str) -> str | None:
     """Return the unit as the cause, or None where all masses are round: a CAD program writes no such numbers."""
     return None if all(map(is_round, masses)) else unit
@@ -69,6 +87,27 @@ def _has_most_masses(model: Model) -> bool:
     """Whether the sum is that of the robot: at least half of the bodies that move have a mass (INR001 reports the others)."""
     moving = [body for body in list_whole_bodies(model) if body.is_movable]
     return 2 * sum(bool(compute_body_mass(model, body.links)) for body in moving) >= len(moving)
+
+
+def _build_density_finding(model: Model, rule: Rule, *, total: float, edge: float) -> Finding:
+    """Build the finding about a ``total`` mass (kg) that no cube of this ``edge`` (m) has: of one link, or of all together."""
+    declared = [one for one in model.masses if one.mass > 0]
+    heaviest, most = max(declared, key=lambda one: one.mass), DENSEST * edge**3
+    is_one = len(declared) > 1 and heaviest.mass > most and total - heaviest.mass < _OTHERS * most
+    return rule.finding(
+        "dense_link" if is_one else "dense",
+        at=heaviest.attribute if is_one else model.name_location,
+        cause=None if is_one else _name_unit([one.mass for one in declared], "grams"),
+        severity=Severity.ERROR,
+        robot=model.name,
+        link=heaviest.link.name,
+        mass=heaviest.mass,
+        others=total - heaviest.mass,
+        total=total,
+        links=len(declared),
+        edge=edge,
+        most=most,
+    )
 
 
 def _build_placeholder_finding(model: Model, rule: Rule, mass: float) -> Finding:

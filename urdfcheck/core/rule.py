@@ -90,6 +90,8 @@ class Rule:
     pedantic: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Ids of the messages whose notes (infos) are warnings for a pedantic reader, each with the targets for which they are
     warnings too."""
+    dynamics: frozenset[str] = frozenset()
+    """Ids of the messages about masses, inertias and forces alone: nothing for a program that only displays and plans."""
     layers: tuple[str, ...] = ("visual",)
     """What the 3D view of the report shows for a finding: layers of its viewer."""
 

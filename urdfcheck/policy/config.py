@@ -18,6 +18,10 @@ UNCHECKED = ("error", "warning")
 TARGETS = ("gazebo", "mujoco", "drake", "bullet", "isaac", "moveit", "rviz", "pinocchio", "ros2_control", "kdl")
 
 
+# Those of the targets that compute with masses.
+SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Section:
     """Settings of the rules in the table, or in a ``[[paths]]`` section; None where nothing is set."""
@@ -34,6 +38,8 @@ class Section:
     target: tuple[str, ...] | None = None
     pedantic: bool | None = None
     """Whether nothing is lowered or left out."""
+    kinematics_only: bool | None = None
+    """Whether the models are for display and motion planning alone."""
     key: Key = ()
     """Path of the section in the table."""
 

@@ -157,6 +157,7 @@ def _parse_section(reader: TableReader, table: Key) -> Section:
         options=reader.read_options(),
         target=target,
         pedantic=reader.read_flag("pedantic") if "pedantic" in reader.table else None,
+        kinematics_only=reader.read_flag("kinematics-only") if "kinematics-only" in reader.table else None,
         key=reader.key[len(table) :],
     )
 

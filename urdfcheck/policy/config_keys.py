@@ -68,6 +68,13 @@ _RULE_KEYS = (
         default=False,
         doc="report every note, and as warnings those that most maintainers would switch off",
     ),
+    ConfigKey(
+        name="kinematics-only",
+        kind=KeyKind.FLAG,
+        default=False,
+        doc="the models are for display and motion planning alone: nothing is reported about masses, inertias and forces, unless "
+        "a target simulates or the command line selects it",
+    ),
 )
 
 CONFIG_KEYS = (

@@ -11,7 +11,7 @@ from typing import Any
 from urdfcheck.core import Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.policy.baseline import DEFAULT_NAME, STALE_BASELINE
-from urdfcheck.policy.config import Config, Section
+from urdfcheck.policy.config import SIMULATORS, Config, Section
 from urdfcheck.policy.config_file import read_folder_config
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.suppression import SuppressionEntry
@@ -132,7 +132,7 @@ def resolve_config(
     severities = {STALE_BASELINE: "error"} if config.strict_baseline else {}
     options: dict[str, dict[str, Any]] = {}
     targets: tuple[str, ...] = ()
-    pedantic = False
+    pedantic = kinematics_only = False
     for number, section in enumerate(sections):
         if overrides.select is None and section.select is not None:
             codes = codes | section.select if number else section.select
@@ -146,15 +146,21 @@ def resolve_config(
             options[code] = {**options.get(code, {}), **values}
         targets = targets if section.target is None else section.target
         pedantic = pedantic if section.pedantic is None else section.pedantic
+        kinematics_only = kinematics_only if section.kinematics_only is None else section.kinematics_only
     pedantic = pedantic or overrides.pedantic
+    targets = targets if overrides.target is None else overrides.target
+    kinematics_only = kinematics_only and overrides.select is None and SIMULATORS.isdisjoint(targets)
+    if kinematics_only:
+        codes -= {code for code, rule in load_rules().items() if rule.dynamics == rule.messages.keys()}
     policy = Policy(
         codes=codes - (overrides.ignore or frozenset()),
         unrequested=everything - requested,
         pedantic=pedantic,
+        kinematics_only=kinematics_only,
         tier=overrides.tier or config.tier,
         options=options,
         severities=severities,
-        targets=targets if overrides.target is None else overrides.target,
+        targets=targets,
         suppress=suppressions,
         unchecked=Severity.parse(overrides.unchecked or unchecked),
     )

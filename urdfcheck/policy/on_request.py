@@ -1,4 +1,4 @@
-"""Notes that are reported only on request: the pages' ``on_request``."""
+"""What the pages let a reader leave out: notes that are reported only on request, and what matters to dynamics alone."""
 
 from __future__ import annotations
 
@@ -29,6 +29,11 @@ def split_unrequested(
         )
         (reported if is_wanted else left_out).append(finding)
     return reported, left_out
+
+
+def leave_out_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+    """Leave out what the pages list under ``dynamics``: the models are for display and motion planning alone."""
+    return [finding for finding in findings if finding.message_id not in rules[finding.code].dynamics]
 
 
 def _matters_to(target: str, finding: Finding, rule: Rule) -> bool:

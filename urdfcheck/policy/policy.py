@@ -24,6 +24,8 @@ class Policy:
     """Codes of rules that nobody asked for by name: of these, notes on request are left out (`Rule.on_request`)."""
     pedantic: bool = False
     """Whether notes that are warnings for a pedantic reader are warnings (`Rule.pedantic`)."""
+    kinematics_only: bool = False
+    """Whether findings about masses, inertias and forces alone are left out (`Rule.dynamics`)."""
     tier: str = "full"
     """How much is computed: source | mesh | full."""
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

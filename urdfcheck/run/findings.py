@@ -21,7 +21,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count
 from urdfcheck.policy.consumers import apply_severity_policy
 from urdfcheck.policy.fix_safety import mark_unsafe_across_models, mark_unsafe_in_model
-from urdfcheck.policy.on_request import split_unrequested
+from urdfcheck.policy.on_request import leave_out_dynamics, split_unrequested
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.report_limits import MAX_FINDINGS_SIZE, limit_number, limit_size, truncate_texts
 from urdfcheck.policy.superseding import drop_superseded, list_held_back
@@ -80,6 +80,8 @@ def finalize_unit_findings(
     marked, needed = mark_suppressed(
         located, comments=comments, entries=policy.suppress, baseline_entries=unit.baseline_entries
     )
+    if policy.kinematics_only:
+        marked = leave_out_dynamics(marked, rules)
     merged = merge_macro_lines(merge_same_text(marked), root, texts or {})
     remaining = drop_superseded(merged, rules)
     unasked = frozenset() if policy.pedantic else policy.unrequested

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 DEFAULT, COMMAND_LINE = "default", "command line"
 # Columns of the indent, of the names, and before the source of a value.
-INDENT, NAMES, PLACES = 2, 14, 64
+INDENT, NAMES, PLACES = 2, 17, 67
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +144,7 @@ def _build_report(resolver: ConfigResolver, config: Config, path: Path, *, basel
         *iter_code_settings("select", "ALL", given.select),
         *iter_code_settings("ignore", "", given.ignore),
         make_setting("pedantic", str(effective.policy.pedantic).lower(), on_command_line=given.pedantic),
+        make_setting("kinematics-only", str(effective.policy.kinematics_only).lower()),
         make_setting("fail-on", effective.fail_on, on_command_line=given.fail_on is not None),
         make_setting("tier", effective.policy.tier, on_command_line=given.tier is not None),
         make_setting(

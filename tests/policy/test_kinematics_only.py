@@ -1,0 +1,63 @@
+"""Kinematics only: models for display and motion planning are checked without masses, inertias and forces."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from builders import inertial, joint, link, robot
+from conftest import command
+
+from urdfcheck.rules import load_rules
+
+pytestmark = pytest.mark.usefixtures("one_process")
+
+# INR002: a mass of 0 that a joint moves; JNT007: of its messages one is about an effort, another is not; NAM: a name.
+ROBOT = robot(
+    link("base", inertial(2, 0.1)),
+    link("arm", inertial(0, 0.1)),
+    link("hand", inertial(1, 0.1)),
+    joint("j", "base", "arm", '<limit lower="-1" upper="1" effort="-1" velocity="1"/>', kind="revolute"),
+    joint("k", "arm", "hand", '<limit lower="-1" upper="1"/>', kind="revolute"),
+)
+ALL = {("INR002", "inertia_without_mass"), ("JNT007", "effort-negative"), ("JNT007", "missing")}
+KINEMATIC = {("JNT007", "missing")}
+
+
+def list_found(folder: Path, *options: str) -> set[tuple[str, str]]:
+    done = command("r.urdf", "--tier", "source", "--format", "json", *options, cwd=folder)
+    return {(f["code"], f["message_id"]) for f in json.loads(done.stdout)["findings"]} & ALL
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "found"),
+    [
+        ("", (), ALL),
+        ("kinematics-only = true", (), KINEMATIC),
+        ('[[paths]]\nmatch = ["r.urdf"]\nkinematics-only = true', (), KINEMATIC),
+        ('kinematics-only = true\n[[paths]]\nmatch = ["r.urdf"]\nkinematics-only = false', (), ALL),
+        ('kinematics-only = true\ntarget = ["moveit", "rviz"]', (), KINEMATIC),
+        ('kinematics-only = true\ntarget = ["moveit", "gazebo"]', (), ALL),
+        ("kinematics-only = true", ("--target", "mujoco"), ALL),
+        ("kinematics-only = true", ("--select", "INR,JNT007"), ALL),
+    ],
+)
+def test_masses_and_forces_are_left_out(
+    tmp_path: Path, text: str, options: tuple[str, ...], found: set[tuple[str, str]]
+) -> None:
+    (tmp_path / "r.urdf").write_text(ROBOT)
+    (tmp_path / "urdfcheck.toml").write_text(text)
+    assert list_found(tmp_path, *options) == found
+
+
+def test_the_configuration_is_shown(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text(ROBOT)
+    (tmp_path / "urdfcheck.toml").write_text("kinematics-only = true")
+    shown = command("config", "r.urdf", cwd=tmp_path).stdout
+    assert next(line for line in shown.splitlines() if "kinematics-only" in line).split()[1] == "true"
+
+
+def test_every_rule_of_inertias_is_left_out() -> None:
+    rules = load_rules()
+    assert all(rule.dynamics == set(rule.messages) for code, rule in rules.items() if code.startswith("INR"))
