@@ -37,12 +37,12 @@ def measure_seconds(work: Callable[[], object]) -> float:
 
 
 def sum_processor_time(root: int) -> float:
-    """Return the processor time in s of a process and all below it that live; 0 where /proc does not say it."""
+    """Return the processor time in s of a process and all below it, ended ones included; 0 where /proc does not say it."""
     total, waiting = 0, [root]
     while waiting:
         process = waiting.pop()
         with contextlib.suppress(OSError):
-            total += sum(map(int, Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13]))
+            total += sum(map(int, Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:15]))
             waiting += map(int, Path(f"/proc/{process}/task/{process}/children").read_text().split())
     return total / os.sysconf("SC_CLK_TCK")
 

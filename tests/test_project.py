@@ -38,6 +38,20 @@ def test_changelog_begins_with_this_version() -> None:
 
 
 @pytest.mark.parametrize(
+    ("file", "pattern"),
+    [
+        ("CITATION.cff", r"^version: (.*)$"),
+        ("editors/vscode/package-lock.json", r'"name": "urdfcheck",\s+"version": "(.*)"'),
+        ("editors/vscode/README.md", r"urdfcheck-(.*)\.vsix"),
+        ("docs/editors.md", r"urdfcheck-(.*)\.vsix"),
+    ],
+)
+def test_files_repeat_this_version(file: str, pattern: str) -> None:
+    found = re.findall(pattern, (REPOSITORY / file).read_text(encoding="utf-8"), re.MULTILINE)
+    assert set(found) == {__version__}
+
+
+@pytest.mark.parametrize(
     ("generator", "render", "page"),
     [
         ("make_rules_index", "render_index", "rules/README.md"),

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from truth_page import peers, rounds, tables
+from truth_page import editors, peers, rounds, tables
 
 ROUND = """# build 1234abc, 2026-12-01, default options{drawn}
 robot\tplace\tcode\tmessage\tseverity\tlabel\tsure\tsays\treason
@@ -72,6 +72,40 @@ def test_programs_are_sorted_by_what_they_locate_and_loaders_come_last() -> None
     assert peers.count_others(results) == 3
     assert peers.find_next_best(results) == ("strong", 2)
     assert "| x | 1 | 1 | 1 | 0 | 1 |" in peers.render_operators(results)
+
+
+def test_language_servers_are_compared_by_robots_files_and_times() -> None:
+    times = {"urdfcheck": {"wall": 0.5, "processor": 0.25}, "other": {"wall": 0.025, "processor": 0.0}}
+    answers = {
+        "servers": {"urdfcheck": "1", "other": "2"},
+        "published": [
+            {"robot": "a", "format": "urdf", "urdfcheck": {"INR003": 2}, "other": {}},
+            {"robot": "b", "format": "xacro", "urdfcheck": {}, "other": {"x": 1, "y": 3}},
+        ],
+        "planted": [
+            {"robot": "a", "operator": "zero_mass", "urdfcheck": "fln", "other": "f"},
+            {"robot": "a", "operator": "degrees", "urdfcheck": "fl", "other": ""},
+        ],
+        "latency": [{"robot": "a/b:c", "links": 7, "step": "open", **times}],
+    }
+    error = editors.ShownError(server="other", robot="b", file="b.xacro", line=1, code="x", message="m", label="F")
+    published = editors.render_published(answers, [error])
+    assert (
+        "| server | robots with an error, of 2 | as urdf, of 1 | as xacro, of 1 | errors | read | true | false | open |"
+        in published
+    )
+    assert "| urdfcheck 1 | 1 | 1 | 0 | 2 | 0 | 0 | 0 | 0 |" in published
+    assert "| other 2 | 1 | 0 | 1 | 4 | 1 | 0 | 1 | 0 |" in published
+    planted = editors.render_planted(answers).splitlines()
+    assert planted[2:] == [
+        "| degrees | 1 | 1 | 0 |",
+        "| zero_mass | 1 | 1 | 0 |",
+        "| all, found | 2 | 2 | 1 |",
+        "| all, located | 2 | 2 | 0 |",
+        "| all, named | 2 | 1 | 0 |",
+    ]
+    row = "| c (7 links) | opened, to the error | 0.50 s | 0.025 s | 20 × | 0.25 s | below 0.01 s |"
+    assert row in editors.render_latency(answers)
 
 
 def test_a_table_is_copied_to_its_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from truth_page import editors
 from truth_page.engines import render_engines
 from truth_page.peers import (
     OWN,
@@ -38,7 +39,8 @@ TEMPLATE = Path(__file__).with_name("truth_page") / "template.txt"
 
 def render_page() -> str:
     """Return the text of the page."""
-    results, rounds = read_results(), read_rounds()
+    results, rounds, answers = read_results(), read_rounds(), editors.read_answers()
+    own, other = answers["servers"]
     last = rounds[-1]
     next_name, next_count = find_next_best(results)
     accuracy = "benchmarks/accuracy/README.md"
@@ -54,6 +56,16 @@ def render_page() -> str:
         sound=render_sound(results),
         operators=render_operators(results),
         asked=render_asked(results),
+        editors_day=answers["date"],
+        editors_robots=len(answers["published"]),
+        editors_read=editors.READ,
+        editors_published=editors.render_published(answers, editors.read_judged()),
+        editors_planted=len(answers["planted"]),
+        editors_own=editors.count_outcomes(answers, own, "l"),
+        editors_other=editors.count_outcomes(answers, other, "l"),
+        editors_other_name=other,
+        editors_defects=editors.render_planted(answers),
+        editors_times=editors.render_latency(answers),
         last=last.number,
         last_day=last.day,
         errors=render_share(*count_useful(list_of(last.labels, "error"))),

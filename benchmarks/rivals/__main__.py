@@ -11,8 +11,6 @@ import os
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
 
 import argparse
-import json
-import subprocess
 import sys
 import tempfile
 import time
@@ -22,13 +20,13 @@ from dataclasses import dataclass, field
 from datetime import date
 from pathlib import Path
 from statistics import median
-from xml.etree import ElementTree as ET
 
 sys.path.append(str(Path(__file__).parents[1] / "accuracy"))
 
-from judging import Said, find_change, find_new, is_located, list_said_by_urdfcheck
+from judging import Said, find_new, is_located, list_said_by_urdfcheck
+from planting import list_plain_robots, plant
 from programs import PROGRAMS
-from real.robots import RealRobot, list_robots
+from real.robots import RealRobot
 from results import build_results, format_results
 from sample import SOUND, Answer, Task, ask_all, draw_sample, read_answers
 
@@ -37,7 +35,6 @@ from urdfcheck.core import Run
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.run.request import RunOptions, make_request
 
-PLANTER = Path(__file__).with_name("plant_with_simcheck.py")
 RESULTS = Path(__file__).with_name("answers.json")
 # Simcheck's operators, and the rules of urdfcheck that name what each does or its direct effect.
 RULES = {
@@ -112,36 +109,6 @@ def main() -> None:
     if options.list:
         print("\n".join(describe(case) for case in cases))
     print(build_table(cases))
-
-
-def list_plain_robots(count: int) -> list[RealRobot]:
-    """List the smallest robots that are one URDF file with at least one moving joint: simcheck plants in nothing else."""
-    plain = [
-        robot for robot in list_robots()
-        if robot.expands and robot.entry.suffix.lower() == ".urdf" and _has_moving_joint(robot.entry) and robot.links > 2
-    ]  # fmt: skip
-    return sorted(plain, key=lambda robot: (robot.links, robot.name))[:count]
-
-
-def plant(robot: RealRobot, folder: Path, python: Path) -> list[Task]:
-    """Let simcheck plant every defect in a robot; the first task is the sound robot."""
-    done = subprocess.run([python, PLANTER, robot.entry, folder], capture_output=True, text=True, check=False)
-    if done.returncode:
-        print(f"{robot.name}: simcheck does not read it: {done.stderr.strip().splitlines()[-1:]}")
-        return []
-    written = json.loads(done.stdout.splitlines()[-1])
-    clean = written["clean"]
-    planted = [
-        Task(
-            robot=robot.name,
-            operator=operator,
-            file=made["file"],
-            what=made["what"],
-            change=find_change(Path(clean), Path(made["file"])),
-        )
-        for operator, made in written["planted"].items()
-    ]
-    return [Task(robot=robot.name, operator=SOUND, file=clean), *planted]
 
 
 def check_all(tasks: Sequence[Task], robots: dict[str, RealRobot]) -> list[Case]:
@@ -229,14 +196,6 @@ def build_table(cases: Sequence[Case]) -> str:
 
 def _count_found(cases: Iterable[Case]) -> int:
     return sum(case.outcome != "missed" for case in cases)
-
-
-def _has_moving_joint(file: Path) -> bool:
-    try:
-        root = ET.parse(file).getroot()
-    except ET.ParseError:
-        return False
-    return any(joint.get("type") in ("revolute", "prismatic", "continuous") for joint in root.findall("joint"))
 
 
 if __name__ == "__main__":

@@ -170,6 +170,16 @@ def test_a_rounded_tensor_is_an_info_with_the_number_of_decimals(tmp_path: Path)
     assert "rounded to 4 decimals" in finding.cause.text
 
 
+@pytest.mark.parametrize(("moment", "found"), [("0.000001", True), ("1e-6", False)])
+def test_one_small_number_is_rounded_only_where_its_decimals_are_typed(
+    tmp_path: Path, moment: str, found: bool
+) -> None:
+    numbers = inertial(0.01, ixx=moment, iyy=moment, izz=moment)
+    drawn = '<visual><geometry><box size="0.03 0.03 0.03"/></geometry></visual>'
+    causes = [finding.cause.id for finding in find(tmp_path, make_drawn_arm(numbers, drawn), "INR009") if finding.cause]
+    assert causes == ["rounded"] * found
+
+
 def test_the_page_explains_every_cause() -> None:
     of_files = {"mesh_frame"}  # a mistake beside the numbers
     assert set(load_rules()["INR009"].causes) == {*HYPOTHESES, *of_files}

@@ -539,6 +539,12 @@ def test_nothing_is_denser_than_osmium(tmp_path: Path, density: float, dense: bo
     assert codes(tmp_path, make_arm(part)) == (["INR010"] if dense else [])
 
 
+def test_a_mass_alone_is_wrong_where_tensor_and_com_are_the_drawn_parts(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_arm(Part(mass=50000 * 0.1 * 0.06 * 0.04)), "INR010")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("correct the mass, and scale the inertia tensor with it")
+
+
 def test_the_unit_of_the_mass_is_named(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_arm(Part(mass=2.7e6 * 0.1 * 0.06 * 0.04)), CODES)
     assert finding.cause is not None

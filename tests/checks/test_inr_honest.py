@@ -157,6 +157,14 @@ def test_an_impossible_tensor_of_another_size_is_not_made_possible(tmp_path: Pat
     assert "(the drawn part at this mass and uniform density)" in finding.fix.title
 
 
+def test_a_moment_of_the_drawn_part_shows_that_the_others_are_its_own_too(tmp_path: Path) -> None:
+    """A wheel whose transverse moments were typed as 0.025/12: the nearest possible tensor would be that of a disc."""
+    wheel = inertial(1, ixx="0.00208", iyy="0.00208", izz="0.005")
+    (finding,) = find(tmp_path, arm_on_base(wheel, visual(cylinder(0.1, 0.05))), {"INR003"})
+    assert finding.fix is not None
+    assert 'write ixx="0.002708" iyy="0.002708" (the drawn part' in finding.fix.title
+
+
 def test_the_moment_of_a_thin_rod_about_its_axis_is_small_and_not_zero(tmp_path: Path) -> None:
     text = arm_on_base(inertial(100, ixx="1e3", iyy="1e5", izz="1.03e5"), visual(box("0.03 0.03 1.5")))
     (finding,) = find(tmp_path, text, {"INR003"})

@@ -118,6 +118,27 @@ def test_an_inertial_in_the_frame_of_the_mesh_is_named_and_brought_to_the_link(t
     assert "-0.18" in finding.fix.title
 
 
+@pytest.mark.parametrize("is_of_mesh", [True, False])
+def test_a_tensor_that_does_not_fit_in_the_frame_of_the_mesh_is_left_as_it_is(tmp_path: Path, is_of_mesh: bool) -> None:
+    numbers = uniform(geometry(ELBOW).solid)
+    if not is_of_mesh:
+        numbers = replace(numbers, tensor=np.trace(numbers.tensor) * np.diag([0.31, 0.33, 0.36]))
+    text = robot(
+        link("base"),
+        joint("j", "base", "elbow", kind="continuous"),
+        link(
+            "elbow",
+            format_inertial(numbers),
+            visual(mesh("elbow.stl"), xyz="0 0 -0.18", rpy="0 0 1.5707963267948966"),
+        ),
+    )
+    (finding,) = find(tmp_path, {"robot.urdf": text, "elbow.stl": write_elbow()}, {"INR009"})
+    assert finding.cause is not None
+    assert finding.cause.id == "mesh_frame"
+    assert finding.fix is not None
+    assert ("ixx=" in finding.fix.title) == is_of_mesh
+
+
 def make_tilted_link(name: str, scale: float) -> str:
     """Return a link of two boxes in no one's axes, whose tensors were added about their own COMs, with CAD's signs."""
     rpy = (0.03, 0.05, 0.05)

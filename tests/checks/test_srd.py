@@ -357,18 +357,28 @@ def test_a_continuous_joint_takes_no_position_limit(tmp_path: Path) -> None:
     assert ids(find_with_srdf(tmp_path, GROUP, "SRD003", arm, limits)) == ["continuous"]
 
 
-@pytest.mark.parametrize(("tool", "reported"), [("ament_cmake", True), ("catkin", False)])
-def test_ros_2_reads_no_integers(tmp_path: Path, tool: str, reported: bool) -> None:
+@pytest.mark.parametrize(
+    ("tool", "flag", "reported"),
+    [
+        ("ament_cmake", "true", True),
+        ("catkin", "true", False),
+        ("ament_cmake", "false", False),  # then MoveIt does not read the number beside it
+    ],
+)
+def test_ros_2_reads_no_integers(tmp_path: Path, tool: str, flag: str, reported: bool) -> None:
     (tmp_path / "package.xml").write_text(
         f"<package><name>arm</name><buildtool_depend>{tool}</buildtool_depend></package>"
     )
-    limits = "joint_limits:\n  elbow: {max_velocity: 1, max_acceleration: 0}\n  shoulder: {max_velocity: 1.0}\n"
+    limits = (
+        f"joint_limits:\n  elbow: {{max_velocity: 1, has_velocity_limits: {flag}, max_acceleration: 0}}\n"
+        "  shoulder: {max_velocity: 1.0, has_velocity_limits: true}\n"
+    )
     findings = find_with_srdf(tmp_path, GROUP, "SRD003", limits=limits)
     assert ids(findings) == (["integer"] if reported else [])
     if reported:
         assert findings[0].severity == Severity.ERROR
         assert findings[0].fix is not None
-        assert [e.replacement for e in findings[0].fix.edits] == ["1.0", "0.0"]
+        assert [e.replacement for e in findings[0].fix.edits] == ["1.0"]
 
 
 def test_broken_joint_limits_are_an_error_at_their_line(tmp_path: Path) -> None:

@@ -95,6 +95,13 @@ def test_every_format_shows_the_drive(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "DYN007 driven ahead, the robot goes backwards" in told
 
 
+def test_driven_wheels_above_the_ground_bear_no_weight(tmp_path: Path) -> None:
+    place = joint("rear_joint", "base_link", "rear_caster", kind="fixed", xyz="-0.1 0 0.01")
+    rear = BALL.replace("caster", "rear_caster") + place
+    run = drive(tmp_path, CART.replace('15 0.05"', '15 0.06"').replace("</robot>", f"{rear}</robot>"))
+    assert "dropped, left_wheel, right_wheel bear no weight" in [finding.headline for finding in run.findings]
+
+
 def test_without_a_controller_no_direction_is_wrong(tmp_path: Path) -> None:
     """Which side is ahead is a convention then: the robot goes backwards, and nothing is reported."""
     run = drive(tmp_path, REVERSED)

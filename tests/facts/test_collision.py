@@ -53,6 +53,21 @@ def separation(one: CollisionGeometry, other: CollisionGeometry, shift: Array, s
     return colliders.find_deepest_overlap(np.stack((np.eye(4), shift)), 0, 1)
 
 
+def disc(sides: int) -> CollisionGeometry:
+    """A disc of radius 0.05 m and 0.02 m thick, whose lids are fans about their middle."""
+    angles, one = np.arange(sides) * 2 * math.pi / sides, np.arange(sides)
+    rim = 0.05 * np.column_stack((np.cos(angles), np.sin(angles)))
+    lids = [np.column_stack((np.vstack((rim, (0, 0))), np.full(sides + 1, z))) for z in (-0.01, 0.01)]
+    two, top = (one + 1) % sides, sides + 1
+    faces = [
+        *((two, one, np.full(sides, sides)), (one + top, two + top, np.full(sides, sides + top))),
+        *((one, two, two + top), (one, two + top, one + top)),
+    ]
+    return CollisionGeometry(
+        kind="mesh", vertices=np.vstack(lids), faces=np.vstack([np.column_stack(f) for f in faces]), closed=True
+    )
+
+
 CUBES = {"box": box(0.1, 0.1, 0.1), "convex": mesh(0.1, 0.1, 0.1), "surface": mesh(0.1, 0.1, 0.1, closed=False)}
 PAIRS = list(product(CUBES, repeat=2))
 
@@ -66,6 +81,14 @@ def test_the_depth_of_two_cubes_is_what_they_overlap_by(kinds: tuple[str, str], 
     assert found.depth == pytest.approx(depth, rel=0.03 if "surface" in kinds else 1e-3)
     assert found.normal == pytest.approx((0, 0, 1), abs=1e-3)
     assert found.point[2] == pytest.approx(0.05, abs=0.02)
+
+
+@pytest.mark.parametrize("sides", [254, 255, 300])
+def test_a_disc_of_many_sides_collides(sides: int) -> None:
+    found = separation(disc(sides), disc(sides), at(0.09, 0, 0))
+    assert found is not None
+    assert found.depth == pytest.approx(0.01, rel=0.03)
+    assert separation(disc(sides), disc(sides), at(0.11, 0, 0)) is None
 
 
 @pytest.mark.parametrize("kinds", PAIRS, ids="-".join)

@@ -259,6 +259,8 @@ def primitive_geometry(primitive: Primitive) -> VisualGeometry:
         (CYLINDER, "a cylinder of twice the length, along another axis"),
         (Primitive("sphere", (0.04,), np.eye(3)), "a hollow sphere"),
         (Primitive("box", (0.3, 0.2, 0.1), ASKEW), "a box of twice the edges"),
+        (Primitive("box", (0.3, 0.2, 0.08), np.eye(3)), "a box with izz from x and z"),
+        (Primitive("box", (0.3, 0.2, 0.08), np.eye(3)), "a box with ixx from x and z"),
     ],
 )
 def test_the_formula_of_another_solid_is_named(primitive: Primitive, formula: str, digits: int) -> None:

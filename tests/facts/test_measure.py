@@ -676,17 +676,23 @@ def test_an_accessor_beyond_its_array_is_read_by_us_and_refused_by_assimp(tmp_pa
     assert measure_mesh(content, "dae").flaw is None  # nobody was asked
 
 
-def test_a_geometry_that_is_not_read_is_not_passed_over(tmp_path: Path) -> None:
-    # A second geometry, whose transformation cannot be read: alone, the first would pass for the whole.
-    second = '</node><node><scale>2 x 2</scale><instance_geometry url="#g"/></node>'
-    content = dae(*TETRAHEDRON).replace(b"</node>", second.encode())
+# A second geometry, whose transformation cannot be read: alone, the first would pass for the whole.
+SECOND_GEOMETRY = '</node><node><scale>{}</scale><instance_geometry url="#g"/></node>'
+
+
+@pytest.mark.parametrize("scale", ["2 x 2", "2 2 2 x"])
+def test_a_geometry_that_is_not_read_is_not_passed_over(scale: str) -> None:
+    content = dae(*TETRAHEDRON).replace(b"</node>", SECOND_GEOMETRY.format(scale).encode())
     with pytest.raises(MeshError, match=r"^is only partly readable: line \d+: failed to parse scale") as caught:
         measure_mesh(content, "dae")
     assert caught.value.reason_id == "incomplete"
+
+
+def test_a_geometry_that_assimp_does_not_read_either_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "part.dae"
-    path.write_bytes(content)
+    path.write_bytes(dae(*TETRAHEDRON).replace(b"</node>", SECOND_GEOMETRY.format("2 x 2").encode()))
     with pytest.raises(MeshError) as caught:
-        measure_mesh(content, "dae", path=path)
+        measure_mesh(path.read_bytes(), "dae", path=path)
     assert caught.value.assimp == "refuses"
 
 

@@ -152,6 +152,7 @@ NAVIGATION = (
                     Page("project/accuracy.md", "benchmarks/accuracy/README.md"),
                     Page("project/accuracy-judged.md", "benchmarks/accuracy/judged/README.md"),
                     Page("project/rivals.md", "benchmarks/rivals/README.md"),
+                    Page("project/language-servers.md", "benchmarks/language_servers/README.md"),
                     Page("project/changes.md", "benchmarks/diff/README.md"),
                     Page("project/mobile.md", "benchmarks/mobile/README.md"),
                     Page("project/published-cases.md", "benchmarks/published_cases.md"),

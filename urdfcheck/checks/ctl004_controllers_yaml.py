@@ -78,12 +78,21 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
                 at=parameters.element,
                 severity=Severity.WARNING,
                 edits=edit_content(parameters.element, text, model.source.files) if is_certain else (),
-                how="" if model.source.is_xacro else "make the model a xacro and ",
+                how=_describe_how(model),
                 package=package,
                 below=below,
                 path=parameters.text,
                 found=f" (here {shown})" if parameters.path is not None else "",
             )
+
+
+def _describe_how(model: Model) -> str:
+    """Say what must be done before ``$(find …)`` can be written."""
+    if model.source.is_xacro:
+        return ""
+    if model.source.is_output_of_xacro:
+        return "expand the xacro when it is launched instead of keeping its output, and there "
+    return "make the model a xacro and "
 
 
 def _find_portable_path(model: Model, parameters: ParameterFile) -> tuple[str, str] | None:

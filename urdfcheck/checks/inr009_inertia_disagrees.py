@@ -155,6 +155,9 @@ def _is_told_elsewhere(model: Model, tensor: DeclaredTensor, judged: DiagnosedIn
     cause = judged.diagnosis.cause
     if has_unknown_mass(model, tensor.link, judged.declared.mass, judged.declared.tensor):
         return True
+    moments = {tensor.texts[place] for place in (0, 3, 5)}
+    if cause == "rounded" and len(moments) == 1 and "e" in moments.pop().lower():
+        return True  # one small number with an exponent, not decimals that were lost
     if cause == "com_missing" and not _moves_body(model, tensor.link, judged):
         return True
     return cause in _DECIMAL_POINTS and _is_typed_like_others(model, tensor)

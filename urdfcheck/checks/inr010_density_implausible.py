@@ -115,18 +115,28 @@ def _build_dense_finding(model: Model, rule: Rule, found: _ExcessDensity, *, is_
         volume=float(f"{found.volume * 1e6:.3g}"),
         around=part.geometry_phrase,
         density=describe_density(part.mass / found.volume),
-        repair=_describe_repair([part.link], part.mass, is_in_unit=slip["cause"] == "unit"),
+        repair=_describe_repair(
+            [part.link],
+            part.mass,
+            is_in_unit=slip["cause"] == "unit",
+            is_drawn=_measure_own_volume(model, part) is not None,
+        ),
         **slip,
     )
 
 
-def _describe_repair(links: Sequence[Link], mass: float, *, is_in_unit: bool) -> str:
-    """Describe what to correct: the scale of a mesh may be wrong, and a primitive has none."""
+def _describe_repair(links: Sequence[Link], mass: float, *, is_in_unit: bool, is_drawn: bool = False) -> str:
+    """Describe what to correct: the scale of a mesh may be wrong, and a primitive has none.
+
+    ``is_drawn``: COM and tensor are those of what is drawn, at this mass, so that the mass alone is wrong.
+    """
     unknown = describe_unknown_mass(mass)
     if unknown:
         return unknown
     has_mesh = any(shape.kind == "mesh" for link in links for shape in (*link.visuals, *link.collisions))
-    first = "write the mass in kilograms" if is_in_unit or has_mesh else "correct the mass"
+    first = "write the mass in kilograms" if is_in_unit else "correct the mass"
+    if is_drawn and not is_in_unit:
+        return f"{first}, and scale the inertia tensor with it: COM and tensor are those of the drawn part at this mass"
     return f"{first}, or {'give the mesh the scale of its unit' if has_mesh else 'the size of what is drawn'}"
 
 

@@ -20,8 +20,14 @@ from urdfcheck.source.ros.joint_limits import JointLimits
 from urdfcheck.source.ros.srdf import Srdf
 from urdfcheck.source.ros.yaml_files import find_yaml_error
 
-# ROS 2 reads these as floating-point numbers, and rejects integers.
-_DOUBLES = ("min_position", "max_position", "max_velocity", "max_acceleration", "max_jerk")
+# ROS 2 reads these as floating-point numbers, and rejects integers; some only if the flag beside them is set.
+_DOUBLES = {
+    "min_position": None,
+    "max_position": None,
+    "max_velocity": "has_velocity_limits",
+    "max_acceleration": "has_acceleration_limits",
+    "max_jerk": "has_jerk_limits",
+}
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
@@ -67,7 +73,12 @@ def _check_integer_values(rule: Rule, limits: tuple[JointLimits, ...], package: 
     """Report all numbers without a decimal point, which a node of ROS 2 rejects, together."""
     if package is None or package.root is None or not any(name.startswith("ament_") for name in package.dependencies):
         return
-    typed = [value for entry in limits for name in _DOUBLES if (value := entry.get_setting(name)) and value.is_integer]
+    typed = [
+        value
+        for entry in limits
+        for name, flag in _DOUBLES.items()
+        if (value := entry.get_setting(name)) and value.is_integer and (flag is None or entry.is_on(flag))
+    ]
     if typed:
         yield rule.finding(
             "integer",

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names, truncate_text
-from urdfcheck.source.load import RESULT_OF_XACRO, Source, has_unbound_xacro
+from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, SUBSTITUTION, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
@@ -124,11 +124,7 @@ def _is_left_over(source: Source, texts: Iterable[str]) -> bool:
     whose definition is commented out."""
     text = source.files[source.name].text
     calls = [left for left in texts if left not in _DEFINITIONS]
-    return not calls or (_is_result(source) and all(_is_commented_out(call, text) for call in calls))
-
-
-def _is_result(source: Source) -> bool:
-    return RESULT_OF_XACRO in source.files[source.name].text
+    return not calls or (source.is_output_of_xacro and all(_is_commented_out(call, text) for call in calls))
 
 
 def _is_commented_out(call: str, text: str) -> bool:
@@ -139,7 +135,7 @@ def _is_commented_out(call: str, text: str) -> bool:
 
 def _describe_repair(source: Source, texts: Sequence[str]) -> str:
     """Say how what is left is expanded: in what xacro has made, by running it again."""
-    if _is_result(source) and all(text.startswith("<xacro:") for text in texts):
+    if source.is_output_of_xacro and all(text.startswith("<xacro:") for text in texts):
         call = next(text for text in texts if text not in _DEFINITIONS)
         return f"include the file that defines {call} in the xacro of which this file was made, and run xacro again"
     return (

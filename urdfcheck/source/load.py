@@ -66,6 +66,11 @@ class Source:
         return self.trees.get(self.name)
 
     @property
+    def is_output_of_xacro(self) -> bool:
+        """Whether the header of the file says that xacro wrote it: then another file is the source."""
+        return self.name in self.files and RESULT_OF_XACRO in self.files[self.name].text
+
+    @property
     def file_location(self) -> Location:
         """The model's file as a whole: its root tag, or else its first character."""
         root = self.main_tree

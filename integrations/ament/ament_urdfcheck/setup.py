@@ -6,7 +6,7 @@ NAME = "ament_urdfcheck"
 
 setup(
     name=NAME,
-    version="0.1.0",
+    version="0.2.0",
     packages=[NAME],
     data_files=[
         (f"share/{NAME}", ["package.xml"]),

@@ -39,6 +39,11 @@ _COARSE = frozenset(
 )
 # A tensor about the link's origin, which may exceed what fits into the hull.
 _OF_ORIGIN = frozenset({"about_origin", "positive_notation"})
+# Mistakes of place and direction: undoing one gives the tensor of the part itself, or another mistake is there. A unit changes
+# a tensor by powers of ten, which whatever the part holds besides leaves visible.
+_OF_PLACE = frozenset({"steiner_missing", "steiner_twice", "quarter_turn", "axes_permuted"})
+# What they may leave, as a mismatch: an ellipsoid of inertia that is a third longer or shorter along one axis.
+PLACED = 0.3
 # Units of mass and inertia: undoing them scales the tensor of one unit of mass.
 _UNITS = frozenset({"inertia_unit", "mass_unit", "units"})
 # Units that differ are told apart by the size alone: it shows one only if all moments of the part have one ratio, to 5 %.
@@ -155,6 +160,8 @@ def _is_convincing(ranking: Ranking, reference: Reference, *, is_habit: bool = F
             return False
         if float(fit.tensor_mismatch[none]) < UNIFORM and com_mismatch > 2 * EFFECT:
             return False
+    if best.id in _OF_PLACE and not is_habit and tensor_mismatch > PLACED:
+        return False
     if reference.mixture is OPEN_MIXTURE and best.id not in _COARSE and not is_habit:
         # No mass inside the hull has the tensor as it is, and one has it about the COM, near the hull's own.
         return best.id in _OF_ORIGIN and bool(fit.inside[0] and not fit.inside[none]) and worst < 0.5 * NEAR

@@ -39,6 +39,8 @@ _TOLERANCE = 1e-6
 _BATCH_SIZE = 500_000
 # What coal prepares for a pair of shapes is kept for this many pairs.
 _MOST_FUNCTIONS = 20_000
+# coal counts the neighbours of a corner of a convex mesh in one byte, and refuses more: the middle of a disc of many sides.
+_MOST_NEIGHBOURS = 254
 # Contacts of triangles among which one is searched for that is not a mere touch.
 _PIERCING_CONTACTS = 20
 # Contacts of triangles from which the middle of the overlap of two meshes is computed.
@@ -367,7 +369,9 @@ class Colliders:
         if geometry.vertices is None or geometry.faces is None:
             return build_coal_primitive(coal, geometry.kind, size)
         vertices = np.ascontiguousarray(geometry.vertices / self._unit)
-        if geometry.closed and is_convex(geometry.vertices, geometry.faces):
+        # Around each corner of a closed mesh there are as many triangles as neighbours.
+        has_few_neighbours = np.bincount(geometry.faces.ravel()).max(initial=0) <= _MOST_NEIGHBOURS
+        if geometry.closed and has_few_neighbours and is_convex(geometry.vertices, geometry.faces):
             points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
             points.extend(list(vertices))
             triangles.extend([coal.Triangle(*face) for face in geometry.faces.tolist()])

@@ -71,7 +71,8 @@ def _iter_defects(
     if carries and heavy and others[heavy] > _NOTHING * test.weight:
         yield StandingDefect("touches", heavy, {"load": others[heavy], **data})
     if release.settled is not None and idle:
-        yield StandingDefect("unloaded", idle[0], {"wheels": join_names(idle), **data})
+        verb = "bears" if len(idle) == 1 else "bear"
+        yield StandingDefect("unloaded", idle[0], {"wheels": join_names(idle), "bear": verb, **data})
     tilt = math.degrees(release.tilt or 0.0)
     if carries and release.settled is not None and tilt > lean:
         yield StandingDefect("leans", model.tree.root, {"tilt": tilt, **data})

@@ -29,6 +29,11 @@ class JointLimits:
         value = self.entry.get(name)
         return None if value is None else value.number
 
+    def is_on(self, flag: str) -> bool:
+        """Whether ``has_velocity_limits`` or the like is set, and not to no."""
+        value = self.entry.get(flag)
+        return value is not None and not value.is_false
+
     def is_off(self, flag: str) -> bool:
         """Whether ``has_velocity_limits`` or the like is set to no."""
         value = self.entry.get(flag)

@@ -7,7 +7,7 @@ about the wrong axis.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import permutations
 from typing import TYPE_CHECKING
 
@@ -49,6 +49,9 @@ def list_wrong_formulas(primitive: Primitive) -> Iterator[tuple[str, bool, Solid
                 other_axes,
                 Solid(body.volume, body.com, covariance),
             )
+    if primitive.kind == "box":
+        for name, body in _iter_misread_boxes(primitive.size):
+            yield name, False, Solid(body.volume, body.com, primitive.rotation @ body.covariance @ primitive.rotation.T)
 
 
 def _iter_bodies(primitive: Primitive) -> Iterator[tuple[str, Solid]]:
@@ -74,6 +77,18 @@ def _iter_bodies(primitive: Primitive) -> Iterator[tuple[str, Solid]]:
         yield "a cylinder of half the size", make_cylinder_solid(0.5 * radius, 0.5 * length)
         if primitive.kind == "capsule":
             yield "a cylinder without the rounded ends", make_cylinder_solid(radius, length)
+
+
+def _iter_misread_boxes(edges: Sequence[float]) -> Iterator[tuple[str, Solid]]:
+    """Yield boxes one of whose moments is computed from the edges of another: ``izz`` from x and z."""
+    volume = float(np.prod(edges))
+    squares = np.square(edges)
+    pairs = {"ixx": (1, 2), "iyy": (0, 2), "izz": (0, 1)}
+    for wrong, other in permutations(pairs, 2):
+        read = pairs | {wrong: pairs[other]}
+        moments = np.array([squares[list(pair)].sum() for pair in read.values()]) / 12.0
+        name = f"a box with {wrong} from {' and '.join('xyz'[edge] for edge in pairs[other])}"
+        yield name, Solid(volume, np.zeros(3), np.diag(moments.sum() / 2.0 - moments))
 
 
 def _make_hollow_sphere(radius: float) -> Solid:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 import logging
 import re
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -165,7 +166,7 @@ def _try_reading(content: bytes) -> tuple[_Reading | None, list[Exception]]:
     from collada.common import DaeError
 
     try:
-        with silence_logger("collada"):
+        with silence_logger("collada"), refuse_half_read_numbers():
             document = Collada(io.BytesIO(content), ignore=[DaeError])
         return _Reading(document, *_collect_parts(document)), list(document.errors)
     except (MeshError, ImportError, MemoryError):
@@ -355,3 +356,19 @@ def silence_logger(library: str) -> Iterator[None]:
     finally:
         logger.propagate = before
         logger.removeHandler(handler)
+
+
+@contextmanager
+def refuse_half_read_numbers() -> Iterator[None]:
+    """Let numpy raise a ValueError for numbers after which other text follows.
+
+    Older versions, among them all for Python 3.10, only warn and return the numbers before that text.
+    """
+
+    def refuse(message: Warning | str, *_: object, **__: object) -> None:
+        raise ValueError(str(message))
+
+    with warnings.catch_warnings():
+        warnings.filterwarnings("always", "string or file could not be read", DeprecationWarning)
+        warnings.showwarning = refuse
+        yield

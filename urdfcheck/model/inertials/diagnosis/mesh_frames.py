@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.facts.inertials.certainty import PLACED
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.model.robot import Model
@@ -45,11 +46,10 @@ def _find_in_mesh_frame(model: Model, link: Link, declared: DeclaredInertial, di
     turn, solid = pose[:3, :3], drawn.solid
     moved = replace(declared, com=turn @ declared.com + pose[:3, 3])
     tensor = declared.rotation.T @ turn @ declared.inertia @ turn.T @ declared.rotation
-    # A tensor that fits worse in those axes was not in the mesh's frame.
-    moved = min(
-        (replace(moved, tensor=tensor), moved),
-        key=lambda one: measure_inertial_mismatch(one, solid.com, solid.covariance)[0],
-    )
+    # A tensor that does not become the part's in those axes was not in the mesh's frame.
+    turned = replace(moved, tensor=tensor)
+    as_typed, in_mesh = (measure_inertial_mismatch(one, solid.com, solid.covariance)[0] for one in (moved, turned))
+    moved = turned if in_mesh < min(as_typed, PLACED) else moved
     left, before = (float(np.linalg.norm(one.com - solid.com)) for one in (moved, declared))
     if left > _SAME_PLACE * measure_extent(drawn.points) or before < _FARTHER * left:
         return diagnosis

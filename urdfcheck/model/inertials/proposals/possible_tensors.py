@@ -17,7 +17,7 @@ from urdfcheck.model.inertials.proposals.slip_repairs import (
     propose_slipped_moment,
 )
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal, is_possible_tensor
-from urdfcheck.model.inertials.proposals.tensor_sizes import is_unlike_drawn, propose_other_size
+from urdfcheck.model.inertials.proposals.tensor_sizes import has_drawn_moment, is_unlike_drawn, propose_other_size
 from urdfcheck.model.inertials.proposals.undone_mistakes import propose_undo
 from urdfcheck.model.inertials.proposals.zero_moments import describe_zero_moments, has_lost_moment
 from urdfcheck.model.parts import Link
@@ -75,7 +75,9 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     if other_size is not None:
         return other_size
     change = find_nearest_tensor(declared.components)[1]
-    is_near = change < _LARGEST_CHANGE and not is_unlike_drawn(model, declared)
+    is_near = (
+        change < _LARGEST_CHANGE and not is_unlike_drawn(model, declared) and not has_drawn_moment(model, declared)
+    )
     if is_rounded and (is_near or not is_drawn_otherwise(model, declared)):
         return propose_nearest(declared, "digits", digits=typed.typed_digits + _MORE_DIGITS)
     if is_near:

@@ -10,7 +10,7 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_te
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 from urdfcheck.model.parts import DeclaredTensor
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
 
 # The moments of all mass at twice the drawn part's size exceed those of any part like it: no small change makes a tensor right
 # that has more.
@@ -18,6 +18,8 @@ _OTHER_SIZE = 1.0
 # Real parts are not uniform. Of 353 sound tensors of links that draw closed meshes (38 repositories), 92 % have all principal
 # moments within this factor of the uniform part's; of 353 that are not sound, 48 %.
 _UNLIKE = 2.0
+# Three digits of a moment, as most are typed.
+_SAME_MOMENT = 5e-3
 
 
 def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialProposal | None:
@@ -28,7 +30,11 @@ def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialPropos
         return None
     drawn = describe_possible_inertial(model, declared.link)
     times, least = _format_factor(_compare_with_drawn(model, declared)), _format_factor(excess)
-    claim = f"; for this mass the moments are {times} times the drawn part's, and at least {least} times what its size allows"
+    stands_in = explain_collision_stand_in(model, declared.link) in {"open", "unread"}
+    part = "collision shape" if stands_in else "drawn part"
+    claim = (
+        f"; for this mass the moments are {times} times the {part}'s, and at least {least} times what its size allows"
+    )
     return InertialProposal(message=claim, remedy=f"write {drawn}, or " if drawn else "", oversize=times)
 
 
@@ -40,6 +46,15 @@ def is_unlike_drawn(model: Model, declared: DeclaredTensor) -> bool:
         return False
     moments, wanted = compute_principal_moments(declared.tensor)[0], compute_principal_moments(drawn)[0]
     return bool(((moments > _UNLIKE * wanted) | (_UNLIKE * moments < wanted)).any())
+
+
+def has_drawn_moment(model: Model, declared: DeclaredTensor) -> bool:
+    """Whether a moment is that of the closed solid which the link draws, at its mass: then the others are to be that solid's too,
+    and not the nearest that a body can have."""
+    geometry, drawn = measure_link_geometry(model, declared.link), compute_drawn_tensor(model, declared)
+    if geometry is None or not geometry.closed or drawn is None:
+        return False
+    return bool(np.isclose(np.diag(declared.tensor), np.diag(drawn), rtol=_SAME_MOMENT, atol=0.0).any())
 
 
 def _measure_size_excess(model: Model, declared: DeclaredTensor) -> float:
