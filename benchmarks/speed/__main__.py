@@ -17,13 +17,14 @@ from pathlib import Path
 
 import large_meshes
 import many
+import mesh_memory
 import robots
 import versions
 from process import HERE
 
 import urdfcheck
 
-PARTS = ("meshes", "large", "robots", "versions", "corpus", "growth")
+PARTS = ("meshes", "memory", "large", "robots", "versions", "corpus", "growth")
 
 
 def machine() -> str:
@@ -55,6 +56,9 @@ def main() -> None:
     if "meshes" in parts:
         _title("(a) mesh facts against trimesh.load + is_watertight + is_winding_consistent + mass_properties")
         subprocess.run([sys.executable, str(HERE / "meshes.py"), *(["--quick"] if options.quick else [])], check=True)
+    if "memory" in parts:
+        _title("(a) memory that a mesh file takes, over its size")
+        mesh_memory.compare(("stl", "ply") if options.quick else mesh_memory.KINDS)
     if "large" in parts:
         _title("(a) one link with a large mesh, whole processes, cold: processor time")
         names = (large_meshes.SMALLEST,) if options.quick else large_meshes.CASES

@@ -86,6 +86,8 @@ class Watch(threading.Thread):
         self.seconds: dict[int, float] = dict.fromkeys(roots, 0.0)
         """Of the processor, those of processes that were waited for included; what a killed one took may be missing."""
         self.before: dict[int, float] = {}
+        self.alone: float = 0.0
+        """MiB of the first process now, without those below it."""
 
     def run(self) -> None:
         while not self.ended.wait(0.5):
@@ -96,6 +98,7 @@ class Watch(threading.Thread):
                 except OSError:  # it has ended
                     continue
                 children.setdefault(parent, []).append(int(entry.parent.name))
+            self.alone = _sum_memory(self.roots[0], {})
             for root in self.roots:
                 self.peaks[root] = max(self.peaks[root], _sum_memory(root, children))
                 seconds = _sum_seconds(root, children)
@@ -120,10 +123,32 @@ def _sum_memory(process: int, children: dict[int, list[int]]) -> float:
         return total
 
 
+class Finished:
+    """Counts the models that a journal holds, each byte of it read once."""
+
+    def __init__(self, journal: Path) -> None:
+        self.journal, self.count, self._read = journal, 0, 0
+
+    def update(self) -> int:
+        if self.journal.exists():
+            with self.journal.open("rb") as file:
+                file.seek(self._read)
+                whole = file.read().rpartition(b"\n")[0]
+            self._read += len(whole)
+            self.count += whole.count(b'{"key"')
+        return self.count
+
+
 def audit(
-    dataset: Path, out: Path, *options: str, cluster: int | None = None, victim: int | None = None, after: int = 0
+    dataset: Path,
+    out: Path,
+    *options: str,
+    models: int,
+    cluster: int | None = None,
+    victim: int | None = None,
 ) -> float:
-    """Audit all variants and print what it took; ``victim``: a process to kill once ``after`` files are finished."""
+    """Audit all variants and print what it took, and the memory of the command after each sixth of the ``models``; ``victim``: a
+    process to kill after a third of them."""
     words = [
         sys.executable,
         "-m",
@@ -143,10 +168,15 @@ def audit(
     )
     watch = Watch(process.pid, *([] if cluster is None else [cluster]))
     watch.start()
-    journal = out / "journal"
+    finished, told = Finished(out / "journal"), 0
+    known = finished.update()
     while process.poll() is None:
         time.sleep(0.5)
-        if victim is not None and journal.exists() and journal.read_bytes().count(b'{"key"') >= after:
+        done = finished.update() - known
+        if done * 6 // models > told:
+            told = done * 6 // models
+            print(f"  {done:,} models: {watch.alone:.1f} MiB (the command without workers)", flush=True)
+        if victim is not None and done >= models // 3:
             os.kill(victim, signal.SIGKILL)
             print(f"  killed a process of the cluster after {time.perf_counter() - began:.1f} s", flush=True)
             victim = None
@@ -166,28 +196,31 @@ def main() -> None:
     parser.add_argument("files", type=int, help=f"number of files, of {VARIANTS} variants each")
     parser.add_argument("--folder", type=Path, help="where the files and results go (default: a temporary folder)")
     parser.add_argument("--no-local", action="store_true", help="leave out the run on this machine, and the comparison")
+    parser.add_argument("--no-cluster", action="store_true", help="only the run on this machine")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(dir=options.folder) as named:
-        measure(Path(named), options.files, compares=not options.no_local)
+        measure(Path(named), options.files, local=not options.no_local, cluster=not options.no_cluster)
 
 
-def measure(folder: Path, files: int, *, compares: bool) -> None:
+def measure(folder: Path, files: int, *, local: bool, cluster: bool) -> None:
     """Print the runs, and the bytes and seconds of each model."""
     dataset, models = folder / "dataset", files * VARIANTS
     write_dataset(dataset, files)
     outs = []
-    if compares:
+    if local:
         print(f"{files:,} files, {models:,} models on this machine, two jobs", flush=True)
         outs.append(folder / "here")
-        _print_share(audit(dataset, outs[-1], "--jobs", "2"), models, outs[-1])
+        _print_share(audit(dataset, outs[-1], "--jobs", "2", models=models), models, outs[-1])
+    if not cluster:
+        return
     print(f"{files:,} files, {models:,} models on a cluster of two processes, one of them killed", flush=True)
     with start_cluster(folder) as (address, pids, process):
         outs.append(folder / "cluster")
         backend = ("--backend", f"dask={address}")
-        seconds = audit(dataset, outs[-1], *backend, cluster=process, victim=pids[0], after=files // 3)
+        seconds = audit(dataset, outs[-1], *backend, models=models, cluster=process, victim=pids[0])
         _print_share(seconds, models, outs[-1])
         print("the same again, nothing changed", flush=True)
-        _print_share(audit(dataset, outs[-1], *backend, cluster=process), models, outs[-1])
+        _print_share(audit(dataset, outs[-1], *backend, models=models, cluster=process), models, outs[-1])
     texts = {(out / name).read_bytes() for out in outs for name in ("audit.jsonl",)}
     if len(texts) != 1:
         raise SystemExit("the cluster and this machine wrote different results")

@@ -73,6 +73,15 @@ def test_a_link_that_got_another_name_is_one_finding_with_all_its_lines(tmp_path
     assert len(finding.related) == 1
 
 
+@pytest.mark.parametrize(("beside", "is_found"), [("upper_l", False), ("upper", True)])
+def test_a_description_of_a_namesake_is_not_stale(tmp_path: Path, beside: str, is_found: bool) -> None:
+    """Beside the one that fits the model is that of another robot of its name; one that does not fit shows nothing."""
+    fitting = f'<robot name="arm">{GROUP}{NEIGHBOURS}</robot>'.replace('"upper"', f'"{beside}"')
+    (tmp_path / "fitting.srdf").write_text(fitting)
+    found = find_with_srdf(tmp_path, "COL003", NEIGHBOURS, make_two_bars().replace('"upper"', '"upper_l"'))
+    assert bool(found) == is_found
+
+
 def test_links_of_a_larger_variant_are_not_missed(tmp_path: Path) -> None:
     """The groups of the description name the gripper as well: this model is the arm without it."""
     hand = '<group name="hand"><link name="palm"/></group>'

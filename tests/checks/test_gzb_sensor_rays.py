@@ -78,6 +78,13 @@ def test_a_housing_and_a_mesh(tmp_path: Path) -> None:
     assert list_seen(tmp_path, housing, nose, sensor("gpu_ray")) == ["nose"]
 
 
+@pytest.mark.parametrize(("height", "seen"), [(0.0499, ["camera"]), (0.04999, []), (0.0499999, []), (0.05, [])])
+def test_rays_in_the_plane_of_a_face_show_nothing(tmp_path: Path, height: float, seen: list[str]) -> None:
+    """The box ends at 0.05 m: rays just below that end at it in theory."""
+    scan = sensor("gpu_ray", pose=f"<pose>0 0 {height - 1e-6} 0 0 0</pose>")
+    assert list_seen(tmp_path, link("base"), AHEAD, scan) == seen
+
+
 def test_a_graze_is_not_enough(tmp_path: Path) -> None:
     rod = joint("mount", "base", "rod", xyz="2 0 0") + link("rod", visual(box("0.01 0.01 1")))
     assert list_seen(tmp_path, link("base"), rod, sensor("gpu_ray")) == []

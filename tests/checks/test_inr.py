@@ -220,6 +220,24 @@ def test_a_violation_that_the_digits_explain_is_rounding(tmp_path: Path) -> None
     assert (finding.message_id, finding.severity) == ("rounded", Severity.WARNING)
 
 
+@pytest.mark.parametrize(
+    ("size", "kind", "message"),
+    [
+        ("0.08 0.06 0.09", "continuous", "thin"),
+        ("0.08 0.06 0.09", "fixed", "thin"),
+        ("0.2 5e-5 5e-5", "fixed", "rounded"),
+    ],
+)
+def test_more_digits_do_not_make_a_box_of_a_line_of_points(tmp_path: Path, size: str, kind: str, message: str) -> None:
+    """Nothing but the parallel-axis term of a point beside the COM; a wire has such moments."""
+    line = inertial(0.3234, ixx="1.9683E-05", ixz="-0.00012644", iyy="0.00083192", izz="0.00081224")
+    text = make_arm(line + visual(box(size)), kind=kind, base=inertial(10, ixx=1, iyy=1, izz=1))
+    (finding,) = find(tmp_path, text, "INR003")
+    assert (finding.message_id, finding.severity) == (message, Severity.WARNING)
+    assert ("digits" in finding.fix.title if finding.fix else "") == (message == "rounded")
+    assert finding.consequences["gazebo"].startswith("loads it" if kind == "fixed" else "refuses")
+
+
 def test_a_violation_that_the_digits_do_not_explain_is_not(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_arm(inertial(ixx="0.001234000", iyy="0.002345000", izz="0.003580000")), "INR003")
     assert (finding.message_id, finding.severity) == ("violated", Severity.ERROR)

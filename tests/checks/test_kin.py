@@ -388,6 +388,28 @@ def test_joint_with_the_child_of_another_is_one_slip(
     assert not check_text(tmp_path, fixed, codes=TREE).findings
 
 
+@pytest.mark.parametrize(
+    ("text", "message", "repair"),
+    [
+        (
+            make_tree("tile table base arm world", "tile table", "table base", "base arm", "world base"),
+            "roots",
+            "`tile`",
+        ),
+        (make_tree("world tile table base", "world base", "tile table", "table base"), "roots", "`tile`"),
+        (make_tree("a b c", "a c", "b c"), "roots", "keep one"),  # either root may be the robot's
+        (make_tree("a b c d e", "a b", "b c", "d e", "e c"), "roots", "keep one"),
+        (make_tree("base crank rod", "base crank", "crank rod", "base rod"), "several", "real loop"),
+    ],
+)
+def test_a_link_below_two_roots_is_told_from_a_linkage(tmp_path: Path, text: str, message: str, repair: str) -> None:
+    (finding,) = check_text(tmp_path, text, codes=TREE).findings
+    assert (finding.code, finding.message_id) == ("KIN003", message)
+    assert finding.fix is not None
+    assert repair in finding.fix.title
+    assert finding.consequences["urdfdom"].startswith("refuses" if message == "roots" else "places")
+
+
 def test_slip_in_a_robot_of_more_pieces_leaves_them_to_be_told(tmp_path: Path) -> None:
     text = robot(
         *map(link, ("top", "imu_link", "camera_link", "lost")),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Sequence
@@ -636,6 +637,17 @@ def test_limbs_whose_zero_is_not_mirrored_have_other_limits(tmp_path: Path) -> N
     robot = with_(ROBOT, "joint[@name='right_shoulder_joint']/origin", rpy="0.6 0 0")
     robot = with_(robot, "joint[@name='right_shoulder_joint']/limit", lower="-2.4", upper="-0.3")
     assert not find_mirror_defects(tmp_path, robot)
+
+
+@pytest.mark.parametrize(("turns", "found"), [(0, True), (-1, False), (1, True)])
+def test_ranges_that_are_a_whole_turn_apart_are_one_range(tmp_path: Path, turns: int, found: bool) -> None:
+    """The left joint turns in 1.6 … 3.7; the mirror image is -3.7 … -1.6, or 2.583 … 4.683 from a zero on the other half turn."""
+    robot = with_(ROBOT, "joint[@name='left_hand_joint']/limit", lower="1.6", upper="3.7")
+    bounds = {"lower": f"{-3.7 - turns * math.tau:.6g}", "upper": f"{-1.6 - turns * math.tau:.6g}"}
+    if found:
+        bounds["upper"] = f"{float(bounds['upper']) + 0.3:.6g}"
+    robot = with_(robot, "joint[@name='right_hand_joint']/limit", **bounds)
+    assert bool(find_mirror_defects(tmp_path, robot)) == found
 
 
 def test_a_shifted_zero_does_not_displace_what_hangs_on_the_joint(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import pickle
 import signal
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -146,6 +148,25 @@ def test_a_task_that_dask_gives_up_is_an_error_and_no_endless_wait(two: Cluster)
         results = joblib.Parallel(n_jobs=-1, batch_size=1, return_as="generator_unordered")
         with pytest.raises(RuntimeError, match="deserialization"):
             list(results(joblib.delayed(unknown_there)() for _ in range(2)))
+
+
+def test_a_result_that_was_taken_is_let_go(two: Cluster) -> None:
+    """Not when Python next looks for cycles: reports of many models would wait for that."""
+    import joblib
+
+    taken = []
+    gc.disable()
+    try:
+        with cluster._connect_dask(two.address) as backend, joblib.parallel_config(backend):
+            results = joblib.Parallel(n_jobs=-1, batch_size=1, return_as="generator_unordered")
+            # Lists, which are what a task returns, have no weak references.
+            for result in results(joblib.delayed(set)([number]) for number in range(20)):
+                taken.append(weakref.ref(result))
+            del result
+            assert sum(known() is not None for known in taken) <= 2  # what the threads hold that wait for the next
+    finally:
+        gc.enable()
+    assert len(taken) == 20
 
 
 def test_a_scheduler_that_does_not_answer_is_said(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import random
@@ -135,6 +136,20 @@ def test_the_lines_hold_what_a_report_of_all_together_holds(tmp_path: Path) -> N
     assert sorted(map(json.dumps, found)) == sorted(json.dumps(f) for f in report["findings"] if f["code"] not in alone)
     assert [line["model"] for line in audit.lines if line["model"]] == report["models"]
     assert "XAC015" in {skip["code"] for skip in audit.lines[-1]["skipped"]}
+
+
+def test_garbage_is_collected_while_many_models_are_read(tmp_path: Path) -> None:
+    """The command has it collected rarely, which at its start saves time."""
+    before = gc.get_threshold()
+    gc.set_threshold(200_000, 30, 30)
+    try:
+        assert (
+            main(["audit", str(robots(tmp_path / "robots", 1)), "-o", str(tmp_path / "out"), "--tier", "source"])
+            != FAILED
+        )
+        assert gc.get_threshold() == (10_000, 10, 10)
+    finally:
+        gc.set_threshold(*before)
 
 
 def test_names_of_strangers_are_data_in_every_file(tmp_path: Path) -> None:

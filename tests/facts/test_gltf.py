@@ -12,9 +12,10 @@ import pytest
 import trimesh
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.mesh import decode_limits, gltf
+from urdfcheck.facts.mesh import decode_limits
 from urdfcheck.facts.mesh.decode import RawMesh, decode_mesh
 from urdfcheck.facts.mesh.decode_limits import MeshError
+from urdfcheck.facts.mesh.formats import gltf
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 Json = dict[str, Any]

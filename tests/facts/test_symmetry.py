@@ -279,9 +279,17 @@ def test_mirror_images_repetitions_and_quarter_turns_are_no_suspects(rpy: list[t
 
 
 def test_a_shift_along_all_axes_is_no_pattern_of_two() -> None:
-    rpy, axes = [(0, 0.4, 0), (0, -0.8, 0)], [(0, 1, 0)] * 2
+    rpy, axes = [(0, 0.4, 0), (0, 0.8, 0)], [(0, 1, 0)] * 2
     assert find_suspect_frames([(0.08, 0.1, 0.03), (0.085, -0.1, 0.03)], frames(rpy), axes) is not None
     assert find_suspect_frames([(0.08, 0.1, 0.03), (0.085, -0.1, -0.03)], frames(rpy), axes) is None
+
+
+@pytest.mark.parametrize(("second_axis", "is_pair"), [(1, True), (-1, False)])
+def test_a_joint_that_turns_the_other_way_is_no_shifted_copy(second_axis: int, is_pair: bool) -> None:
+    """Fingers that lean towards each other, 5 mm beside the places of mirror images."""
+    places, rpy = [(0.095, 0.038, -0.1), (0.1, 0.038, 0.072)], [(0, -0.42, 0), (0, 0.32, 0)]
+    pair = find_suspect_frames(places, frames(rpy), [(0, 1, 0), (0, second_axis, 0)])
+    assert (pair is not None) == is_pair
 
 
 def test_hands_of_many_fingers_show_the_pair_that_differs() -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from urdfcheck.source.package import package_folders
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
 
 
@@ -288,3 +289,16 @@ def test_files_are_called_by_their_path_from_the_working_directory(
     monkeypatch.chdir(tmp_path / "a/b")
     assert format_path(tmp_path / "a/b/c.urdf") == "c.urdf"
     assert format_path(tmp_path / "d.urdf") == "../../d.urdf"
+
+
+def test_a_search_reads_each_folder_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / ".git").mkdir()
+    for name in ("arm", "hand"):
+        (tmp_path / "src" / name / "urdf").mkdir(parents=True)
+        (tmp_path / "src" / name / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    listed: list[str] = []
+    list_folder = package_folders._list_folder
+    monkeypatch.setattr(package_folders, "_list_folder", lambda path: listed.append(str(path)) or list_folder(path))
+    assert PackageFinder(tmp_path / "src" / "arm" / "urdf").find("hand") == tmp_path / "src" / "hand"
+    below = [path for path in listed if path.startswith(str(tmp_path / "src"))]
+    assert len(below) == len(set(below)) > 2

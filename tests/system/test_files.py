@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.system.files import FileTooLargeError, read_regular, read_start, walk
+from urdfcheck.system.files import FileTooLargeError, overlay_files, read_regular, read_start, walk
 
 needs_unix = pytest.mark.skipif(sys.platform == "win32", reason="no such files there")
 
@@ -107,3 +107,17 @@ def test_folders_are_walked_however_deep_and_through_no_link(tmp_path: Path, mon
         assert len(list(walk(tmp_path))) == 1_103
     finally:
         subprocess.run(["rm", "-rf", str(tmp_path / "a" / "d")], check=True)
+
+
+def test_a_file_is_overlaid_by_each_of_its_names_and_others_are_not(tmp_path: Path) -> None:
+    file, other, link = tmp_path / "file", tmp_path / "other", tmp_path / "link"
+    file.write_text("disk")
+    other.write_text("other")
+    link.symlink_to(file)
+    missing = tmp_path / "missing"
+    with overlay_files({os.path.realpath(file): b"edited", os.path.realpath(missing): b"new"}):
+        contents = [read_regular(path) for path in (file, link, tmp_path / "." / "file", other, missing)]
+        with pytest.raises(FileNotFoundError):
+            read_regular(tmp_path / "nowhere")
+    assert contents == [b"edited", b"edited", b"edited", b"other", b"new"]
+    assert read_regular(file) == b"disk"

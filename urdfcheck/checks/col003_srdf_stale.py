@@ -30,15 +30,17 @@ def _check_unknown_links(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Findi
     """Report each name that no link has."""
     if not srdf.grouped_links <= model.link_by_name.keys():
         return  # the planning groups also name unknown links: it describes a larger variant of the robot
+    if _is_of_namesake(model, srdf):
+        return
     uses: dict[str, list[Attribute]] = {}
     for pair in srdf.disabled_pairs:
         for index, name in enumerate(pair.links):
             attribute = pair.get_link(index)
             if attribute is not None and name not in model.link_by_name:
                 uses.setdefault(name, []).append(attribute)
-    named = {name for pair in srdf.disabled_pairs for name in pair.links}
+    unused = model.link_by_name.keys() - {name for pair in srdf.disabled_pairs for name in pair.links}
     for name, attributes in uses.items():
-        near = find_only_near_name(name, model.link_by_name.keys() - named, SLIP_LIKENESS)
+        near = find_only_near_name(name, unused, SLIP_LIKENESS)
         yield rule.finding(
             "unknown",
             at=attributes[0],
@@ -46,8 +48,18 @@ def _check_unknown_links(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Findi
             edits=build_replacement_edits(attributes, near) if near is not None else (),
             link=name,
             count=format_count(len(attributes), "pair"),
-            near=format_name_hint(name, model.link_by_name.keys() - named),
+            near=format_name_hint(name, unused),
         )
+
+
+def _is_of_namesake(model: Model, srdf: Srdf) -> bool:
+    """Whether a semantic description beside this one names links of the model only: then this one, which does not, may be that of
+    another robot of the same name."""
+    return any(
+        other.disabled_pairs and other.named_links <= model.link_by_name.keys()
+        for other in semantic_descriptions(model)
+        if other is not srdf and other.path.parent == srdf.path.parent
+    )
 
 
 def _check_duplicate_pairs(rule: Rule, srdf: Srdf) -> Iterator[Finding]:

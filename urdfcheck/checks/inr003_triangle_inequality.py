@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import merge_identical
 from urdfcheck.core.text import join_names, join_numbers
+from urdfcheck.facts.inertials.engine_floors import GAZEBO_MERGES
 from urdfcheck.facts.inertials.inertia_tensor import (
     TensorRounding,
     compute_principal_moments,
@@ -18,9 +19,6 @@ from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.habits.rotor_inertias import find_rotor_inertias
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
 from urdfcheck.source.text.handed_values import find_typed_value
-
-if TYPE_CHECKING:
-    from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 
 # Where ixx, iyy and izz are in ``ixx ixy ixz iyy iyz izz``.
 _DIAGONAL = (0, 3, 5)
@@ -49,15 +47,15 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         from urdfcheck.model.inertials.proposals.undone_mistakes import has_mistake
 
         whole = find_merged_body(model, declared.link)
+        is_fused = whole is not None and whole.is_physically_valid(rel_tol)
         typed = measure_tensor_rounding(declared.texts, rel_tol)
         data = _collect_data(declared, excess, typed)
         if excess < rounding and typed.explained_by_rounding:
             if has_mistake(model, declared.link, "own_missing"):
                 continue  # more digits would not make the tensor right: INR009 reports it
-            repair = propose_repair(model, declared.link)
-            yield _build_rounded_finding(rule, declared, repair=repair, data=data)
+            yield _build_rounded_finding(model, rule, declared, is_fused=is_fused, data=data)
             continue
-        if whole is not None and whole.is_physically_valid(rel_tol):
+        if whole is not None and is_fused:
             if whole.link_is_negligible:
                 moments, _ = compute_principal_moments(declared.tensor)
                 if moments[0] >= -rel_tol * moments[2]:  # else INR004
@@ -113,19 +111,36 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
 
 
 def _build_rounded_finding(
-    rule: Rule, declared: DeclaredTensor, *, repair: InertialProposal, data: dict[str, Any]
+    model: Model, rule: Rule, declared: DeclaredTensor, *, is_fused: bool, data: dict[str, Any]
 ) -> Finding:
     """Report a tensor that rounding explains, with the repair of a mistake but not with the drawn part's numbers.
 
-    More digits do not repair a tensor that no part of the drawn size has: that is the error.
+    More digits do not repair a tensor that no part of the drawn size has, or that only a line of points has: that is the error.
     """
+    from urdfcheck.model.inertials.proposals.possible_tensors import propose_repair
+    from urdfcheck.model.inertials.proposals.tensor_sizes import find_thicker_part
+
+    repair = propose_repair(model, declared.link)
+    consequences = {"gazebo": GAZEBO_MERGES} if is_fused else {}
     if repair.oversize:
         return rule.finding(
             "oversized",
             at=declared.element,
+            consequences=consequences,
             found=repair.message,
             remedy=repair.remedy,
             times=repair.oversize,
+            **data,
+        )
+    thicker = None if repair.message else find_thicker_part(model, declared)
+    if thicker is not None:
+        return rule.finding(
+            "thin",
+            at=declared.element,
+            severity=Severity.WARNING,
+            consequences=consequences,
+            drawn=join_numbers(thicker, digits=3),
+            remedy=repair.remedy,
             **data,
         )
     return rule.finding(
@@ -133,6 +148,7 @@ def _build_rounded_finding(
         at=declared.element,
         edits=repair.edits if repair.message else (),
         severity=Severity.WARNING,
+        consequences=consequences,
         found=repair.message,
         remedy=repair.remedy if repair.message else "",
         **data,

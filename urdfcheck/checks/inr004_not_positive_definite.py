@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.engine_floors import MUJOCO_REFUSAL, is_refused_by_mujoco
+from urdfcheck.facts.inertials.engine_floors import GAZEBO_MERGES, MUJOCO_REFUSAL, is_refused_by_mujoco
 from urdfcheck.facts.inertials.inertia_tensor import (
     TensorRounding,
     build_inertia_tensor,
@@ -28,9 +28,7 @@ if TYPE_CHECKING:
 
 DIAGONAL = (0, 3, 5)
 PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
-# Gazebo checks the sum of the links joined by fixed joints.
 REFUSED = "refuses the model: the link has an invalid inertia (sdformat error 18)"
-MERGED = "loads it (it merges links joined by fixed joints and checks the sum)"
 NAN = "computes NaN accelerations: the point is on the joint's axis (Drake stops with an error)"
 # Bars of so many masses do not have one tensor.
 _FEWEST_MASSES = 3
@@ -57,7 +55,7 @@ class _IndefiniteTensor:
 
     @property
     def gazebo(self) -> str:
-        return MERGED if self.fused else REFUSED
+        return GAZEBO_MERGES if self.fused else REFUSED
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_values
@@ -24,14 +25,32 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if meant is not None:
             yield _build_slip_finding(rule, graph, *meant, other=next(j for j in counted if j is not meant[0]))
         elif len(counted) > 1:
+            roots = graph.find_roots_above(link)
             yield rule.finding(
-                "several",
+                "several" if len(roots) < 2 else "roots",
                 at=counted[1].child_location,
                 related=[j.child_location for j in counted if j is not counted[1]],
                 link=link,
                 joints=", ".join(f"{j.name} (from {j.parent})" for j in counted),
                 parents=[j.parent for j in counted],
+                roots=join_names(roots),
+                repair=_describe_way_to_one_root(graph, counted, roots),
             )
+
+
+def _describe_way_to_one_root(graph: KinematicGraph, joints: Sequence[Joint], roots: Sequence[str]) -> str:
+    """Say how one of several roots remains.
+
+    A root that carries nothing but the link (``world``) was meant to carry the robot: by its other root.
+    """
+    parents = [joint.parent for joint in graph.edges]
+    bare = [joint for joint in joints if joint.parent in roots and parents.count(joint.parent) == 1]
+    if len(joints) == len(roots) == 2 and len(bare) == 1:
+        (other,) = (root for root in roots if root != bare[0].parent)
+        return f"write `{other}` as the child of {bare[0].name}"
+    return (
+        "keep one of the joints; give the root above the other a parent in the same tree, or delete what is only there"
+    )
 
 
 def _build_slip_finding(rule: Rule, graph: KinematicGraph, joint: Joint, meant: str, *, other: Joint) -> Finding:

@@ -128,6 +128,9 @@ def _make_dask_backend(client: Any) -> Any:
     class Backend(DaskDistributedBackend):  # type: ignore[misc]
         def submit(self, func: Any, callback: Callable[[Any], object]) -> Any:
             future = super().submit(func, callback)
+            # joblib gives the future its own method `get`, which it calls for other backends: with this cycle every report would
+            # stay until Python collects garbage of that age, which may be never.
+            vars(future).pop("get", None)
             future.add_done_callback(lambda done: callback(error) if (error := done.exception()) else None)
             return future
 

@@ -80,6 +80,16 @@ class KinematicGraph:
             parents[joint.child].append(joint)
         return {name: tuple(joints) for name, joints in parents.items()}
 
+    def find_roots_above(self, link: str) -> list[str]:
+        """Return the links without a parent from which joints lead to ``link``, in document order."""
+        parents = self.map_parent_joints()
+        above, waiting = {link}, [link]
+        while waiting:
+            found = {joint.parent for joint in parents[waiting.pop()]} - above
+            above |= found
+            waiting += found
+        return [name for name in self.links if name in above and not parents[name]]
+
     def find_components(self) -> list[list[str]]:
         """Return the connected components, each in document order, the largest first (the first of equals)."""
         index = {name: i for i, name in enumerate(self.links)}

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 # What the measurements of a mesh depend on besides its content.
 MEASURING_MODULES = ("urdfcheck.facts.mesh",)
 # The libraries that read the formats that urdfcheck does not read itself, and the one by which it asks Assimp.
-READERS = {"dae": "collada", "ply": "trimesh"}
+READERS = {"dae": "collada"}
 SECOND_READER = "coal"
 # Where it is not installed, another library computes convex hulls.
 HULLS = "scipy"
@@ -202,7 +202,7 @@ def _list_buffers(content: _Content, known: Entry) -> tuple[str, ...]:
     """List the URIs of a document's buffer files, or recall what was listed."""
     import numpy as np
 
-    from urdfcheck.facts.mesh.gltf import list_buffer_files
+    from urdfcheck.facts.mesh.formats.gltf import list_buffer_files
 
     if "uris" not in known:
         uris = list_buffer_files(content.read(), _get_file_kind(content.path))

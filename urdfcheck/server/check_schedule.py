@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -19,8 +20,9 @@ from urdfcheck.server.documents import DocumentStore, OpenDocument
 from urdfcheck.server.index_store import IndexStore
 from urdfcheck.source.package.file_kinds import is_launch, is_model
 
-# Seconds after the last edit: until the source tier is computed, and until everything is.
-TYPING, RESTING = 0.1, 1.0
+# Seconds after the last edit: until the source tier is computed, and until everything is. The first pause lasts as long as that
+# check took last time, within these limits: to check after each key is no use where the next key comes first.
+SHORTEST_PAUSE, LONGEST_PAUSE, RESTING = 0.05, 0.1, 1.0
 # Seconds for which a question about a document that was not checked yet waits.
 PATIENCE = 20.0
 SOURCE = TIERS[0]
@@ -42,9 +44,9 @@ class CheckSchedule:
         self.indexes = IndexStore()
         self.problem = ""
         """Why nothing can be checked."""
-        self._delays: Mapping[str | None, float] = {SOURCE: TYPING, None: RESTING}
+        self._delays: dict[str | None, float] = {SOURCE: LONGEST_PAUSE, None: RESTING}
         if client.options.tier == SOURCE:  # that is everything
-            self._delays = {None: TYPING}
+            self._delays = {None: LONGEST_PAUSE}
         self._numbers = 0
         self._timers: dict[str | None, asyncio.TimerHandle] = {}
         self._waiting: set[str | None] = set()
@@ -160,6 +162,7 @@ class CheckSchedule:
         # While one types, the places of the last index are moved with the text; a new document has none yet.
         has_index = tier is None or not self._indexed.keys() >= texts.keys()
         job = self._make_job(tier, list_checked_paths(self.documents), has_index=has_index)
+        began = time.monotonic()
         try:
             answer = await self.client.run_job(job)
         except CheckProcessError as error:
@@ -172,6 +175,8 @@ class CheckSchedule:
                 self._waiting.add(tier)
         else:
             self.problem = ""
+            if tier == SOURCE and not answer.is_cancelled:
+                self._delays[SOURCE] = choose_pause(time.monotonic() - began)
             self._take_answer(answer, job, texts)
         finally:
             self._running = ""
@@ -225,6 +230,11 @@ class CheckSchedule:
             rename=rename,
             report=report,
         )
+
+
+def choose_pause(seconds: float) -> float:
+    """Return how long to wait for more typing, in s, where the last check after an edit took so many seconds."""
+    return min(max(seconds, SHORTEST_PAUSE), LONGEST_PAUSE)
 
 
 def list_checked_paths(documents: DocumentStore) -> list[str]:

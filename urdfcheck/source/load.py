@@ -51,6 +51,8 @@ class Source:
     arguments_read: frozenset[str] = field(default_factory=frozenset)
     loose_reads: frozenset[Span] = frozenset()
     """The places of definitions that conditions, texts and names of files read."""
+    may_vary_with_order: bool = False
+    """Whether another order of the items of sets may make another robot."""
     environment: frozenset[str] = frozenset()
     """Environment variables that xacro may read besides those of ROS."""
     document: minidom.Document | None = None
@@ -119,6 +121,7 @@ def load_source(
         problems += _find_plain_text_problems(file, root, is_xacro=is_xacro, for_xacro=is_xacro or xacro is True)
     arguments_read: frozenset[str] = frozenset()
     loose_reads: frozenset[Span] = frozenset()
+    may_vary_with_order = False
     found_arguments: dict[str, Location] = {}
     assumed_variables: frozenset[str] = frozenset()
     document: minidom.Document | None = None
@@ -133,6 +136,7 @@ def load_source(
         files.update(expansion.files)
         trees.update(expansion.trees)
         arguments_read, loose_reads = expansion.arguments_read, expansion.loose_reads
+        may_vary_with_order = expansion.may_vary_with_order
     elif root is not None and not xacro:
         restore_breaks(root)
     return Source(
@@ -149,6 +153,7 @@ def load_source(
         is_part=is_part,
         arguments_read=arguments_read,
         loose_reads=loose_reads,
+        may_vary_with_order=may_vary_with_order,
         environment=environment,
         document=document,
         found_arguments=found_arguments,

@@ -52,6 +52,8 @@ def find_other_environments(source: Source) -> list[dict[str, str]]:
 
 def depends_on_set_order(source: Source) -> bool:
     """Whether a xacro makes another robot when it goes through its sets in another order."""
+    if not source.may_vary_with_order:
+        return False
     here = _digest_robot(source.root)
     return any(_digest_robot(_expand_again(source, {f"{VARIABLE}{HASH_SEED}": order})) != here for order in SET_ORDERS)
 

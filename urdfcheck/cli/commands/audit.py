@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -62,6 +63,8 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.run.pipeline import Execution, stream_reports
     from urdfcheck.system import libraries
 
+    # `urdfcheck.__main__` has garbage collected rarely, which is right for a short run: of many models it would pile up.
+    gc.set_threshold(10_000, 10, 10)
     request, settings = build_request(options)
     libraries.prefer_own_folders()
     done = audit_dataset(

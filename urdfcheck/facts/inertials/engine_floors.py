@@ -11,6 +11,8 @@ from urdfcheck.facts.inertials.inertia_tensor import build_inertia_tensor, compu
 MUJOCO_LEAST_MOMENT = 1e-14
 # What it then does, as pages say it.
 MUJOCO_REFUSAL = "refuses to compile: inertia must have positive eigenvalues"
+# What sdformat does with an impossible tensor of a link that fixed joints make part of a possible body.
+GAZEBO_MERGES = "loads it (it merges links joined by fixed joints and checks the sum)"
 
 
 def is_refused_by_mujoco(components: Sequence[float]) -> bool:

@@ -191,12 +191,18 @@ def find_suspect_frames(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike
     if any(all(not r.good and r.members & suspects for r in group) for group in whole):
         return None
     ways = [
-        way
+        (len(place) == 2 and _reverses_axis(op, turn=turn, axes=axis), way)
         for op, group in related
         if (way := _suspect_members(sorted(suspects), op, group, turn=turn, axes=axis)) is not None
     ]
-    # To a microradian: rounding must not decide between operations that say the same.
-    return min(ways, key=lambda way: (way.kind == "axis_tilt", round(max(map(abs, way.angles)), 6)), default=None)
+    best = min((_rank_suspects(way) for _, way in ways), default=None)
+    nearest = [(reverses, way) for reverses, way in ways if _rank_suspects(way) == best]
+    return None if all(reverses for reverses, _ in nearest) else nearest[0][1]
+
+
+def _rank_suspects(way: SuspectFrames) -> tuple[bool, float]:
+    """Return what is less for a better explanation; to a microradian: rounding must not decide between ways that say the same."""
+    return way.kind == "axis_tilt", round(max(map(abs, way.angles)), 6)
 
 
 def is_axis_renaming(rotation: Array) -> bool:
@@ -288,6 +294,16 @@ def _find_pair_operations(place: Array) -> list[_SymmetryOperation]:
     along = "".join(letter for letter, far in zip("xyz", apart, strict=True) if far)
     shift = [_SymmetryOperation(f"translation along {along}", np.eye(3), ((0, 1),))] if 0 < len(along) < 3 else []
     return [op for op in _find_operations(place) if op.pairs] + shift
+
+
+def _reverses_axis(operation: _SymmetryOperation, *, turn: Array, axes: Array) -> bool:
+    """Whether a shift or rotation maps the axis of the first of two joints to the reverse of the second's.
+
+    Then one joint is not a copy of the other, whatever the angle between their frames. In a mirror image the sense of rotation
+    is a choice.
+    """
+    one, other = (turn[index] @ axes[index] for index in (0, 1))
+    return bool(np.linalg.det(operation.linear) > 0.0) and float((operation.linear @ one) @ other) < 0.0
 
 
 def _relate_all_pairs(operation: _SymmetryOperation, turn: Array) -> list[_FrameRelation]:

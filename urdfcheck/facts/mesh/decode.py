@@ -1,26 +1,31 @@
 """Mesh files as raw triangles. A file that common loaders silently read as empty is rejected with the reason.
 
-STL, OBJ and OFF are decoded here because trimesh silently returns an empty or shortened mesh for broken ones; glTF because
-trimesh decodes images and decompresses. pycollada reads COLLADA (`urdfcheck.facts.mesh.collada`) and trimesh reads PLY, from
-memory, so that no other file is ever read.
+STL, OBJ, OFF and PLY are decoded here because trimesh silently returns an empty or shortened mesh for broken ones, and takes many
+times the memory of the file; glTF because trimesh decodes images and decompresses. pycollada reads COLLADA
+(`urdfcheck.facts.mesh.formats.collada`) from memory, so that no other file is ever read.
 """
 
 from __future__ import annotations
 
-import io
 import re
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.facts.mesh.collada import Color, read_collada, silence_logger
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
-from urdfcheck.facts.mesh.gltf import read_glb_parts, read_gltf_parts
-from urdfcheck.facts.mesh.number_text import BadTokenError, TokenizedText
+from urdfcheck.facts.mesh.formats.collada import Color, read_collada
+from urdfcheck.facts.mesh.formats.gltf import read_glb_parts, read_gltf_parts
+from urdfcheck.facts.mesh.formats.number_text import TokenizedText
+from urdfcheck.facts.mesh.formats.ply import read_ply
+from urdfcheck.facts.mesh.formats.polygons import (
+    make_bad_line_error,
+    parse_indices,
+    parse_rows,
+    triangulate_text_fans,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,9 +40,6 @@ _LINE_END = re.compile(rb"[\r\n]")
 _BOM = b"\xef\xbb\xbf"
 # First bytes that identify a format regardless of the file name. STL, OBJ and OFF readers would find garbage or nothing.
 _SIGNATURES = {"dae": (b"<?xml", b"<COLLADA"), "ply": (b"ply\n", b"ply\r"), "glb": (b"glTF",)}
-# The largest header of a PLY file, and the lines in it that declare the number of elements.
-_PLY_HEADER = 64 * 1024
-_PLY_ELEMENT = re.compile(rb"^element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -76,7 +78,7 @@ class RawMesh:
 def decode_mesh(data: bytes, file_type: str, files: Mapping[str, bytes | MeshError] | None = None) -> RawMesh:
     """Decode the triangles of a mesh file; ``file_type`` is its extension in lower case, without the dot.
 
-    ``files``: of glTF, see `urdfcheck.facts.mesh.gltf.read_gltf_parts`.
+    ``files``: of glTF, see `urdfcheck.facts.mesh.formats.gltf.read_gltf_parts`.
 
     :raises MeshError: when the file has none, or fewer than it declares.
     :raises ImportError: when the library that reads the format is not installed.
@@ -166,7 +168,7 @@ def _decode_ascii_stl(data: bytes) -> RawMesh:
     for number in np.flatnonzero(counts != 3)[:1]:
         raise MeshError("malformed", f"has {counts[number]} vertices in facet {number + 1}, instead of 3")
     inside = corners[np.searchsorted(begins, corners) > np.searchsorted(ends, corners)]
-    vertices = _parse_numbers(text, inside[:, None] + (1, 2, 3), "stl")
+    vertices = parse_rows(text, inside + 1, 3, "stl")
     return RawMesh(format="stl-ascii", vertices=vertices, faces=None)
 
 
@@ -193,12 +195,14 @@ def _decode_obj(data: bytes) -> RawMesh:
     counts = np.diff(starts, append=len(text)) - 1
     is_vertex, is_face = (text.match_word(word, starts) for word in (b"v", b"f"))
     for line in np.flatnonzero((is_vertex | is_face) & (counts < 3))[:1]:
-        raise _make_bad_line_error(text, starts[line], "obj")
-    vertices = _parse_numbers(text, starts[is_vertex][:, None] + (1, 2, 3), "obj")
-    faces, line = _triangulate_fans(text, first=starts[is_face] + 1, counts=counts[is_face], name="obj")
+        raise make_bad_line_error(text, starts[line], "obj")
+    vertices = parse_rows(text, starts[is_vertex] + 1, 3, "obj")
+    polygons = counts[is_face]
+    faces = triangulate_text_fans(text, starts[is_face] + 1, polygons, "obj")
     # Negative indices count back from the vertices so far; there is no vertex 0.
     if (faces < 0).any():
-        faces += np.where(faces < 0, np.cumsum(is_vertex)[is_face][line][:, None] + 1, 0)
+        before = np.repeat(np.cumsum(is_vertex, dtype=np.int32)[is_face], polygons - 2)[:, None]
+        faces += np.where(faces < 0, before + 1, 0)
     faces -= 1
     return _build_checked_mesh("obj", vertices, faces)
 
@@ -211,7 +215,7 @@ def _decode_off(data: bytes) -> RawMesh:
         raise MeshError("malformed", "does not begin like an off file")
     # The counts are beside the header word or on a separate line.
     beside = len(starts) == 1 or starts[1] > 1
-    n_vertices, n_faces = map(int, _parse_indices(text, np.array((0, 1)) + (1 if beside else starts[1]), "off"))
+    n_vertices, n_faces = map(int, parse_indices(text, np.array((0, 1)) + (1 if beside else starts[1]), "off"))
     body = starts[1:] if beside else starts[2:]
     if len(body) < n_vertices + n_faces:
         raise MeshError(
@@ -220,69 +224,18 @@ def _decode_off(data: bytes) -> RawMesh:
             f"{n_vertices + n_faces:,} lines, and has {len(body):,}",
         )
     if len(body) > n_vertices + n_faces:
-        raise _make_bad_line_error(text, body[n_vertices + n_faces], "off")
+        raise make_bad_line_error(text, body[n_vertices + n_faces], "off")
     points, polygons = body[:n_vertices], body[n_vertices : n_vertices + n_faces]
     if len(points) and points[-1] + 3 >= len(text):
-        raise _make_bad_line_error(text, points[-1], "off")
-    counts = _parse_indices(text, polygons, "off")
-    for polygon in np.flatnonzero(counts < 1)[:1]:
-        raise _make_bad_line_error(text, polygons[polygon], "off")
-    corners, _ = _triangulate_fans(text, first=polygons + 1, counts=counts, name="off")
-    return _build_checked_mesh("off", _parse_numbers(text, points[:, None] + (0, 1, 2), "off"), corners)
+        raise make_bad_line_error(text, points[-1], "off")
+    counts = parse_indices(text, polygons, "off")
+    for polygon in np.flatnonzero((counts < 1) | (counts >= len(text) - polygons))[:1]:
+        raise make_bad_line_error(text, polygons[polygon], "off")
+    corners = triangulate_text_fans(text, polygons + 1, counts, "off")
+    return _build_checked_mesh("off", parse_rows(text, points, 3, "off"), corners)
 
 
-def _triangulate_fans(text: TokenizedText, *, first: Indices, counts: Indices, name: str) -> tuple[Indices, Indices]:
-    """Return polygons as triangles (F, 3) around their first corner, and the polygon (F,) of each triangle.
-
-    ``first`` and ``counts``: the token of each polygon's first corner and how many corners it has."""
-    triangles, owners = [np.empty((0, 3), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
-    # In floats, because a file may declare any number.
-    ensure_size_limits(float(np.minimum(np.maximum(counts - 2, 0), len(text)).sum(dtype=np.float64)))
-    if len(counts) and (counts == 3).all() and first[-1] + 3 <= len(text):  # as in most files, of whatever size
-        return _parse_indices(text, first[:, None] + np.arange(3), name), np.arange(len(counts))
-    by_count = np.argsort(counts, kind="stable")
-    for count, begin, times in zip(*np.unique(counts[by_count], return_index=True, return_counts=True), strict=True):
-        if count < 3:
-            continue
-        polygon = by_count[begin : begin + times]
-        if first[polygon[-1]] + count > len(text):
-            raise _make_bad_line_error(text, first[polygon[-1]] - 1, name)
-        corners = _parse_indices(text, first[polygon][:, None] + np.arange(count), name)
-        fan = np.stack((np.zeros(count - 2, dtype=np.int64), np.arange(1, count - 1), np.arange(2, count)), axis=1)
-        triangles.append(corners[:, fan].reshape(-1, 3))
-        owners.append(np.repeat(polygon, count - 2))
-    owner = np.concatenate(owners)
-    order = np.argsort(owner, kind="stable")
-    return np.concatenate(triangles)[order], owner[order]
-
-
-def _parse_numbers(text: TokenizedText, tokens: Indices, name: str) -> Array:
-    with _locate_bad_tokens(text, tokens, name):
-        return text.parse_numbers(tokens)
-
-
-def _parse_indices(text: TokenizedText, tokens: Indices, name: str) -> Indices:
-    with _locate_bad_tokens(text, tokens, name):
-        return text.parse_indices(tokens)
-
-
-@contextmanager
-def _locate_bad_tokens(text: TokenizedText, tokens: Indices, name: str) -> Iterator[None]:
-    """Report the line of a token that is not a number, or the last one if the text ends too early."""
-    if tokens.size and tokens.max() >= len(text):
-        raise _make_bad_line_error(text, len(text) - 1, name)
-    try:
-        yield
-    except BadTokenError as bad:
-        raise _make_bad_line_error(text, bad.index, name) from None
-
-
-def _make_bad_line_error(text: TokenizedText, token: int, name: str) -> MeshError:
-    number, line = text.locate_token(token)
-    return MeshError("malformed", f"cannot be read as {name}: line {number} is {line!r}")
-
-
-def _build_checked_mesh(name: str, vertices: Array, faces: Indices) -> RawMesh:
+def _build_checked_mesh(name: str, vertices: NDArray[np.floating], faces: Indices) -> RawMesh:
     _refuse_bad_indices(faces, len(vertices))
     return RawMesh(format=name, vertices=vertices, faces=faces)
 
@@ -308,28 +261,7 @@ def _decode_dae(data: bytes) -> RawMesh:
 
 
 def _decode_ply(data: bytes) -> RawMesh:
-    header, end, _ = data[:_PLY_HEADER].partition(b"end_header")
-    if not end:
-        raise MeshError("malformed", "cannot be read as ply: its header does not end")
-    declared = {name.lower(): int(count) for name, count in _PLY_ELEMENT.findall(header)}
-    present = len(data) - len(header) - len(end)
-    if sum(declared.values()) > present:  # each takes at least one byte
-        claims = " and ".join(f"{count:,} {name[:20].decode(errors='replace')}" for name, count in declared.items())
-        raise MeshError("truncated", f"is truncated: it declares {claims}, but has {present:,} bytes of them")
-    ensure_size_limits(declared.get(b"face", 0))
-    import trimesh  # takes half a second: only for formats that need it
-
-    with silence_logger("trimesh"):
-        # Without materials: another library would decode images.
-        part = trimesh.load_mesh(io.BytesIO(data), file_type="ply", process=False, skip_materials=True)
-    faces = np.asarray(getattr(part, "faces", ()), dtype=np.int64).reshape(-1, 3)
-    mesh = _build_checked_mesh("ply", np.asarray(part.vertices, dtype=np.float64), faces)
-    # trimesh reads as many lines of an ASCII file as there are.
-    if 0 < mesh.n_triangles < declared.get(b"face", 0):
-        raise MeshError(
-            "truncated", f"is truncated: it declares {declared[b'face']:,} faces but has {mesh.n_triangles:,}"
-        )
-    return mesh
+    return _build_checked_mesh("ply", *read_ply(data))
 
 
 def _join_parts(
@@ -337,15 +269,22 @@ def _join_parts(
     parts: list[tuple[Array, Indices, Array]],
 ) -> RawMesh:
     """Join a scene's parts into one mesh: placed vertices, faces, and the (4, 4) matrix that placed them."""
-    vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
+    vertices: list[Array] = []
+    faces: list[Indices] = []
+    count = 0
     for points, corners, matrix in parts:
         _refuse_bad_indices(corners, len(points))
         # A mirroring node turns triangles inside out: their corners are reversed.
         outward = corners[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else corners
         vertices.append(points)
-        faces.append(outward + count)
+        faces.append(outward + count if count else outward)
         count += len(points)
-    return RawMesh(format=name, vertices=np.concatenate(vertices), faces=np.concatenate(faces))
+    return RawMesh(format=name, vertices=_join_rows(vertices), faces=_join_rows(faces))
+
+
+def _join_rows(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    """Join arrays (n, 3); one alone is not copied."""
+    return parts[0] if len(parts) == 1 else np.concatenate((np.empty((0, 3), dtype=np.int32), *parts))
 
 
 _DECODERS: dict[str, Callable[[bytes], RawMesh]] = {

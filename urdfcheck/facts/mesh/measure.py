@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -280,7 +281,7 @@ def measure_mesh(
     """Measure the mesh file ``data``; ``file_type`` is its extension in lower case, without the dot.
 
     The results are stored in ``parts``, from which `restore_mesh_facts` restores them. Where our own readers fail, Assimp is
-    asked about the file at ``path``. ``files``: of glTF, see `urdfcheck.facts.mesh.gltf.read_gltf_parts`.
+    asked about the file at ``path``. ``files``: of glTF, see `urdfcheck.facts.mesh.formats.gltf.read_gltf_parts`.
 
     :raises MeshError: when it is not a complete mesh file, or has no triangle with finite corners.
     :raises ImportError, MemoryError: see `urdfcheck.facts.mesh.decode.decode_mesh`; nothing is stored in ``parts``.
@@ -312,7 +313,10 @@ def restore_mesh_facts(parts: Parts, remeasure: Callable[[], object] | None = No
 
 
 def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
+    n_triangles = raw.n_triangles
     surface, non_finite = _weld_finite_triangles(raw)
+    if not raw.colors:  # what is measured next takes several times the memory of the triangles as they were stored
+        raw = replace(raw, vertices=np.empty((0, 3)), faces=None)
     edges = classify_edges(surface.faces, len(surface.vertices))
     weld_distance = 0.0
     if not edges.watertight:
@@ -336,7 +340,7 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
         "bad_unit": raw.bad_unit,
         "flaw": raw.flaw,
         "assimp": raw.assimp,
-        "n_triangles": raw.n_triangles,
+        "n_triangles": n_triangles,
         "n_vertices": len(vertices),
         "bounds": compute_bounds(vertices),
         "volume": integrals.volume,

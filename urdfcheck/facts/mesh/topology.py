@@ -121,6 +121,16 @@ def _iter_chunks(count: int) -> Iterator[slice]:
     return (slice(start, min(start + _CHUNK, count)) for start in range(0, count, _CHUNK))
 
 
+def _find_numbers(count: int, find_flags: Callable[[slice], Bools]) -> Indices:
+    """Return the indices of items, of ``count``, at which flags are set that are computed for a few at a time."""
+    kind = _get_index_type(count)
+    return np.concatenate([(c.start + np.flatnonzero(find_flags(c))).astype(kind) for c in _iter_chunks(count)])
+
+
+def _get_index_type(count: int) -> Any:
+    return np.int32 if count < 2**31 else np.int64  # half the memory
+
+
 def _hash_rows(rows: NDArray[Any]) -> NDArray[np.uint64]:
     keys = np.empty(len(rows), dtype=np.uint64)
     for part in _iter_chunks(len(rows)):
@@ -149,20 +159,25 @@ def _find_first_equal_keys(
     """Find the index of the first of ``keys`` (n,) that equals each one. ``find_slots`` returns a slot below ``size`` for each of
     some keys, one for equal keys."""
     first = _find_first_in_slots(keys, find_slots, size)
-    left = np.concatenate(
-        [c.start + np.flatnonzero(np.take(keys, first[c]) != keys[c]) for c in _iter_chunks(len(keys))]
-    )
+    left = _find_other_keys(keys, first)
+    rest = np.take(keys, left)
+    del keys  # where the caller has not kept them, what comes next takes no more than they did
     for turn in range(_ROUNDS):
         if not len(left):
             return first
-        some = np.take(keys, left)
-        bits = (4 * len(left)).bit_length()
-        other = np.take(left, _find_first_in_slots(some, partial(_mix_to_slots, bits=bits, turn=turn), 1 << bits))
-        first[left] = other
-        left = left[np.take(keys, other) != some]
-    _, where, group = np.unique(keys[left], return_index=True, return_inverse=True)
+        bits = (2 * len(left)).bit_length()
+        same = _find_first_in_slots(rest, partial(_mix_to_slots, bits=bits, turn=turn), 1 << bits)
+        first[left] = np.take(left, same)
+        are_others = np.take(rest, same) != rest
+        left, rest = left[are_others], rest[are_others]
+    _, where, group = np.unique(rest, return_index=True, return_inverse=True)
     first[left] = left[where[group]]
     return first
+
+
+def _find_other_keys(keys: NDArray[np.uint64], first: Indices) -> Indices:
+    """Find the indices of those that differ from the one that was found for them."""
+    return _find_numbers(len(keys), lambda c: np.take(keys, first[c]) != keys[c])
 
 
 def _mix_to_slots(keys: NDArray[np.uint64], bits: int, turn: int) -> Indices:
@@ -174,7 +189,7 @@ def _find_first_in_slots(
     keys: NDArray[np.uint64], find_slots: Callable[[NDArray[np.uint64]], Indices], size: int
 ) -> Indices:
     """Find the lowest index of a key that has the same slot as each one."""
-    kind: Any = np.int32 if len(keys) < 2**31 else np.int64  # half the memory
+    kind = _get_index_type(len(keys))
     table, first = np.empty(size, dtype=kind), np.empty(len(keys), dtype=kind)
     for chunk in reversed([*_iter_chunks(len(keys))]):
         indices = np.arange(chunk.start, chunk.stop, dtype=kind)
@@ -239,7 +254,7 @@ def find_fin_faces(faces: Indices, n_vertices: int) -> Bools:
     paired = (count == 2) & (np.bincount(group, weights=sign, minlength=len(faces))[group] == 0)
     if not paired.any() or paired.all():
         return np.zeros(len(faces), dtype=bool)
-    keys, backward = _build_half_edges(faces)
+    keys, backward = _build_half_edges(faces), _find_backward_half_edges(faces)
     of_pair = np.tile(paired, 3)
     edges, inverse = np.unique(keys, return_inverse=True)
     direction = np.where(of_pair, 0.0, np.where(backward, -1.0, 1.0))
@@ -328,8 +343,8 @@ def _match_cells(cells: NDArray[Any], some: Indices) -> Bools:
 
 def classify_edges(faces: Indices, n_vertices: int) -> Edges:
     """Classify the edges where the faces (F, 3), at least one, meet."""
-    keys, backward = _build_half_edges(faces)
-    first = _find_first_equal_keys(keys, _spread_edges, n_vertices << 2)
+    first = _find_first_equal_keys(_build_half_edges(faces), _spread_edges, n_vertices << 2)
+    backward = _find_backward_half_edges(faces)
     pairs = _pair_half_edges(first, backward)
     if pairs is not None:
         none = np.empty((0, 2), dtype=np.int64)
@@ -342,35 +357,41 @@ def classify_edges(faces: Indices, n_vertices: int) -> Edges:
             closed=True,
             distinct_faces=not _have_equal_corners(faces, *pairs),
         )
-    count = np.bincount(first)
-    balance = np.bincount(first, weights=np.where(backward, -1.0, 1.0))
-    edge = np.flatnonzero(count)
-    count, balance = count[edge], balance[edge]
-    ends = np.stack((keys[edge] >> np.uint64(32), keys[edge] & np.uint64(0xFFFFFFFF)), axis=1).astype(np.int64)
-    single = count == 1
+    count = np.bincount(first).astype(first.dtype)
+    balance = count - 2 * np.bincount(first[backward], minlength=len(count)).astype(first.dtype)
+
+    def find_ends(chosen: Bools) -> Indices:
+        row, face = np.divmod(np.flatnonzero(chosen), len(faces))
+        return np.sort(np.stack((faces[face, row], faces[face, (row + 1) % 3]), axis=1).astype(np.int64), axis=1)
+
+    single, double = count == 1, count == 2
+    ends = find_ends(single)
     return Edges(
-        open=np.where((balance < 0)[:, None], ends[:, ::-1], ends)[single],
-        non_manifold=ends[count > 2],
-        flipped=ends[(count == 2) & (balance != 0)],
-        watertight=bool((count == 2).all()),
-        winding_consistent=not balance[count == 2].any(),
+        open=np.where((balance[single] < 0)[:, None], ends[:, ::-1], ends),
+        non_manifold=find_ends(count > 2),
+        flipped=find_ends(double & (balance != 0)),
+        watertight=bool((double | (count == 0)).all()),
+        winding_consistent=not balance[double].any(),
         closed=not balance.any(),
     )
 
 
-def _build_half_edges(faces: Indices) -> tuple[NDArray[np.uint64], Bools]:
-    """Return each face's three edges (all first ones, all second, all third) as ``low << 32 | high``, and whether it goes from
-    high to low."""
+def _build_half_edges(faces: Indices) -> NDArray[np.uint64]:
+    """Return each face's three edges (all first ones, all second, all third) as ``low << 32 | high``."""
     keys = np.empty((3, len(faces)), dtype=np.uint64)
-    backward = np.empty((3, len(faces)), dtype=bool)
     for chunk in _iter_chunks(len(faces)):
         corners = np.ascontiguousarray(faces[chunk].T).astype(np.uint64)
         for row in range(3):
             a, b = corners[row], corners[(row + 1) % 3]
             np.left_shift(np.minimum(a, b), np.uint64(32), out=keys[row, chunk])
             keys[row, chunk] |= np.maximum(a, b)
-            backward[row, chunk] = a > b
-    return keys.reshape(-1), backward.reshape(-1)
+    return keys.reshape(-1)
+
+
+def _find_backward_half_edges(faces: Indices) -> Bools:
+    """Find which half edges, in the order of `_build_half_edges`, go from their higher vertex to the lower."""
+    backward: Bools = np.concatenate([faces[:, row] > faces[:, (row + 1) % 3] for row in range(3)])
+    return backward
 
 
 def _spread_edges(keys: NDArray[np.uint64]) -> Indices:
@@ -383,9 +404,7 @@ def _spread_edges(keys: NDArray[np.uint64]) -> Indices:
 
 def _pair_half_edges(first: Indices, backward: Bools) -> tuple[Indices, Indices] | None:
     """Return the two half edges (n,) of each edge, if every edge has two, with opposite directions along it."""
-    second = np.concatenate(
-        [c.start + np.flatnonzero(first[c] != np.arange(c.start, c.stop)) for c in _iter_chunks(len(first))]
-    )
+    second = _find_numbers(len(first), lambda c: first[c] != np.arange(c.start, c.stop))
     if 2 * len(second) != len(first):
         return None
     partner = np.take(first, second)
@@ -442,8 +461,8 @@ def label_bodies(faces: Indices, n_vertices: int) -> Indices:
     """Number the closed bodies of a closed surface, from 0, and return that of each face: bodies of an assembly that only touch
     have corners in common, and are connected where two faces share an edge. Where a piece of these is open, the pieces are those
     of `label_components`."""
-    keys, backward = _build_half_edges(faces)
-    edge = _find_first_equal_keys(keys, _spread_edges, n_vertices << 2)
+    edge = _find_first_equal_keys(_build_half_edges(faces), _spread_edges, n_vertices << 2)
+    backward = _find_backward_half_edges(faces)
     of_two = np.take(np.bincount(edge), edge) == 2
     second = np.flatnonzero(of_two & (edge != np.arange(len(edge))))
     first = np.take(edge, second)

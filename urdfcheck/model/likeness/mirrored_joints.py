@@ -372,7 +372,10 @@ def _compute_expected_range(
     along = float((pair.plane.linear @ model.axes[one.name]) @ model.axes[other.name])
     lower, upper = mirror_range(a, b, along, rotates=one.type == "revolute")
     slack = threshold * max(b - a, d - c)
-    if abs(along) < math.cos(ARRANGED) or max(abs(lower - c), abs(upper - d)) <= slack:
+    # Zeros that are half a turn apart on both sides give ranges a whole turn apart: the same poses.
+    whole_turns = math.tau * round((c - lower) / math.tau) if one.type == "revolute" else 0.0
+    differs = all(max(abs(lower + turn - c), abs(upper + turn - d)) > slack for turn in (0.0, whole_turns))
+    if abs(along) < math.cos(ARRANGED) or not differs:
         return {}
     below = [p for p in known_pairs if p.is_attached_to(pair)]
     if pair.drawn_as is None and not all(p.is_in_place and _is_axis_aligned(p.linear) for p in below):

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 # Rays in a turn, and layers of a scan, that are followed at most.
 _MOST_AZIMUTHS, _MOST_LAYERS = 720, 16
+# Rays in the plane of a face end at it or pass it by the last digit of a number. What they meet only there, and not this far (m)
+# above and below too, is not certain.
+_BESIDE = 1e-4
 # Types of sensors whose rays are rendered, so that they see visuals, and the one whose rays are collided with shapes.
 RENDERED, COLLIDED = frozenset({"gpu_ray", "gpu_lidar", "lidar"}), "ray"
 
@@ -102,7 +105,28 @@ def _scan_with(model: Model, sensor: GazeboSensor) -> SelfScan | None:
     if least is None or most is None or azimuths is None or elevations is None or sensor.reference not in model.frames:
         return None
     place = model.frames[sensor.reference] @ build_origin_transform(offset[:3], offset[3:])
+    scans = []
+    for height in (0.0, _BESIDE, -_BESIDE):
+        raised = place @ build_origin_transform([0.0, 0.0, height], [0.0] * 3)
+        found = _scan_from(model, sensor, raised, azimuths=azimuths, elevations=elevations, limits=(least, most))
+        scans.append(found)
+        if not found.seen:
+            break
+    return min(scans, key=lambda scan: scan.share)
+
+
+def _scan_from(
+    model: Model,
+    sensor: GazeboSensor,
+    place: Array,
+    *,
+    azimuths: Array,
+    elevations: Array,
+    limits: tuple[float, float],
+) -> SelfScan:
+    """Follow the rays of a sensor. ``place``: its pose (4, 4) in root coordinates; ``limits``: of the range, m."""
     role = "visual" if sensor.type in RENDERED else "collision"
+    least, most = limits
     distances = np.full((len(elevations), len(azimuths)), np.inf)
     first = np.full(distances.shape, -1)
     shapes = list(_iter_shapes(model, sensor.reference, role))

@@ -14,6 +14,7 @@ from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_
 from urdfcheck.source.package.installed_files import InstalledFiles
 from urdfcheck.source.package.package_folders import (
     PackagesByName,
+    SearchedFolders,
     find_nearest_folder,
     list_subfolders,
     read_manifest_name,
@@ -197,8 +198,9 @@ class PackageFinder:
     def _scan_folders(self, levels: Sequence[Path]) -> dict[str, list[Path]]:
         """Return the folders of each package below these levels, those of the first level first."""
         packages: dict[str, list[Path]] = {}
+        searched: SearchedFolders = {}
         for level in levels:
-            for name, folder in walk_packages(level, LEVELS_DOWN_AROUND, self._can_follow):
+            for name, folder in walk_packages(level, LEVELS_DOWN_AROUND, self._can_follow, searched=searched):
                 folders = packages.setdefault(name, [])
                 if folder not in folders:
                     folders.append(folder)

@@ -28,34 +28,48 @@ _ROSBUILD = re.compile(r"<package[\s>]")
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 # The folders of each package, by its name.
 PackagesByName = Mapping[str, Sequence[Path]]
+# The folders in a folder, and whether each is a link.
+_Subfolders = list[tuple[str, bool]]
+# By folder, the name of the package at it (None without one) and the folders in it: what one search found there.
+SearchedFolders = dict[str, tuple[str | None, _Subfolders]]
 
 
 def walk_packages(
-    folder: Path, depth: int, allows: Callable[[Path], bool] = lambda _: True, *, most: int | None = None
+    folder: Path,
+    depth: int,
+    allows: Callable[[Path], bool] = lambda _: True,
+    *,
+    most: int | None = None,
+    searched: SearchedFolders | None = None,
 ) -> Iterator[tuple[str, Path]]:
     """Yield the packages at a folder and at most ``depth`` levels below it, the outer ones first; none inside another one
     below it.
 
-    ``allows``: whether a link may be followed; ``most``: how many folders are looked into.
+    ``allows``: whether a link may be followed; ``most``: how many folders are looked into; ``searched``: what walks with the same
+    ``allows`` found a moment ago, to which this one adds: those from a folder and from the one around it meet most folders twice.
     """
-    waiting = deque([(folder, 0)])
+    searched = {} if searched is None else searched
+    waiting = deque([(str(folder), 0)])
     count = 0
     while waiting and (most is None or count < most):
         here, level = waiting.popleft()
         count += 1
-        has_manifest, below = _list_folder(here)
-        name = read_manifest_name(here, allows) if has_manifest else None
+        if here not in searched:
+            has_manifest, below = _list_folder(here)
+            searched[here] = read_manifest_name(Path(here), allows) if has_manifest else None, below
+        name, below = searched[here]
         if name:
-            yield name, here
+            yield name, Path(here)
         if level < depth and not (name and level):
-            for inner in below:
-                if inner.name not in BUILD_FOLDERS and (not os.path.islink(inner) or allows(inner)):
-                    waiting.append((inner, level + 1))
+            for inner, is_link in below:
+                place = os.path.join(here, inner)
+                if inner not in BUILD_FOLDERS and (not is_link or allows(Path(place))):
+                    waiting.append((place, level + 1))
 
 
 def list_subfolders(path: Path) -> list[Path]:
     """Return the folders in a folder without hidden ones; none if it cannot be read."""
-    return _list_folder(path)[1]
+    return [path / name for name, _ in _list_folder(path)[1]]
 
 
 def read_manifest_name(folder: Path, allows: Callable[[Path], bool] = lambda _: True) -> str | None:
@@ -127,19 +141,19 @@ def _has_models(folder: Path) -> bool:
     return False
 
 
-def _list_folder(path: Path) -> tuple[bool, list[Path]]:
+def _list_folder(path: str | Path) -> tuple[bool, _Subfolders]:
     """Return whether a folder has a manifest, and its folders without hidden ones; nothing if it cannot be read."""
-    names: list[str] = []
+    found: _Subfolders = []
     has_manifest = False
     try:
         with os.scandir(path) as entries:
             for entry in entries:
                 has_manifest |= entry.name in _MANIFESTS
                 if not entry.name.startswith(".") and _is_folder(entry):
-                    names.append(entry.name)
+                    found.append((entry.name, entry.is_symlink()))
     except OSError:
         return False, []
-    return has_manifest, [path / name for name in sorted(names)[:MAX_SIBLINGS]]
+    return has_manifest, sorted(found)[:MAX_SIBLINGS]
 
 
 def _is_folder(entry: os.DirEntry[str]) -> bool:

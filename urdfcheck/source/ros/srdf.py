@@ -103,6 +103,11 @@ class Srdf:
         return frozenset(attribute.value.strip() for kind, attribute in self.iter_part_names() if kind == "link")
 
     @cached_property
+    def named_links(self) -> frozenset[str]:
+        """All links that it names: those of groups and those of disabled pairs."""
+        return self.grouped_links | {name for pair in self.disabled_pairs for name in pair.links}
+
+    @cached_property
     def groups(self) -> Mapping[str, Element]:
         """The planning groups by name; MoveIt reads the first of a name."""
         groups: dict[str, Element] = {}

@@ -43,6 +43,8 @@ class Expansion:
     arguments_read: frozenset[str]
     loose_reads: frozenset[Span]
     """The places of definitions that conditions, texts and names of files read."""
+    may_vary_with_order: bool
+    """Whether another order of the items of sets may make another robot: False where that was ruled out."""
 
 
 def expand_xacro(
@@ -63,12 +65,14 @@ def expand_xacro(
     access = FileAccess(path, finder, extra_environment=extra_environment, trace=trace, variables=variables)
     document: minidom.Document | None = None
     root: Element | None = None
-    with Tracer(trace, access).install_wrappers():
+    tracer = Tracer(trace, access)
+    with tracer.install_wrappers():
         import xacro
 
         try:
             document = xacro.process_file(str(path), mappings=TracedArguments(arguments, trace.record_argument_read))
             assert document is not None  # the reference implementation raises for a text that is not a document
+            tracer.orders.note_other_use()
             defects: list[OutputDefect] = []
             root = convert_document(document, defects)
             for defect in defects:
@@ -87,4 +91,5 @@ def expand_xacro(
         problems=tuple(trace.problems),
         arguments_read=frozenset(trace.arguments_read),
         loose_reads=frozenset(trace.loose_reads),
+        may_vary_with_order=root is None or tracer.orders.is_undecided,
     )

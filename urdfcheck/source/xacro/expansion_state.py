@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 from xml.dom import minidom
@@ -76,6 +75,20 @@ class ActiveCall:
     name: str
 
 
+class _FailureMemory:
+    """Notes each exception that leaves a ``with`` block: there are ten thousand, and a generator takes three times as long."""
+
+    def __init__(self, trace: ExpansionTrace) -> None:
+        self.trace = trace
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None:
+            self.trace.note_failure()
+
+
 class ExpansionTrace:
     """The state of one expansion."""
 
@@ -86,18 +99,21 @@ class ExpansionTrace:
         self.argument_definitions: dict[str, Definition] = {}
         # The places of what conditions, texts and names of files read.
         self.loose_reads: set[Span] = set()
+        self._loose_definitions: set[Definition] = set()
         # The attribute or element that is being evaluated, and the macro calls and includes around it.
         self.node: minidom.Element | None = None
         self.attribute: str | None = None
         self.calls: list[ActiveCall] = []
         # The definitions that each evaluation in progress has read; the properties that are evaluated at their first use.
         self.readers: list[list[Definition]] = []
+        self.has_read_environment = False
         self.resolving: list[Definition | None] = []
         # The state at the first failure.
         self.failed_at: Location | None = None
         self.failed_calls: list[ActiveCall] = []
         self.failed_reads: list[Definition] = []
         self.failed_extension = ""
+        self._failure_memory = _FailureMemory(self)
         self.visited_nodes = 0
         self.times_called: Counter[str] = Counter()
 
@@ -161,10 +177,13 @@ class ExpansionTrace:
 
     def record_loose_reads(self, reads: Iterable[Definition]) -> None:
         """Note what something other than an attribute of the model was computed from."""
-        self.loose_reads.update(found.span for found in flatten_definitions(reads) if found.span is not None)
+        new = [definition for definition in reads if definition not in self._loose_definitions]
+        self._loose_definitions.update(new)
+        self.loose_reads.update(found.span for found in flatten_definitions(new) if found.span is not None)
 
     def record_read(self, definition: Definition) -> None:
         """Note that the innermost evaluation reads a definition."""
+        self.has_read_environment = self.has_read_environment or definition.kind == ENVIRONMENT
         if self.readers:
             self.readers[-1].append(definition)
 
@@ -186,17 +205,16 @@ class ExpansionTrace:
 
     # -- failures ----------------------------------------------------------------------------------------------
 
-    @contextmanager
-    def remember_failure(self) -> Iterator[None]:
+    def remember_failure(self) -> _FailureMemory:
         """Remember the place of the first exception of the expansion."""
-        try:
-            yield
-        except BaseException:
-            if self.failed_at is None:
-                self.failed_at = self.locate_current()
-                self.failed_calls = list(self.calls)
-                self.failed_reads += [d for reader in self.readers for d in reader]
-            raise
+        return self._failure_memory
+
+    def note_failure(self) -> None:
+        """Note that the first exception of the expansion passes here."""
+        if self.failed_at is None:
+            self.failed_at = self.locate_current()
+            self.failed_calls = list(self.calls)
+            self.failed_reads += [d for reader in self.readers for d in reader]
 
     def forget_failure(self) -> None:
         """Forget a failure that did not end the expansion."""
@@ -224,14 +242,16 @@ class ExpansionTrace:
 
     def report_environment_decision(self, reads: Iterable[Definition]) -> None:
         """Record the variables of ROS by which the value that was just computed from ``reads`` decides."""
-        seen: set[int] = set()
+        if not self.has_read_environment:
+            return
+        seen: set[Definition] = set()
         queue = list(reads)
         while queue:
             definition = queue.pop()
             if definition.kind == ENVIRONMENT:
                 self.report_once("environment-decides", definition.name, self.locate_cause(), variable=definition.name)
-            elif id(definition) not in seen:
-                seen.add(id(definition))
+            elif definition not in seen:
+                seen.add(definition)
                 queue += definition.reads
 
     def report_limit(self, kind: str) -> None:

@@ -6,7 +6,7 @@ import re
 from dataclasses import field
 from functools import lru_cache
 from typing import Any
-from xml.dom import UserDataHandler, minidom
+from xml.dom import minidom
 from xml.parsers import expat
 
 from urdfcheck.core import Location, Span
@@ -14,7 +14,6 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import Attribute, Definition, Element
 from urdfcheck.source.text.xml_mistakes import NO_CHARACTER
 
-_USER_DATA_KEY = "urdfcheck"
 # Characters that end a name when a document is read again.
 _INVALID_NAME = re.compile(r"""[\s<>&"'=/]""")
 _PLAIN = frozenset({bool, int, float, type(None)})
@@ -34,6 +33,10 @@ class Origin:
     added: dict[str, Attribute] = field(default_factory=dict)
     """Attributes that ``<xacro:attribute>`` or a namespace import added."""
 
+    def copy(self) -> Origin:
+        """Return the origin of a copy of the node, so that each use of a macro's body has its own chain of calls."""
+        return Origin(self.raw, self.via, self.reads.copy(), self.added.copy())
+
 
 class InvalidOutputError(Exception):
     """The expanded document cannot be written as XML."""
@@ -43,32 +46,9 @@ class InvalidOutputError(Exception):
         self.location = location
 
 
-class _OriginCopier(UserDataHandler):
-    """Copies an origin to a clone, so that each use of a macro's body keeps its own chain of calls."""
-
-    def handle(self, operation: int, key: str, data: Origin, _src: Any, dst: Any) -> None:
-        # Cloning a node below one that an include brought in counts as an import from the other document.
-        if operation in (self.NODE_CLONED, self.NODE_IMPORTED):
-            clone = Origin(data.raw, data.via, reads=dict(data.reads), added=dict(data.added))
-            dst.setUserData(key, clone, self)
-
-
-_ORIGIN_COPIER = _OriginCopier()
-
-
-def attach_origins(node: minidom.Element, raw: Element) -> None:
-    """Give each node of a freshly parsed document the located element of the same place."""
-    stack = [(node, raw)]
-    while stack:
-        node, raw = stack.pop()
-        node.setUserData(_USER_DATA_KEY, Origin(raw), _ORIGIN_COPIER)
-        children = [c for c in node.childNodes if c.nodeType == c.ELEMENT_NODE]
-        stack.extend(zip(children, raw.children, strict=True))
-
-
 def get_origin(node: Any) -> Origin | None:
     """Return the origin of a node; None for a node that was not typed."""
-    return None if node is None else node.getUserData(_USER_DATA_KEY)
+    return getattr(node, "origin", None)
 
 
 @dataclass(frozen=True, slots=True)

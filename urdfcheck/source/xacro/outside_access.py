@@ -9,11 +9,10 @@ from glob import has_magic
 from pathlib import Path
 from typing import Any
 from xml.dom import minidom
-from xml.parsers import expat
 
 from urdfcheck.core import Location
 from urdfcheck.source.package.finder import PackageFinder, format_path
-from urdfcheck.source.text.xml import Definition, Element, SourceFile, XmlError, find_unbound_prefix, parse_xml
+from urdfcheck.source.text.xml import Definition, Element, SourceFile, XmlError
 from urdfcheck.source.xacro.expansion_state import (
     ENVIRONMENT,
     NODES_OF_FILE,
@@ -23,7 +22,8 @@ from urdfcheck.source.xacro.expansion_state import (
     YamlFileError,
 )
 from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError
-from urdfcheck.source.xacro.origins import OutputDefect, attach_origins
+from urdfcheck.source.xacro.origins import OutputDefect
+from urdfcheck.source.xacro.parsed_files import parse_shared
 from urdfcheck.system.observing.questions import read_variable
 
 # Stands for the order in which sets are gone through, which is random unless this variable is set.
@@ -116,22 +116,10 @@ class FileAccess:
             xacro.filestack.pop()
             raise xacro.XacroException(f"{error.strerror}: {error.filename}", exc=error) from error
         source.ensure_utf_8("xacro")
-        tree = parse_xml(source)
-        unbound = find_unbound_prefix(tree)
-        if unbound is not None:
-            element, prefix = unbound
-            assert element.span is not None  # every element of a parsed file has one
-            raise XmlError("prefix", f"the prefix {prefix!r} is not declared (xmlns:{prefix}=…)", element.span)
-        self.files[name] = source
-        self.trees[name] = tree
-        try:
-            document = minidom.parseString(source.text)
-        except expat.ExpatError as error:  # of namespaces, which the located tree does not look at
-            at = source.locate_character(error.lineno, error.offset + 1)
-            raise XmlError("malformed", expat.ErrorString(error.code), at) from error
-        assert document.documentElement is not None  # expat accepts no document without a root element
-        attach_origins(document.documentElement, tree)
-        return document
+        parsed = parse_shared(source)
+        self.files[name] = parsed.source
+        self.trees[name] = parsed.tree
+        return parsed.copy_document()
 
     def locate_defect(self, defect: OutputDefect) -> Location:
         """Return the place of what xacro writes wrongly; of a processing instruction, its text in the file that it is from."""

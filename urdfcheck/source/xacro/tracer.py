@@ -11,6 +11,7 @@ from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 from xml.dom import minidom
@@ -18,6 +19,7 @@ from xml.dom import minidom
 from urdfcheck.core import Location, Span
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import Attribute, Definition
+from urdfcheck.source.xacro.document_nodes import replace_node
 from urdfcheck.source.xacro.expansion_state import CYCLE, ActiveCall, ExpansionTrace, describe_value
 from urdfcheck.source.xacro.expressions.compile_expression import (
     FORBIDDEN_BUILTINS,
@@ -25,6 +27,7 @@ from urdfcheck.source.xacro.expressions.compile_expression import (
     compile_expression,
 )
 from urdfcheck.source.xacro.expressions.guards import Guards
+from urdfcheck.source.xacro.expressions.order_variants import OrderVariants, VariantNames
 from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 from urdfcheck.source.xacro.origins import get_origin
 from urdfcheck.source.xacro.outside_access import FileAccess
@@ -66,6 +69,7 @@ class Tracer:
         self.access = access
         self.guards: Guards
         self.symbols: dict[str, Any]
+        self.orders = OrderVariants()
         self.frames: list[_ElementFrame] = []
         self.evaluating = 0
         # The definitions that the last evaluation read.
@@ -125,6 +129,8 @@ class Tracer:
         patch(xacro, "parse", self.access.wrap_parse(xacro.parse))
         patch(xacro, "glob", SimpleNamespace(glob=self.access.find_matching_files))
         patch(xacro, "parse_macro_arg", parse_next_parameter)
+        patch(xacro, "replace_node", replace_node)
+        patch(xacro, "deepcopy", list)  # of the list of the files around a macro
         patch(xacro, "is_valid_name", limit_property_names(xacro.is_valid_name))
         patch(xacro.Table, "_setitem", self.wrap_set_item(xacro.Table._setitem))
         patch(xacro.Table, "_resolve_", self.wrap_resolve(xacro.Table._resolve_))
@@ -198,6 +204,7 @@ class Tracer:
         def trace_text(text: Any, symbols: Any) -> Any:
             if self.evaluating:
                 return evaluate_bounded(text, symbols)
+            self.orders.note_other_use()
             frame = self.frames[-1] if self.frames else None
             is_attribute = bool(frame and frame.pending)
             if is_attribute and frame is not None:
@@ -283,6 +290,8 @@ class Tracer:
         """Wrap ``process_include``: note the include, and end circles of includes."""
         import xacro
 
+        resolve = cache(os.path.realpath)  # the files around the outer includes are around all inner ones too
+
         def trace_include(node: minidom.Element, macros: Any, symbols: Any, func: Any) -> None:
             self.trace.set_position(node)
             origin = get_origin(node)
@@ -290,7 +299,7 @@ class Tracer:
             self.trace.calls.append(ActiveCall(node, None if origin is None else origin.raw.span, f"include {name}"))
             try:
                 with self.trace.remember_failure():
-                    stack = [os.path.realpath(f) for f in xacro.filestack if f]
+                    stack = [resolve(f) for f in xacro.filestack if f]
                     if stack.count(stack[-1]) >= _MAX_INCLUDED:
                         raise RecursionError(CYCLE)
                     try:
@@ -395,7 +404,12 @@ class Tracer:
         :raises ExpressionRefusedError: if it leads out of the language or takes too much.
         """
         try:
-            value = self.guards.evaluate(compile_expression(expression), symbols)
+            code = compile_expression(expression)
+            value = self.orders.evaluate(
+                expression,
+                lambda: self.guards.evaluate(code, symbols),
+                lambda order: self.guards.evaluate_again(code, VariantNames(symbols, order), order),
+            )
         except ExpressionRefusedError as refused:
             # A new exception, because compile_expression's cache keeps the old one and may raise it again.
             raise ExpressionRefusedError(refused.kind, str(refused), refused.expression or expression) from refused
@@ -539,6 +553,7 @@ class Tracer:
             if not dict.__contains__(table, key):  # it was removed
                 _get_unread_properties(table).pop(key, None)
             result = original(table, key, value, unevaluated)
+            self.orders.note_definition(table, key, dict.__getitem__(table, key), table._eval_literal)
             self.record_definition(table, key, span if kind == "property" else None)
             reads = () if unevaluated else self.last_reads
             _get_definitions(table)[key] = Definition(kind, key, span, reads=reads, text=text)
@@ -577,6 +592,9 @@ class Tracer:
                 if lazy:
                     self.trace.resolving.pop()
                 reads = tuple(dict.fromkeys(self.trace.readers.pop())) if lazy else ()
+            if lazy:
+                self.orders.note_definition(table, key, value, table._eval_literal)
+            self.orders.note_read(table, key, value)
             definition = _get_definitions(table).get(key)
             if definition is not None:
                 if lazy:
@@ -591,6 +609,8 @@ class Tracer:
 
     def report_decision(self, kind: str) -> None:
         """Record that an expression depends on where files are, or on the order of a set."""
+        if kind == "order-decides":
+            self.orders.note_order()
         self.trace.report_once(kind, "", self.trace.locate_cause())
 
     def report_warning(self, *args: Any) -> None:

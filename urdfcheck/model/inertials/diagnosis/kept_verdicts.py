@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, MutableMapping
-from dataclasses import asdict, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,7 +44,8 @@ def read_verdicts(entry: MutableMapping[str, Arrays]) -> KeptVerdicts:
 
 def write_verdicts(entry: MutableMapping[str, Arrays], known: KeptVerdicts) -> None:
     """Write what is kept to an entry of the cache."""
-    entry["links"] = {"text": np.frombuffer(json.dumps(asdict(known)).encode(), dtype=np.uint8)}
+    plain = {name: getattr(known, name) for name in KeptVerdicts.__slots__}
+    entry["links"] = {"text": np.frombuffer(json.dumps(plain).encode(), dtype=np.uint8)}
 
 
 def encode_diagnosis(diagnosis: Diagnosis) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
@@ -12,12 +14,21 @@ from urdfcheck.model.parts import DeclaredTensor
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
 
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Mat3, Vec3
+
 # The moments of all mass at twice the drawn part's size exceed those of any part like it: no small change makes a tensor right
 # that has more.
 _OTHER_SIZE = 1.0
 # Real parts are not uniform. Of 353 sound tensors of links that draw closed meshes (38 repositories), 92 % have all principal
 # moments within this factor of the uniform part's; of 353 that are not sound, 48 %.
 _UNLIKE = 2.0
+# Hollow parts, and parts of several materials, are not so far from the uniform one in their smallest moment.
+_THICKER = 10.0
+# Points on a line have a smallest moment of 0; that of a rod ten times as long as thick is 1.5 % of the largest.
+_LINE = 1e-2
+# Why collision shapes replace a visual mesh in what is said to be drawn.
+_STANDS_IN = frozenset({"open", "unread"})
 # Three digits of a moment, as most are typed.
 _SAME_MOMENT = 5e-3
 
@@ -30,7 +41,7 @@ def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialPropos
         return None
     drawn = describe_possible_inertial(model, declared.link)
     times, least = _format_factor(_compare_with_drawn(model, declared)), _format_factor(excess)
-    stands_in = explain_collision_stand_in(model, declared.link) in {"open", "unread"}
+    stands_in = explain_collision_stand_in(model, declared.link) in _STANDS_IN
     part = "collision shape" if stands_in else "drawn part"
     claim = (
         f"; for this mass the moments are {times} times the {part}'s, and at least {least} times what its size allows"
@@ -41,20 +52,38 @@ def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialPropos
 def is_unlike_drawn(model: Model, declared: DeclaredTensor) -> bool:
     """Whether a link draws a closed solid, and a principal moment is less than half or more than twice that solid's: then a small
     change that makes the tensor possible does not make it right."""
-    geometry, drawn = measure_link_geometry(model, declared.link), compute_drawn_tensor(model, declared)
-    if geometry is None or not geometry.closed or drawn is None:
+    drawn = _compute_solid_tensor(model, declared)
+    if drawn is None:
         return False
     moments, wanted = compute_principal_moments(declared.tensor)[0], compute_principal_moments(drawn)[0]
     return bool(((moments > _UNLIKE * wanted) | (_UNLIKE * moments < wanted)).any())
 
 
+def find_thicker_part(model: Model, declared: DeclaredTensor) -> Vec3 | None:
+    """Return the principal moments (3,) in kg m², ascending, of the closed solid that a link draws, if the typed tensor is one of
+    points on a line, and its smallest moment less than a tenth of the solid's; None otherwise.
+    """
+    drawn = _compute_solid_tensor(model, declared)
+    if drawn is None or explain_collision_stand_in(model, declared.link) in _STANDS_IN:
+        return None
+    typed, wanted = compute_principal_moments(declared.tensor)[0], compute_principal_moments(drawn)[0]
+    is_line = typed[0] < _LINE * typed[2]
+    return wanted if is_line and _THICKER * typed[0] < wanted[0] else None
+
+
 def has_drawn_moment(model: Model, declared: DeclaredTensor) -> bool:
     """Whether a moment is that of the closed solid which the link draws, at its mass: then the others are to be that solid's too,
     and not the nearest that a body can have."""
-    geometry, drawn = measure_link_geometry(model, declared.link), compute_drawn_tensor(model, declared)
-    if geometry is None or not geometry.closed or drawn is None:
+    drawn = _compute_solid_tensor(model, declared)
+    if drawn is None:
         return False
     return bool(np.isclose(np.diag(declared.tensor), np.diag(drawn), rtol=_SAME_MOMENT, atol=0.0).any())
+
+
+def _compute_solid_tensor(model: Model, declared: DeclaredTensor) -> Mat3 | None:
+    """Compute the tensor (3, 3) of the closed solid that a link draws, at its mass and in the axes of its inertial."""
+    geometry = measure_link_geometry(model, declared.link)
+    return compute_drawn_tensor(model, declared) if geometry is not None and geometry.closed else None
 
 
 def _measure_size_excess(model: Model, declared: DeclaredTensor) -> float:

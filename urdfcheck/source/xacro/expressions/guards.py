@@ -178,6 +178,15 @@ class Guards:
         self.measure(value)
         return value
 
+    def evaluate_again(self, code: CodeType, symbols: Mapping[str, Any], set_order: str) -> Any:
+        """Return the value of an expression that was evaluated, for another order of sets. It is not counted and not notified."""
+        kept = self.steps, self._notify, self._set_order
+        self._notify, self._set_order = _ignore, set_order
+        try:
+            return eval(code, _EvaluationGlobals(self._named, symbols))
+        finally:
+            self.steps, self._notify, self._set_order = kept
+
     # -- what differs from process to process, and from place to place -------------------------------------------
 
     def make_text(self, value: Any) -> str:
@@ -604,6 +613,10 @@ class Guards:
 
         refuse.__name__ = name
         return GuardedFunction(self, refuse, None, shallow=True)
+
+
+def _ignore(_kind: str) -> None:
+    pass
 
 
 def _iter_items(container: Any) -> Iterator[Any]:

@@ -33,13 +33,16 @@ _HIGH_BITS = np.uint64(0x8080808080808080)
 _PAST_NINE = np.uint64(0x7676767676767676)
 
 
-def _find_places(size: int, find_flags: Callable[[slice], Bools]) -> Indices:
-    """Return the indices, of ``size``, at which flags are set that are computed for a slice at a time: in half the memory that
-    numpy takes where they fit into it."""
-    width = np.int32 if size < 2**31 - _BLOCK else np.int64
-    blocks = (slice(at, min(at + _BLOCK, size)) for at in range(0, size, _BLOCK))
-    found = [(np.flatnonzero(find_flags(block)) + block.start).astype(width) for block in blocks]
-    return np.concatenate((np.empty(0, width), *found))
+def find_places(size: int, find_flags: Callable[[slice], Bools]) -> Indices:
+    """Return the indices, of ``size``, at which flags are set that are computed for a slice at a time.
+
+    They are computed twice, to need no memory but the result's, in half the width of numpy's where they fit into it."""
+    blocks = [slice(at, min(at + _BLOCK, size)) for at in range(0, size, _BLOCK)]
+    ends = np.cumsum([0, *(np.count_nonzero(find_flags(block)) for block in blocks)])
+    places: Indices = np.empty(ends[-1], np.int32 if size < 2**31 - _BLOCK else np.int64)
+    for block, begin, end in zip(blocks, ends[:-1], ends[1:], strict=True):
+        np.add(np.flatnonzero(find_flags(block)), block.start, out=places[begin:end], casting="same_kind")
+    return places
 
 
 class BadTokenError(Exception):
@@ -59,14 +62,19 @@ class TokenizedText:
         self.bytes = np.frombuffer(self._data, dtype=np.uint8)
         self._words = np.ndarray((len(self.bytes) - 7,), dtype=np.uint64, buffer=self._data, strides=(1,))
 
-        def find_borders(block: slice) -> Bools:
+        def find_starts(block: slice) -> Bools:
             blank = self.bytes[block.start : block.stop + 1] <= 32
-            borders: Bools = blank[1:] != blank[:-1]
-            return borders
+            starts: Bools = blank[:-1] > blank[1:]
+            return starts
 
-        borders = _find_places(len(self.bytes) - 1, find_borders)
-        borders += 1
-        self.starts, self.ends = np.ascontiguousarray(borders[0::2]), np.ascontiguousarray(borders[1::2])
+        def find_ends(block: slice) -> Bools:
+            blank = self.bytes[block.start : block.stop + 1] <= 32
+            ends: Bools = blank[:-1] < blank[1:]
+            return ends
+
+        self.starts, self.ends = (find_places(len(self.bytes) - 1, find) for find in (find_starts, find_ends))
+        self.starts += 1
+        self.ends += 1
         self._places: dict[int, Indices] = {}
 
     def __len__(self) -> int:
@@ -74,10 +82,16 @@ class TokenizedText:
 
     def find_line_starts(self) -> Indices:
         """Find the index of the first token of each line that has one."""
-        newlines = np.flatnonzero((self.bytes == 10) | (self.bytes == 13))
-        index = np.concatenate(((0,), np.searchsorted(self.starts, newlines)))
-        index = index[np.diff(index, prepend=-1) > 0]
+        index = find_places(len(self.bytes), lambda block: (self.bytes[block] == 10) | (self.bytes[block] == 13))
+        for at in range(0, len(index), _CHUNK):
+            index[at : at + _CHUNK] = np.searchsorted(self.starts, index[at : at + _CHUNK])
+        index = np.insert(index, 0, 0)
+        index = index[np.diff(index, prepend=index.dtype.type(-1)) > 0]
         return index[index < len(self)]
+
+    def count_tokens_before(self, position: int) -> int:
+        """Count the tokens that begin before a position in the file."""
+        return int(np.searchsorted(self.starts, position + _PAD))
 
     def get_token(self, index: int) -> bytes:
         return self._data[self.starts[index] : self.ends[index]]
@@ -186,7 +200,7 @@ class TokenizedText:
     def _find_byte(self, byte: int, begin: Indices, end: Indices) -> Indices:
         """Find the first position of a byte in each span, or the span's end."""
         if byte not in self._places:
-            self._places[byte] = _find_places(len(self.bytes), lambda block: self.bytes[block] == byte)
+            self._places[byte] = find_places(len(self.bytes), lambda block: self.bytes[block] == byte)
         places = self._places[byte]
         if not len(places):
             return end

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.facts.mesh.decode_limits import MOST_NESTED, MOST_PLACED, MeshError, ensure_size_limits
+from urdfcheck.facts.mesh.formats.polygons import narrow_indices
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices, Mat4
 
     Json = Mapping[str, Any]
+    Buffer = bytes | memoryview
     # The content of other files by URI, or why one is not read.
     Files = Mapping[str, bytes | MeshError]
 
@@ -68,16 +70,16 @@ def read_glb_parts(data: bytes, files: Files = _NO_FILES) -> list[tuple[Array, I
     return _GltfDocument(*_parse_glb(data), files).read_parts()
 
 
-def _parse_gltf(data: bytes) -> tuple[Json, bytes]:
+def _parse_gltf(data: bytes) -> tuple[Json, Buffer]:
     return json.loads(data), b""
 
 
-def _parse_glb(data: bytes) -> tuple[Json, bytes]:
+def _parse_glb(data: bytes) -> tuple[Json, Buffer]:
     """Return the document, and the buffer beside its JSON."""
     version = int.from_bytes(data[4:8], "little")
     if version != 2:
         raise MeshError("unsupported", f"is glTF {version}, but only glTF 2 is supported")
-    chunks: dict[bytes, bytes] = {}
+    chunks: dict[bytes, memoryview] = {}
     at = _GLB_HEADER
     while at + _CHUNK_HEADER <= len(data):
         size, kind = int.from_bytes(data[at : at + 4], "little"), data[at + 4 : at + 8]
@@ -86,21 +88,21 @@ def _parse_glb(data: bytes) -> tuple[Json, bytes]:
             raise MeshError(
                 "truncated", f"is truncated: a chunk of {size:,} bytes ends {at + size - len(data):,} too early"
             )
-        chunks.setdefault(kind, data[at : at + size])
+        chunks.setdefault(kind, memoryview(data)[at : at + size])
         at += size
     if b"JSON" not in chunks:
         raise MeshError("malformed", "cannot be read as glb: it has no JSON chunk")
-    return json.loads(chunks[b"JSON"]), chunks.get(b"BIN\0", b"")
+    return json.loads(bytes(chunks[b"JSON"])), chunks.get(b"BIN\0", b"")
 
 
 class _GltfDocument:
     """One document; ``binary`` is the buffer beside its JSON, ``files`` those in other files."""
 
-    def __init__(self, document: Json, binary: bytes, files: Files) -> None:
+    def __init__(self, document: Json, binary: Buffer, files: Files) -> None:
         self.document = document
         self.binary = binary
         self.files = files
-        self.buffers: dict[int, bytes] = {}
+        self.buffers: dict[int, Buffer] = {}
 
     def read_parts(self) -> list[tuple[Array, Indices, Array]]:
         self.refuse_unread()
@@ -111,7 +113,10 @@ class _GltfDocument:
         parts = []
         for primitive, matrix in drawn:
             points = self.read_accessor(primitive["attributes"]["POSITION"], "VEC3")
-            parts.append((points @ matrix[:3, :3].T + matrix[:3, 3], self.read_faces(primitive), matrix))
+            if not np.array_equal(matrix, np.eye(4)):
+                points = points @ matrix[:3, :3].T
+                points += matrix[:3, 3]
+            parts.append((points, self.read_faces(primitive), matrix))
         return parts
 
     def refuse_unread(self) -> None:
@@ -150,7 +155,7 @@ class _GltfDocument:
         if indices is None:
             corners = np.arange(_parse_index(self.document["accessors"][_parse_index(position)]["count"]))
         else:
-            corners = self.read_accessor(indices, "SCALAR", whole=True).astype(np.int64).reshape(-1)
+            corners = narrow_indices(self.read_accessor(indices, "SCALAR", whole=True)).reshape(-1)
         if _get_primitive_mode(primitive) == _TRIANGLES:
             return corners.reshape(-1, 3)
         first, second, third = corners[:-2], corners[1:-1], corners[2:]
@@ -190,7 +195,7 @@ class _GltfDocument:
             values = np.maximum(values / np.iinfo(numbers).max, -1.0)
         return values
 
-    def read_buffer(self, index: int) -> bytes:
+    def read_buffer(self, index: int) -> Buffer:
         if index not in self.buffers:
             entry = self.document["buffers"][index]
             uri = entry.get("uri")

@@ -1,0 +1,1 @@
+"""Readers of single mesh formats: bytes in, vertices and triangles out."""
