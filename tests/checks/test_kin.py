@@ -198,6 +198,23 @@ class TestKIN008:
     def test_root_with_mass(self, tmp_path: Path) -> None:
         assert codes(check_text(tmp_path, self.model("1"), codes={"KIN008"})) == ["KIN008"]
 
+    def test_what_is_fixed_to_the_root_is_lost_with_it(self, tmp_path: Path) -> None:
+        """As Pinocchio and MuJoCo count."""
+        text = robot(
+            link("base", inertial(5, 0.1)),
+            link("mount", inertial(2, 0.1)),
+            link("arm", inertial(1, 0.1)),
+            joint("f", "base", "mount", kind="fixed", xyz="0 0 1"),
+            joint("j", "mount", "arm", kind="continuous"),
+        )
+        (finding,) = check_text(tmp_path, text, codes={"KIN008"}).findings
+        assert finding.message.endswith("count 1 kg: mount, fixed to it, is lost too")
+        pinocchio = pytest.importorskip("pinocchio")
+        model = pinocchio.buildModelFromUrdf(str(tmp_path / "robot.urdf"))
+        assert pinocchio.computeTotalMass(model) == pytest.approx(finding.data["moving"])
+        mujoco = pytest.importorskip("mujoco")
+        assert mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf")).body_mass.sum() == pytest.approx(1)
+
     def test_massless_or_malformed_root(self, tmp_path: Path) -> None:
         assert codes(check_text(tmp_path, self.model("0"), codes={"KIN008"})) == []
         assert codes(check_text(tmp_path, self.model("x"), codes={"KIN008"})) == []

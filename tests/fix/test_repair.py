@@ -21,7 +21,11 @@ from urdfcheck.fix.repair import plan_inertials
 from urdfcheck.fix.repair import repair_model as repair_module
 from urdfcheck.fix.repair.copy_sources import CopiedModel
 from urdfcheck.fix.repair.mesh_writing import bake_collada, decimate
-from urdfcheck.fix.repair.steps import RepairStep
+from urdfcheck.fix.repair.plan_collisions import plan_collisions
+from urdfcheck.fix.repair.steps import RepairOptions, RepairStep
+from urdfcheck.model import Model
+from urdfcheck.source.load import load_source
+from urdfcheck.source.package.finder import PackageFinder
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
@@ -236,6 +240,17 @@ def test_a_heavy_mesh_is_decimated_and_its_macro_stays(tmp_path: Path) -> None:
     assert "MSH009" in document["before"]["codes"]
     assert "MSH009" not in document["after"]["codes"]
     assert "${'wheel'}_collision.stl" in (tmp_path / "out" / "cart" / "urdf" / "cart.urdf.xacro").read_text()
+
+
+def test_what_is_left_when_half_of_the_time_is_over_stays_as_it_is(tmp_path: Path) -> None:
+    path = write_package(tmp_path)
+    source = load_source(path, {}, PackageFinder(path, {}, [tmp_path]))
+    assert source.root is not None
+    steps = list(
+        plan_collisions(Model(source=source, robot=source.root), RepairOptions(collision="convex"), seconds=1e-9)
+    )
+    assert {step.subject for step in steps} >= {"base", "left_wheel"}
+    assert all("the others took half of the time" in step.text and not step.is_done for step in steps)
 
 
 def test_far_from_the_origin_a_mesh_keeps_its_shape() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -29,6 +30,8 @@ _CONCAVE = 1.5
 _SIZE_DIGITS = 4
 # A mesh whose hull is at most this share larger is convex already.
 _CONVEX = 1.02
+# Of the time of the stage.
+_SHARE = 0.5
 _NAME = re.compile(r"""\sname\s*=\s*("[^"]*"|'[^']*')""")
 _ENDING = re.compile(r"\.\w+$")
 
@@ -66,8 +69,16 @@ class _Proposal:
     after: Mapping[str, float]
 
 
-def plan_collisions(model: Model, options: RepairOptions) -> Iterator[RepairStep]:
-    """Yield a step for each collision mesh. The text that makes several collisions is rewritten only if it fits all of them."""
+_LATE = _Proposal(None, "kept: the others took half of the time (--timeout)", {}, {})
+
+
+def plan_collisions(model: Model, options: RepairOptions, *, seconds: float | None = None) -> Iterator[RepairStep]:
+    """Yield a step for each collision mesh. The text that makes several collisions is rewritten only if it fits all of them.
+
+    ``seconds``: how long the stage may take. After half of it the meshes that are left stay as they are: to split one into convex
+    parts may take minutes, and is not interrupted.
+    """
+    began = time.monotonic()
     makers: Mapping[str, Callable[[Model, _Collision, RepairOptions], _Proposal]] = {
         "primitives": _propose_primitive,
         "convex": _propose_convex_parts,
@@ -81,7 +92,9 @@ def plan_collisions(model: Model, options: RepairOptions) -> Iterator[RepairStep
         span = collision.use.shape.element.span
         groups.setdefault(id(collision) if span is None else span, []).append(collision)
     for same in groups.values():
-        yield from _build_steps(model, same, [make(model, collision, options) for collision in same])
+        is_late = bool(seconds) and time.monotonic() - began > _SHARE * (seconds or 0.0)
+        proposals = [_LATE if is_late else make(model, collision, options) for collision in same]
+        yield from _build_steps(model, same, proposals)
 
 
 def _build_steps(model: Model, same: Sequence[_Collision], proposals: Sequence[_Proposal]) -> Iterator[RepairStep]:

@@ -243,7 +243,7 @@ def _plan_in_worker(
             if stage == "meshes":
                 return tuple(plan_meshes(model, options))
             if stage == "collision":
-                return tuple(plan_collisions(model, options))
+                return tuple(plan_collisions(model, options, seconds=limits.seconds))
             return tuple(plan_inertials(model, options, bad_links))
     except ModelTimeout:
         return f"planning the stage {stage} took more than {limits.seconds:g} s (--timeout)"
