@@ -99,6 +99,19 @@ def test_a_file_that_does_not_parse_says_why(editor: Editor, project: Path) -> N
     assert "XML001" not in editor.codes(path)
 
 
+def test_each_of_several_joints_that_are_wrong_alike_shows_it(editor: Editor, project: Path) -> None:
+    path = project / "urdf/r.urdf"
+    hinge = (
+        '<joint name="{0}" type="revolute"><parent link="a"/><child link="{0}"/><axis xyz="0 0 1"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1e12"/></joint><link name="{0}"/>'
+    )
+    path.write_text(f"""<robot name="r"><link name="a"/>\n{hinge.format("b")}\n{hinge.format("c")}\n</robot>""")
+    editor.open(path)
+    found = [d for d in editor.diagnostics(path) if d.code == "JNT007"]
+    assert [d.range.start.line for d in found] == [1, 2]
+    assert [[r.location.range.start.line for r in d.related_information or ()] for d in found] == [[2], [1]]
+
+
 @pytest.mark.parametrize("before", ["é", "🤖", "a\u2028c", "🤖é🤖"])
 def test_positions_count_utf_16_units(editor: Editor, project: Path, before: str) -> None:
     path = project / "urdf/r.urdf"

@@ -77,17 +77,17 @@ def show_findings(states: Iterable[CheckedState], documents: DocumentStore) -> d
         state.renew_shifts(documents)
         positions: dict[str, TextPositions | None] = {}
         for project in state.answer.projects:
-            for finding in iter_occurrences(project.findings):
+            for finding, place in _iter_places(project.findings):
                 if age and finding.code not in state.answer.deep_codes:
                     continue
-                name, offsets = _find_place(finding, project.model_paths, state)
+                name, offsets = _find_place(finding, place, project.model_paths, state)
                 if offsets is None:
                     continue
                 if name not in positions:
                     positions[name] = documents.find_text(name)
-                range_ = _make_range(finding.location.span, offsets, positions[name], documents)
+                range_ = _make_range(place.span, offsets, positions[name], documents)
                 uri = documents.find_uri(name)
-                diagnostic = _make_diagnostic(finding, range_, documents)
+                diagnostic = _make_diagnostic(finding, place, range_, documents)
                 key = (uri, finding.code, diagnostic.message, *offsets)
                 if key not in seen:  # two projects may read one file
                     seen.add(key)
@@ -95,6 +95,17 @@ def show_findings(states: Iterable[CheckedState], documents: DocumentStore) -> d
                         ShownFinding(finding=finding, range=range_, diagnostic=diagnostic, state=state)
                     )
     return shown
+
+
+def _iter_places(findings: Iterable[Finding]) -> Iterator[tuple[Finding, Location]]:
+    """Yield each finding with each place of an element that it is about: of seven links that are wrong alike, each shows it."""
+    for finding in iter_occurrences(findings):
+        yield finding, finding.location
+        subjects, shown = set(finding.subjects), {finding.location.span}
+        for place in finding.related:
+            if place.subject in subjects and place.span is not None and place.span not in shown:
+                shown.add(place.span)
+                yield finding, place
 
 
 def _make_range(
@@ -107,23 +118,25 @@ def _make_range(
 
 
 def _find_place(
-    finding: Finding, model_paths: Mapping[str, str], state: CheckedState
+    finding: Finding, place: Location, model_paths: Mapping[str, str], state: CheckedState
 ) -> tuple[str, tuple[int, int] | None]:
-    """Return the file in which a finding is shown, and its offsets there; none where the text was edited since.
+    """Return the file of a place of a finding, and its offsets there; none where the text was edited since.
 
     One without a place is shown at the beginning of its model.
     """
-    span = finding.location.span
+    span = place.span
     if span is None:
         return model_paths.get(finding.model, finding.model), (0, 0)
     return span.file, state.move_span(span)
 
 
-def _make_diagnostic(finding: Finding, range_: types.Range, documents: DocumentStore) -> types.Diagnostic:
+def _make_diagnostic(
+    finding: Finding, place: Location, range_: types.Range, documents: DocumentStore
+) -> types.Diagnostic:
     tags = [types.DiagnosticTag.Unnecessary] if finding.code in _UNUSED else []
     tags += [types.DiagnosticTag.Deprecated] if finding.code in _DEPRECATED else []
     page = find_page(finding.code)
-    related = list(_iter_related(finding, documents))
+    related = list(_iter_related(finding, place, documents))
     return types.Diagnostic(
         range=range_,
         message=finding.headline,  # a hover has the evidence
@@ -136,12 +149,15 @@ def _make_diagnostic(finding: Finding, range_: types.Range, documents: DocumentS
     )
 
 
-def _iter_related(finding: Finding, documents: DocumentStore) -> Iterator[types.DiagnosticRelatedInformation]:
-    """Yield the calls that brought the text in, innermost first, then the definitions that its value was computed from."""
-    for call in reversed(finding.location.via):
+def _iter_related(
+    finding: Finding, shown: Location, documents: DocumentStore
+) -> Iterator[types.DiagnosticRelatedInformation]:
+    """Yield the calls that brought the text in, innermost first, then the other places: of like elements, and of definitions that
+    the value was computed from."""
+    for call in reversed(shown.via):
         yield _make_related(Location("", call), "is brought in here", documents)
-    for place in finding.related:
-        if place.span is not None and place.span != finding.location.span:
+    for place in (finding.location, *finding.related):
+        if place.span is not None and place.span != shown.span:
             yield _make_related(place, place.subject, documents)
 
 
