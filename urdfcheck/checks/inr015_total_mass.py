@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -42,16 +43,7 @@ def check(
     elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
         yield _build_placeholder_finding(model, rule, masses[0])
     elif _is_one_mass(model, masses):
-        declared = [one for one in model.masses if one.mass > 0]
-        yield rule.finding(
-            "same",
-            at=declared[0].attribute,
-            related=[one.attribute for one in declared[1:]],
-            robot=model.name,
-            mass=masses[0],
-            links=len(masses),
-            total=total,
-        )
+        yield _build_same_finding(model, rule, total=total)
     elif total > most or (total < least and _has_most_masses(model)):
         # In tonnes too, a robot weighs a gram or more.
         light = _name_unit(masses, "tonnes") if _TONNE * total >= least else None
@@ -108,6 +100,21 @@ def _build_density_finding(model: Model, rule: Rule, *, total: float, edge: floa
         edge=edge,
         most=most,
     )
+
+
+def _build_same_finding(model: Model, rule: Rule, *, total: float) -> Finding:
+    """Build the finding about one mass in all links; each of them is a subject."""
+    places = [one.attribute for one in model.masses if one.mass > 0]
+    finding = rule.finding(
+        "same",
+        at=places[0],
+        related=places[1:],
+        robot=model.name,
+        mass=total / len(places),
+        links=len(places),
+        total=total,
+    )
+    return replace(finding, subjects=tuple(place.location.subject for place in places))
 
 
 def _build_placeholder_finding(model: Model, rule: Rule, mass: float) -> Finding:
