@@ -490,6 +490,27 @@ def test_where_a_dependency_is_named(tmp_path: Path, name: str, text: str, told:
     assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == ([["gone"]] if told else [])
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        ("a.launch.py", "import xacro\n", True),
+        ("a.launch.py", "import xacro as x\n", True),
+        ("a.launch.py", "    from xacro import process_file\n", True),
+        ("a.launch.py", "Command([FindExecutable(name='xacro'), ' ', path])", True),
+        ("a.launch.py", "Command(['xacro ', path])", True),
+        ("a.launch.py", "Command('xacro robot.xacro')", True),
+        ("a.launch.xml", """<param name="d" value="$(command 'xacro robot.xacro')"/>""", True),
+        ("a.launch", """<param name="d" command="xacro robot.xacro"/>""", True),
+        ("a.launch.py", "# import xacro\n", False),
+        ("a.launch.py", "try:\n    import xacro\nexcept ImportError:\n    xacro = None\n", False),
+        ("a.launch.py", "path = 'urdf/robot.xacro'\nimport xacro_tools\n", False),
+    ],
+)
+def test_xacro_is_used_where_it_is_run(tmp_path: Path, name: str, text: str, told: bool) -> None:
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": URDF, f"launch/{name}": text})
+    assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == ([["xacro"]] if told else [])
+
+
 @pytest.mark.parametrize(("build", "launcher"), [("ament_cmake", "ros2_launch"), ("catkin", "roslaunch")])
 @pytest.mark.parametrize("uses", ["gone", "mine"])
 def test_the_program_that_stops_is_that_of_the_package_s_ros(

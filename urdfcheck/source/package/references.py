@@ -44,6 +44,15 @@ _MENTION = re.compile(
     rf"|(?:FindPackageShare|get_package_share_directory|get_package_share_path)\(\s*(?:package\s*=\s*)?"
     rf"(?:['\"]{_PACKAGE}['\"]|([A-Za-z_]\w*)(?=\s*[,)]))"
 )
+# xacro as a module and as a command: its package is used without a word for packages.
+_XACRO = re.compile(
+    r"(?m)^[ \t]*(?:import|from)[ \t]+(xacro)\b"
+    r"|\bFindExecutable\(\s*(?:name\s*=\s*)?['\"](xacro)['\"]"
+    r"|\bCommand\(\s*\[?\s*f?['\"]\s*(xacro)\s"
+    r"|\$\(command\s+['\"]?(xacro)\s"
+    r"|\bcommand\s*=\s*['\"](xacro)\s"
+)
+_XACRO_SUFFIXES = frozenset({".py", ".launch", ".xml"})
 # The package of a program that a launch file starts.
 _STARTED = re.compile(
     rf"<node\b[^<>]*?\bpkg\s*=\s*['\"]{_PACKAGE}['\"]|\bNode\([^()]*?\bpackage\s*=\s*['\"]{_PACKAGE}['\"]"
@@ -196,7 +205,8 @@ def _read_text(path: Path) -> str:
 
 def _iter_mentions(path: Path) -> Iterator[PackageMention]:
     text = _read_text(path)
-    if "package://" not in text and "find" not in text and "package_share" not in text and "FindPackage" not in text:
+    runs_xacro = path.suffix in _XACRO_SUFFIXES and "xacro" in text
+    if not runs_xacro and not any(word in text for word in ("package://", "find", "package_share", "FindPackage")):
         return
     file: SourceFile | None = None
     searched = 0
@@ -215,6 +225,10 @@ def _iter_mentions(path: Path) -> Iterator[PackageMention]:
         at = Location(f"package[{name}]", file.make_span(*match.span(group)))
         for inside in [match.group(group + 1)] if group < 5 else _find_joined_paths(bare, match, searched):
             yield PackageMention(name, inside, at, at.span is not None and at.span.line in optional)
+    for match in _XACRO.finditer(bare) if runs_xacro else ():
+        file = file or SourceFile(path, format_path(path), text=text)
+        at = Location("package[xacro]", file.make_span(*match.span(match.lastindex or 0)))
+        yield PackageMention("xacro", "", at, at.span is not None and at.span.line in optional)
 
 
 def _find_assigned_name(text: str, variable: str) -> str | None:
