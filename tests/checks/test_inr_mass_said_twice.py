@@ -64,6 +64,27 @@ def test_links_with_one_forgotten_property_are_one_finding(tmp_path: Path) -> No
     assert finding.fix.title.endswith("correct wheel_mass or the <mass>, and use wheel_mass for both")
 
 
+@pytest.mark.parametrize(
+    ("moment", "found"),
+    [
+        ("0.4*m*r*r", True),
+        ("0.2*2*length_m*length_m/5", False),  # a length in metres
+        ("0.4*density_of_mass*length_m*length_m*length_m*length_m*length_m", False),
+        ("m*(r*r + 0.01)/12", True),
+        ("m*m*r", False),  # no moment of inertia
+    ],
+)
+def test_a_mass_multiplies_each_moment(tmp_path: Path, moment: str, found: bool) -> None:
+    values = {"m": 0.05, "r": 0.1, "length_m": 0.3, "density_of_mass": 900}
+    body = "".join(f'<xacro:property name="{name}" value="{value}"/>' for name, value in values.items())
+    moments = " ".join(f'{name}="${{{moment}}}"' for name in ("ixx", "iyy", "izz"))
+    text = (
+        f'{body}<link name="ball"><inertial><mass value="0.2"/><inertia {moments} ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        '<joint name="j" type="fixed"><parent link="base"/><child link="ball"/></joint>'
+    )
+    assert bool(find(tmp_path, text)) == found
+
+
 def test_a_tensor_of_several_masses_shows_no_mistake(tmp_path: Path) -> None:
     text = (
         '<xacro:property name="m1" value="1"/><xacro:property name="m2" value="2"/><link name="two"><inertial><mass value="3.1"/>'

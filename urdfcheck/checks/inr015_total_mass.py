@@ -110,7 +110,7 @@ def _build_same_finding(model: Model, rule: Rule, *, total: float) -> Finding:
         at=places[0],
         related=places[1:],
         robot=model.name,
-        mass=total / len(places),
+        mass=next(one.mass for one in model.masses if one.mass > 0),
         links=len(places),
         total=total,
     )

@@ -9,11 +9,15 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Span
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
+from urdfcheck.facts.inertials.formulas.polynomials import divide_by_common_factor, measure_degree
 from urdfcheck.model import CompleteInertial, Model
+from urdfcheck.model.inertials.typed_formulas import MOMENTS, parse_formula
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Definition, flatten_definitions
 
+# The names that are multiplied in a moment of inertia: a mass and two lengths.
+_DEGREE = 3
 # `m`, `m3`, `mass`, `wheel_mass`, `wheelMass`, `mass_left`; not `m_per_s`, nor the moment `mass_ixx`.
 _MASS_NAME = re.compile(r"(?:.*_)?m\d*|.*mass\d*|mass_.*", re.IGNORECASE)
 _MOMENT_NAME = re.compile(rf".*({'|'.join(TENSOR_NAMES)})", re.IGNORECASE)
@@ -62,22 +66,36 @@ def _describe_remedy(definition: Definition) -> str:
 
 def _find_other_mass(declared: CompleteInertial, rel_tol: float) -> _OtherMass | None:
     """Find the one mass that a tensor is computed from; None where the link's is the same, or is computed from it too."""
-    at, tensor = declared.inertial.mass_attribute, declared.inertial.tensor_element
-    if at is None or tensor is None or not declared.mass > 0.0:
+    at, definition = declared.inertial.mass_attribute, _find_mass_of_tensor(declared)
+    if at is None or definition is None or not declared.mass > 0.0:
         return None
-    reads = [read for name in TENSOR_NAMES if name in tensor.attributes for read in tensor.attributes[name].reads]
-    masses = {
-        definition: value
-        for definition in flatten_definitions(reads)
-        if _is_mass_name(definition.name) and (value := parse_number(definition.value)) is not None
-    }
-    own = {definition.span for definition in at.collect_definitions()}
-    if len(set(masses.values())) != 1 or any(d.span in own for d in flatten_definitions(masses)):
+    given, origins = parse_number(definition.value), flatten_definitions([definition])
+    if given is None or not given > 0.0 or math.isclose(given, declared.mass, rel_tol=rel_tol):
         return None
-    definition, given = list(masses.items())[-1]
-    if not given > 0.0 or math.isclose(given, declared.mass, rel_tol=rel_tol):
+    own = {one.span for one in at.collect_definitions()}
+    if any(origin.span in own for origin in origins):
         return None
-    return _OtherMass(declared.link.name, at, declared.mass, definition, given)
+    # The number is typed where the last of the names for it is defined.
+    typed = [origin for origin in origins if _is_mass_name(origin.name) and parse_number(origin.value) == given]
+    return _OtherMass(declared.link.name, at, declared.mass, typed[-1], given)
+
+
+def _find_mass_of_tensor(declared: CompleteInertial) -> Definition | None:
+    """Find the name that multiplies all moments that are computed, and is a mass by that and by its name; None if there is none,
+    or several."""
+    computed = [
+        (attribute, formula)
+        for name in MOMENTS
+        if (attribute := declared.element.attributes.get(name)) is not None
+        and (formula := parse_formula(attribute)) is not None
+    ]
+    # A mass times squares of lengths; a density comes with their cubes.
+    if not computed or not all(formula and measure_degree(formula) <= _DEGREE for _, formula in computed):
+        return None
+    _, factor = divide_by_common_factor([formula for _, formula in computed])
+    masses = {name for name, power in factor if power == 1 and _is_mass_name(name)}
+    read = [one for attribute, _ in computed for one in attribute.reads if one.name in masses]
+    return read[0] if len(masses) == 1 and read else None
 
 
 def _is_mass_name(name: str) -> bool:

@@ -56,7 +56,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _describe_instead(model: Model, joints: Sequence[Joint], value: float) -> str:
-    """Say what to write in place of an empty range at ``value`` (rad or m): a fixed joint stands at zero."""
+    """Say what to write in place of an empty range at ``value`` (rad or m): a fixed joint is at zero."""
     carriers = {joint.parent for joint in model.joints if WHEEL_NAME.search(f"{joint.name} {joint.child}")}
     if all(is_revolute_wheel(joint) and joint.child not in carriers for joint in joints):
         return _CONTINUOUS

@@ -78,7 +78,7 @@ def plan_collisions(model: Model, options: RepairOptions, *, seconds: float | No
     ``seconds``: how long the stage may take. After half of it the meshes that are left stay as they are: to split one into convex
     parts may take minutes, and is not interrupted.
     """
-    began = time.monotonic()
+    late = time.monotonic() + _SHARE * (seconds or math.inf)
     makers: Mapping[str, Callable[[Model, _Collision, RepairOptions], _Proposal]] = {
         "primitives": _propose_primitive,
         "convex": _propose_convex_parts,
@@ -92,7 +92,7 @@ def plan_collisions(model: Model, options: RepairOptions, *, seconds: float | No
         span = collision.use.shape.element.span
         groups.setdefault(id(collision) if span is None else span, []).append(collision)
     for same in groups.values():
-        is_late = bool(seconds) and time.monotonic() - began > _SHARE * (seconds or 0.0)
+        is_late = time.monotonic() > late
         proposals = [_LATE if is_late else make(model, collision, options) for collision in same]
         yield from _build_steps(model, same, proposals)
 

@@ -48,6 +48,21 @@ def find_wrong_formula(polynomials: Sequence[Polynomial]) -> WrongFormula | None
     return None
 
 
+def write_formula(wrong: WrongFormula) -> str:
+    """Write the expected formula as xacro has it: ``m*(3*r*r + h*h)/12``."""
+    mass = "*".join(name for name, power in sorted(wrong.factor) for _ in range(power))
+    least = min(wrong.expected.values())
+    terms = [
+        f"{'' if value == least else f'{value / least:g}*'}{name}*{name}" for name, value in wrong.expected.items()
+    ]
+    squares = terms[0] if len(terms) == 1 else f"({' + '.join(terms)})"
+    factor = wrong.unit * least
+    divisor = round(1.0 / factor)
+    if mass and divisor and _is_like(factor, 1.0 / divisor):
+        return f"{mass}*{squares}/{divisor}"
+    return "*".join(filter(None, (f"{factor:.6g}", mass, squares)))
+
+
 # Squares with their coefficients; None for anything else than a sum of squares.
 _Squares = Mapping[str, float]
 _Found = tuple[tuple[int, ...], _Squares, float]

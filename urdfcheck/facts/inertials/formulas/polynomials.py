@@ -29,6 +29,11 @@ def parse_polynomial(text: str) -> Polynomial | None:
         return None
 
 
+def measure_degree(polynomial: Polynomial) -> int:
+    """Return how many names are multiplied in a term, powers counted: the most."""
+    return max(sum(power for _, power in term) for term in polynomial)
+
+
 def divide_by_common_factor(polynomials: Sequence[Polynomial]) -> tuple[list[Polynomial], Monomial]:
     """Divide polynomials by the names that all their terms have in common, which are returned too."""
     terms = [Counter(dict(term)) for polynomial in polynomials for term in polynomial]
