@@ -8,6 +8,7 @@ import pytest
 from conftest import check_text
 
 from urdfcheck.core import Finding
+from urdfcheck.run.shared_findings import merge_kinds
 
 MACRO = """
 <xacro:macro name="ball_inertia" params="{name} r:=0.1">
@@ -58,8 +59,8 @@ def test_links_with_one_forgotten_property_are_one_finding(tmp_path: Path) -> No
     wheels = '<xacro:property name="wheel_mass" value="0.05"/>' + "".join(
         ball("0.2", "${wheel_mass}", link=link) for link in ("left", "right")
     )
-    (finding,) = find(tmp_path, wheels)
-    assert finding.data["links"] == "left, right"
+    (finding,) = merge_kinds(find(tmp_path, wheels))
+    assert [subject.partition("/")[0] for subject in finding.subjects] == ["link[left]", "link[right]"]
     assert finding.fix is not None
     assert finding.fix.title.endswith("correct wheel_mass or the <mass>, and use wheel_mass for both")
 

@@ -46,7 +46,8 @@ def test_the_formula_that_does_not_belong_to_the_others_is_corrected(
     tmp_path: Path, moments: tuple[str, ...], name: str, expected: str
 ) -> None:
     (finding,) = find(tmp_path, *moments)
-    assert (finding.message_id, finding.data["name"], finding.data["links"]) == ("one", name, "a, b")
+    assert (finding.message_id, finding.data["name"]) == ("one", name)
+    assert [subject.partition("/")[0] for subject in finding.subjects] == ["link[a]", "link[b]"]
     assert finding.fix is not None
     assert [edit.replacement for edit in finding.fix.edits] == [f"${{{expected}}}"]
 

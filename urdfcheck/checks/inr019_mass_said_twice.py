@@ -6,9 +6,8 @@ import math
 import re
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule, Span
+from urdfcheck.core import Finding, Rule
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.formulas.polynomials import divide_by_common_factor, measure_degree
 from urdfcheck.model import CompleteInertial, Model
 from urdfcheck.model.inertials.typed_formulas import MOMENTS, parse_formula
@@ -25,37 +24,31 @@ _MOMENT_NAME = re.compile(rf".*({'|'.join(TENSOR_NAMES)})", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _OtherMass:
-    """A link whose tensor is computed from a mass that is not the one beside it."""
+    """The mass that a tensor is computed from, where it is not the one beside it."""
 
-    link: str
     at: Attribute
     """The value of the ``<mass>``."""
-    mass: float
     definition: Definition
     """Where the mass of the tensor is typed."""
     given: float
+    """kg"""
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
-    groups: dict[tuple[Span | None, float], list[_OtherMass]] = {}
     for declared in model.inertials:
         other = _find_other_mass(declared, rel_tol)
         if other is not None:
-            groups.setdefault((other.definition.span, other.mass), []).append(other)
-    for same in groups.values():
-        first = same[0]
-        yield rule.finding(
-            "differs",
-            at=first.at,
-            related=[*(other.at for other in same[1:]), first.definition],
-            link=first.link,
-            links=join_names(other.link for other in same),
-            name=first.definition.name,
-            mass=first.mass,
-            given=first.given,
-            factor=first.given / first.mass,
-            remedy=_describe_remedy(first.definition),
-        )
+            yield rule.finding(
+                "differs",
+                at=other.at,
+                related=[other.definition],
+                link=declared.link.name,
+                name=other.definition.name,
+                mass=declared.mass,
+                given=other.given,
+                factor=other.given / declared.mass,
+                remedy=_describe_remedy(other.definition),
+            )
 
 
 def _describe_remedy(definition: Definition) -> str:
@@ -77,7 +70,7 @@ def _find_other_mass(declared: CompleteInertial, rel_tol: float) -> _OtherMass |
         return None
     # The number is typed where the last of the names for it is defined.
     typed = [origin for origin in origins if _is_mass_name(origin.name) and parse_number(origin.value) == given]
-    return _OtherMass(declared.link.name, at, declared.mass, typed[-1], given)
+    return _OtherMass(at, typed[-1], given)
 
 
 def _find_mass_of_tensor(declared: CompleteInertial) -> Definition | None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from urdfcheck.core import Edit, Finding, Rule, Span
-from urdfcheck.core.text import join_names
+from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.facts.inertials.formulas.moments import WrongFormula, find_wrong_formula, write_formula
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.typed_formulas import MOMENTS, parse_formula
@@ -15,16 +14,11 @@ _MESSAGES = {1: "one", 2: "two", 3: "all"}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    by_text: dict[tuple[Span | None, ...], list[DeclaredTensor]] = {}
     for declared in model.tensors:
         attributes = _get_moments(declared)
-        if attributes is not None:
-            by_text.setdefault(tuple(attribute.span for attribute in attributes), []).append(declared)
-    for same in by_text.values():
-        attributes = _get_moments(same[0]) or ()
-        wrong = _find_wrong_formula(attributes)
-        if wrong is not None:
-            yield _build_finding(rule, wrong, attributes, links=join_names(declared.link.name for declared in same))
+        wrong = None if attributes is None else _find_wrong_formula(attributes)
+        if attributes is not None and wrong is not None:
+            yield _build_finding(rule, wrong, attributes, link=declared.link.name)
 
 
 def _get_moments(declared: DeclaredTensor) -> tuple[Attribute, ...] | None:
@@ -38,7 +32,7 @@ def _find_wrong_formula(attributes: Sequence[Attribute]) -> WrongFormula | None:
     return find_wrong_formula(polynomials) if len(polynomials) == len(MOMENTS) else None
 
 
-def _build_finding(rule: Rule, wrong: WrongFormula, attributes: Sequence[Attribute], *, links: str) -> Finding:
+def _build_finding(rule: Rule, wrong: WrongFormula, attributes: Sequence[Attribute], *, link: str) -> Finding:
     suspects = [attributes[index] for index in wrong.indices]
     first, expected = suspects[-1], write_formula(wrong)
     edits = []
@@ -49,7 +43,7 @@ def _build_finding(rule: Rule, wrong: WrongFormula, attributes: Sequence[Attribu
         at=first,
         related=[attribute for attribute in attributes if attribute is not first],
         edits=edits,
-        links=links,
+        link=link,
         name=first.name,
         names=" and ".join(attribute.name for attribute in suspects),
         others=" and ".join(attribute.name for attribute in attributes if attribute not in suspects),
