@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 # A wheel's axis is level to within its camber, and parallel to another to within its toe: 6°.
 LEVEL = 0.1
 _NOT_WHEEL_NAME = re.compile(r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
+# Wheels of radii that differ by more are not one pair; nor are wheels less than this share of whose distance is along the axle.
+_ONE_SIZE, _BESIDE = 1.5, 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -84,7 +86,7 @@ def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
     """Find all wheels that can stand on the ground, driven, steered or free.
 
     A wheel is the child of a continuous joint with a level axis, drawn round about it; its name says wheel or caster, or it
-    reaches as low as anything of the robot.
+    reaches as low as anything of the robot, or it is one of the only two such parts, beside each other on one body.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -97,7 +99,28 @@ def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
     if len(named) == len(wheels):
         return tuple(named)
     ground = min(_find_lowest_z(model, link) for link in model.links)
-    return tuple(wheel for wheel in wheels if wheel in named or wheel.bottom - ground < 0.1 * wheel.radius)
+    reach = 1.0 if _are_lone_pair(model, wheels) else 0.1
+    return tuple(wheel for wheel in wheels if wheel in named or wheel.bottom - ground < reach * wheel.radius)
+
+
+def are_beside_each_other(one: Wheel, other: Wheel) -> bool:
+    """Whether two wheels of about one size can be those of one axle."""
+    if max(one.radius, other.radius) > _ONE_SIZE * min(one.radius, other.radius):
+        return False
+    mean = one.axis + (other.axis if one.axis @ other.axis > 0 else -other.axis)
+    apart = one.centre - other.centre
+    return abs(float(apart @ mean)) > _BESIDE * float(np.linalg.norm(apart) * np.linalg.norm(mean))
+
+
+def is_carried_by_one_body(model: Model, wheels: Sequence[Wheel]) -> bool:
+    """Whether no joint that moves, such as a suspension, is between the wheels."""
+    bodies = {model.tree.list_body_links(wheel.joint.parent)[0] for wheel in wheels}
+    return len(bodies) == 1 and not any(is_suspended(model, wheel.joint.child) for wheel in wheels)
+
+
+def _are_lone_pair(model: Model, wheels: Sequence[Wheel]) -> bool:
+    """Whether these are two parts that look like the wheels of one axle: by mistake, one or both may be off the ground."""
+    return len(wheels) == 2 and is_carried_by_one_body(model, wheels) and are_beside_each_other(*wheels)
 
 
 def is_suspended(model: Model, link: str) -> bool:
