@@ -67,6 +67,11 @@ def test_a_wheel_that_is_named_one_may_be_far_off_level(tmp_path: Path) -> None:
     assert not find(tmp_path, cart(left_rpy="0.2 0 0", names=("rad_a", "rad_b")), "SYM008")
 
 
+def test_the_note_that_two_like_joints_differ_does_not_hide_the_warning(tmp_path: Path) -> None:
+    found = find(tmp_path, cart(left_rpy="0.09 0 0", names=("rad_a", "rad_b")), {"SYM001", "SYM008"})
+    assert [(finding.code, finding.severity) for finding in found] == [("SYM008", Severity.WARNING)]
+
+
 def test_parallel_axes_do_not_differ_however_they_are_tilted(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, cart(axis="0.014195 -0.99982 -0.012697"), "SYM008")
     assert (finding.message_id, finding.severity) == ("tilted", Severity.INFO)
