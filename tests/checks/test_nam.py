@@ -53,6 +53,17 @@ class TestNAM001:
         (finding,) = check_text(tmp_path, model(name), codes={"NAM001"}).findings
         assert (finding.message_id, finding.severity) == (message, severity)
 
+    @pytest.mark.parametrize(
+        ("parent", "kind", "found"),
+        [("base", "revolute", True), ("base", "fixed", False), ("world", "fixed", True)],
+    )
+    def test_joint_called_world_disappears_where_its_links_are_merged(
+        self, tmp_path: Path, parent: str, kind: str, found: bool
+    ) -> None:
+        text = model("arm", "world").replace('"base"', f'"{parent}"').replace("fixed", kind)
+        messages = [f.message_id for f in check_text(tmp_path, text, codes={"NAM001"}).findings]
+        assert messages == ["world-joint"] * found
+
     def test_world_as_the_root_is_a_convention(self, tmp_path: Path) -> None:
         text = model("arm").replace("base", "world")
         assert not check_text(tmp_path, text, codes={"NAM001"}).findings
