@@ -521,6 +521,27 @@ class TestXML007:
         assert finding.fix is not None
         assert [e.replacement for e in finding.fix.edits] == ([] if repair is None else [repair])
 
+    @pytest.mark.parametrize(
+        ("typed", "message", "repair"),
+        [
+            ("0 pi/2 0", "expression", "write `${pi/2}`: xacro computes only what is inside"),
+            ("0 {pi/2} 0", "expression", "write `${pi/2}`: xacro computes only what is inside"),
+            ("0 pi / 2 0", "expression", "write `${…}`: xacro computes only what is inside"),
+            ("${quarter} 0 0", "expression", "write `${pi/2}`: xacro computes only what is inside"),
+            ("0 ${two}/2 0", "outside", "put the whole expression into one pair of braces: `0 ${two/2} 0`"),
+            ("0 ${two} * 2 0", "outside", "put the whole expression into one pair of braces"),
+        ],
+    )
+    def test_xacro_lacks_only_the_braces(self, tmp_path: Path, typed: str, message: str, repair: str) -> None:
+        text = (
+            '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="quarter" value="pi/2"/>'
+            f'<xacro:property name="two" value="2"/><link name="a"><visual><origin rpy="{typed}"/>'
+            '<geometry><sphere radius="1"/></geometry></visual></link></robot>'
+        )
+        (finding,) = check_text(tmp_path, text, codes={"XML007"}, name="r.urdf.xacro").findings
+        assert finding.fix is not None
+        assert (finding.message_id, finding.fix.title) == (message, repair)
+
     def test_an_operator_outside_the_braces(self, tmp_path: Path) -> None:
         xacro = with_effort("${r + 1} * (${r}*2)").replace(
             "<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ', 1
