@@ -68,6 +68,16 @@ def test_a_loop_is_lost_only_if_the_tree_does_not_lead_into_it(tmp_path: Path, t
     assert ("pinocchio" in finding.consequences) == urdfdom.startswith("loads")
 
 
+@pytest.mark.parametrize(("root", "is_part"), [('<robot name="r"', False), ("<robot", True)])
+def test_a_nameless_part_is_to_be_included(tmp_path: Path, root: str, is_part: bool) -> None:
+    text = make_tree("camera", "base camera").replace(
+        '<robot name="r"', f'{root} xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    )
+    (finding,) = check_text(tmp_path, text, codes={"KIN002"}, name="camera.xacro").findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("include the file") == is_part
+
+
 def test_a_copied_joint_is_a_duplicate_and_not_a_second_parent(tmp_path: Path) -> None:
     joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
     text = f'<robot name="r"><link name="a"/><link name="b"/>{joint}\n{joint}</robot>'
