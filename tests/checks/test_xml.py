@@ -197,6 +197,33 @@ class TestXML003:
         assert finding.fix is not None
         assert finding.fix.edits
 
+    @pytest.mark.parametrize(
+        ("inside", "repair"),
+        [
+            (
+                '<collision><mass value="1"/><geometry><sphere radius="1"/></geometry></collision>',
+                "delete it: the <inertial>",
+            ),
+            (
+                '<visual><inertial><mass value="1"/></inertial><geometry><sphere radius="1"/></geometry></visual>',
+                "delete it: the <link>",
+            ),
+            (
+                '<plugin name="p" filename="libp.so"><rate>1</rate></plugin>',
+                "move it into a `<gazebo>` without reference",
+            ),
+            ("<static>true</static>", "move it into a `<gazebo>` without reference"),
+        ],
+    )
+    def test_repair_neither_doubles_an_element_nor_gives_that_of_a_model_to_a_link(
+        self, tmp_path: Path, inside: str, repair: str
+    ) -> None:
+        inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        text = f'<robot name="r"><link name="a">{inertial}{inside}</link></robot>'
+        (finding,) = check_text(tmp_path, text, codes={"XML003"}).findings
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(repair)
+
     def test_gazebo_misses_an_sdf_element_outside_its_block(self, tmp_path: Path) -> None:
         text = '<robot name="r"><link name="a"><self_collide>1</self_collide><toy/></link></robot>'
         by_message = {finding.message_id: finding.consequences for finding in findings(tmp_path, text, "XML003")}
