@@ -111,7 +111,7 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
 
 def _is_odd(joint: Joint, powerless: Sequence[Joint], driven: Sequence[Joint]) -> bool:
     """Whether a joint without effort is like others that have one: those of its name elsewhere (``front_hip``, ``joint_3``), or
-    all of a robot.
+    all of its type in a robot.
 
     Joints with springs and casters come in pairs at least, and all of them have none.
     """
@@ -121,7 +121,8 @@ def _is_odd(joint: Joint, powerless: Sequence[Joint], driven: Sequence[Joint]) -
     ]
     if like:
         return not any(other in powerless for other in like)
-    return len(driven) >= _MANY and len(powerless) == 1 and joint.type != "continuous"
+    of_type = [other for other in driven if other.type == joint.type]
+    return len(of_type) >= _MANY and len(powerless) == 1 and joint.type != "continuous"
 
 
 def _strip_place(joint: Joint) -> tuple[str, ...]:
