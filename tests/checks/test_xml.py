@@ -164,6 +164,14 @@ class TestXML002:
         text = f'<robot name="r" {ns}><xacro:include filename="part.xacro"/></robot>'
         assert not findings(tmp_path, text, "XML002", "robot.urdf.xacro")
 
+    def test_block_for_gazebo_alone_is_no_old_sdf_model(self, tmp_path: Path) -> None:
+        block = '<gazebo {}><plugin name="p" filename="libp.so"/></gazebo>'
+        (part,) = findings(
+            tmp_path, block.format('xmlns:xacro="http://www.ros.org/wiki/xacro"'), "XML002", "sensors.xacro"
+        )
+        (old,) = findings(tmp_path, block.format('version="1.0"'), "XML002")
+        assert (part.message_id, old.message_id) == ("root", "format")
+
     def test_nameless_xacro_is_a_warning_however_it_is_found(self, tmp_path: Path) -> None:
         text = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/></robot>'
         (named,) = findings(tmp_path, text, "XML002", "robot.urdf.xacro")
@@ -945,6 +953,8 @@ class TestXML013:
             ("1.4 0 0 1", None),
             ("-0.2 0 0 1", None),
             ("256 0 0 1", None),
+            ("2 2 2 1", None),
+            ("255 128 0 100", None),
             ("0 0 0 2", None),
         ],
     )
