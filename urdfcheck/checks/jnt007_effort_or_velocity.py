@@ -18,6 +18,10 @@ _EFFORT_INTERFACE = "EffortJointInterface"
 _SETS_DIRECTLY = "gazebo_ros2_control/"
 # So many joints are a robot of which one joint can be the odd one.
 _MANY = 4
+_WANTED = {
+    "effort": "effort, the highest torque in N·m (force in N),",
+    "velocity": "velocity, the highest speed in rad/s (m/s),",
+}
 
 
 def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float) -> Iterator[Finding]:
@@ -26,7 +30,12 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
         missing = [] if limit is None else [n for n in ("effort", "velocity") if is_attribute_missing(limit, n)]
         if limit is not None and missing:
             yield rule.finding(
-                "missing", at=limit, severity=Severity.ERROR, joint=joint.name, names=" and ".join(missing)
+                "missing",
+                at=limit,
+                severity=Severity.ERROR,
+                joint=joint.name,
+                names=" and ".join(missing),
+                wanted=" and ".join(_WANTED[name] for name in missing),
             )
     driven = [joint for joint in model.joints if joint.is_driven]
     yield from _check_zeros(model, rule, driven)
