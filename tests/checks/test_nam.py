@@ -106,6 +106,7 @@ class TestNAM003:
             ("solo", "solo12", False),
             ("kr10r900", "kr10r1100", False),
             ("panda", "pando", False),
+            ("gripper_left_r", "gripper_left_l", False),
         ],
     )
     def test_misspelt(self, tmp_path: Path, name: str, file: str, found: bool) -> None:
