@@ -108,6 +108,12 @@ def test_limits_of_one_sign_may_lack_a_minus_sign(
     assert (finding.fix.title, bool(finding.fix.edits)) == (repair, edited)
 
 
+def test_a_rotor_of_type_revolute_is_fast(tmp_path: Path) -> None:
+    rotor = '<limit lower="-1e16" upper="1e16" effort="1" velocity="450"/>'
+    assert not find(tmp_path, make_three_links(make_joint(rotor)), "JNT006")
+    assert find(tmp_path, make_three_links(make_joint(rotor.replace("1e16", "3.14"))), "JNT006")
+
+
 def test_inverted_limits_are_exchanged_as_typed(tmp_path: Path) -> None:
     (finding,) = find(
         tmp_path,
