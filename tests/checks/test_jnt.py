@@ -108,6 +108,14 @@ def test_limits_of_one_sign_may_lack_a_minus_sign(
     assert (finding.fix.title, bool(finding.fix.edits)) == (repair, edited)
 
 
+@pytest.mark.parametrize(("angle", "edited"), [("7", True), ("6.9", False), ("62.5", True)])
+def test_an_angle_little_beyond_a_turn_may_be_in_radians(tmp_path: Path, angle: str, edited: bool) -> None:
+    origin = f'<origin rpy="0 0 {angle}"/>'
+    (finding,) = find(tmp_path, make_three_links(make_joint(origin + LIMIT)), "JNT012")
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) == edited
+
+
 def test_a_rotor_of_type_revolute_is_fast(tmp_path: Path) -> None:
     rotor = '<limit lower="-1e16" upper="1e16" effort="1" velocity="450"/>'
     assert not find(tmp_path, make_three_links(make_joint(rotor)), "JNT006")
