@@ -323,6 +323,13 @@ def test_no_edit_keeps_the_joint_of_a_link_that_gazebo_would_drop_then(tmp_path:
     assert len(finding.fix.edits) == edits
 
 
+def test_a_contact_sensor_of_a_link_without_collisions_needs_one(tmp_path: Path) -> None:
+    sensor = '<sensor name="s" type="contact"><contact><collision>leg_collision</collision></contact></sensor>'
+    (finding,) = find(tmp_path, robot(make_link("leg") + block("leg", sensor)), "GZB004")
+    assert finding.fix is not None
+    assert finding.fix.title == "give leg a collision, or move the sensor to the link that has it"
+
+
 def test_two_blocks_of_one_link_are_two_places(tmp_path: Path) -> None:
     links = [f"base_{'x' * 20}_{i}" for i in range(2)]
     body = make_link("base", 1.0) + "".join(
