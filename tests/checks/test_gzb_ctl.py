@@ -255,6 +255,7 @@ SENSOR = '<sensor name="s" type="force_torque"/>'
         (block("j", SENSOR, "<preserveFixedJoint>false</preserveFixedJoint>"), [("joint", Severity.WARNING)]),
         (block("tip", SENSOR), []),
         (block("tip", "<preserveFixedJoint>true</preserveFixedJoint>"), [("link", Severity.WARNING)]),
+        (block("base", "<preserveFixedJoint>true</preserveFixedJoint>"), [("link", Severity.INFO)]),
         (block("l", "<preserveFixedJoint>true</preserveFixedJoint>"), [("dropped", Severity.WARNING)]),
     ],
 )

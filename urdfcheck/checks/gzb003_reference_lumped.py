@@ -30,6 +30,7 @@ _VISUAL = frozenset({"material", "visual"})
 _BODY = frozenset({"turnGravityOff", "gravity", "selfCollide", "self_collide", "dampingFactor"})
 # Stiffness and damping of contacts, which authors take for those of a suspension.
 _CONTACT_SPRING = frozenset({"kp", "kd"})
+_BLOCK = '<gazebo reference="…">'
 _SPRING = "; a spring of the joint is <springStiffness> and <springReference>"
 # These still matter when the joint is gone; the rest only sets how a moving joint is solved.
 _FUNCTIONAL_TAGS = frozenset({"sensor", "plugin"})
@@ -213,8 +214,12 @@ def _check_preserve_flag(model: Model, rule: Rule, block: Element) -> Iterator[F
             at=reference,
             edits=edit_value(reference, above.name) if above is not None and alone else (),
             flag=flag.tag,
+            # Without a fixed joint above, nothing merges the link into another one.
+            severity=None if fixed else Severity.INFO,
             link=link.name,
-            joint=f"joint {above.name}" if above is not None and fixed else "the intended fixed joint",
+            repair=f"move it to a separate block for joint {above.name}: {_BLOCK}"
+            if above is not None and fixed
+            else f"delete it, or move it to a block for the fixed joint that is meant: {_BLOCK}",
         )
 
 
