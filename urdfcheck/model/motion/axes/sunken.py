@@ -47,7 +47,7 @@ class SunkenSide:
     shares: tuple[float, float]
     """The part of the child's surface that is inside the parts before it, on average: on the declared side and on the other."""
     into: tuple[str, ...]
-    """The bodies that it is inside of on the declared side, the deepest first."""
+    """The bodies that hold this part on the declared side, the one with the largest share first."""
 
 
 def find_sunken_sides(bodies: DrawnBodies) -> list[SunkenSide]:
