@@ -45,6 +45,8 @@ class CheckJob:
     """Whether the indexes of the models are wanted, which takes a fifth of the time of the source tier."""
     forgets: bool = False
     """Whether files appeared or disappeared, so that nothing of earlier runs may be reused."""
+    only_texts_differ: bool = False
+    """Whether the editor has told of nothing but edits since the last job of this tier that looked for the models."""
     fixes: bool = False
     """Whether the safe fixes are wanted instead of the findings."""
     rename: RenameWish | None = None

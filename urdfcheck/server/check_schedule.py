@@ -10,6 +10,7 @@ import contextlib
 import os
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.policy.policy import TIERS
@@ -52,6 +53,7 @@ class CheckSchedule:
         self._waiting: set[str | None] = set()
         self._running: str | None = ""  # the tier; empty where nothing runs
         self._forgets = False
+        self._only_texts_differ = False
         self._reports = 0  # those that are made
         self._indexed: Mapping[str, str] = {}  # the texts of the indexes, by real path
         self._tasks: set[asyncio.Task[None]] = set()
@@ -77,6 +79,7 @@ class CheckSchedule:
         ``files_differ``: whether there are other files than before.
         """
         self._forgets = self._forgets or files_differ
+        self._only_texts_differ = False
         self._interrupt()
         for tier in self._delays:
             self._set_timer(tier, 0.0)
@@ -162,6 +165,10 @@ class CheckSchedule:
         # While one types, the places of the last index are moved with the text; a new document has none yet.
         has_index = tier is None or not self._indexed.keys() >= texts.keys()
         job = self._make_job(tier, list_checked_paths(self.documents), has_index=has_index)
+        if tier == SOURCE:
+            # The job that computes everything looks for the models in any case: not every editor tells what happens on the disk.
+            job = replace(job, only_texts_differ=self._only_texts_differ)
+            self._only_texts_differ = True
         began = time.monotonic()
         try:
             answer = await self.client.run_job(job)
@@ -169,13 +176,14 @@ class CheckSchedule:
             if self.client.is_ended:
                 return
             self.problem = str(error)
+            self._only_texts_differ = False
             self._note_answer()
             self.on_change()
             if self.client.can_start:
                 self._waiting.add(tier)
         else:
             self.problem = ""
-            if tier == SOURCE and not answer.is_cancelled:
+            if job.only_texts_differ and not answer.is_cancelled:  # others take longer
                 self._delays[SOURCE] = choose_pause(time.monotonic() - began)
             self._take_answer(answer, job, texts)
         finally:
@@ -184,6 +192,7 @@ class CheckSchedule:
 
     def _take_answer(self, answer: CheckAnswer, job: CheckJob, texts: Mapping[str, str]) -> None:
         if answer.is_cancelled:
+            self._only_texts_differ = False
             if job.tier not in self._timers:  # the interrupt was meant for the job before it
                 self._waiting.add(job.tier)
             return
