@@ -11,7 +11,7 @@ from dataclasses import field
 
 from urdfcheck.core import Edit, Finding
 from urdfcheck.core.records import dataclass
-from urdfcheck.export.index.source_index import SourceIndex
+from urdfcheck.export.index.source_index import DoubtfulName, SourceIndex
 
 HEADER = struct.Struct("<Q")
 
@@ -97,6 +97,8 @@ class CheckAnswer:
     """Number of findings that these repair."""
     edits: tuple[Edit, ...] = ()
     """Those of the renaming."""
+    doubtful: tuple[DoubtfulName, ...] = ()
+    """Texts that the renaming leaves as they are, because they may be something else."""
     refusal: str = ""
     """Why there are none, in a sentence."""
     report: bytes = b""

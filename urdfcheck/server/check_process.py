@@ -216,7 +216,8 @@ class _CheckProcess:
             return audited
 
         try:
-            return CheckAnswer(number=job.number, edits=compute_rename(wish, job.texts, audit))
+            plan = compute_rename(wish, job.texts, audit)
+            return CheckAnswer(number=job.number, edits=plan.edits, doubtful=plan.doubtful)
         except RenameRefusedError as refusal:
             return CheckAnswer(number=job.number, refusal=str(refusal))
         except UrdfcheckError as error:  # of the configuration

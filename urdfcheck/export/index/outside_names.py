@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, NamePlace
+from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, DoubtfulName, NamePlace
 from urdfcheck.model import Model
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.handed_values import find_typed_value
@@ -39,6 +39,18 @@ def iter_outside_names(model: Model, launches: Sequence[Launch]) -> Iterator[Nam
         for transform in launch.transforms:
             for frame in (transform.parent, transform.child):
                 yield from _iter_words(transform.at, frame, LINK, launch)
+
+
+def list_python_names(model: Model) -> tuple[tuple[NamePlace, ...], tuple[DoubtfulName, ...]]:
+    """Return the places of the model's links and joints in the Python launch files around it, and those that may be others."""
+    from urdfcheck.source.launch.model_launches import find_named_texts
+
+    names = {LINK: {link.name for link in model.links}, JOINT: {joint.name for joint in model.joints}}
+    found = list(find_named_texts(model.source.path, model.source.finder, names))
+    return (
+        tuple(NamePlace(text.kind, text.name, text.span, False) for text in found if not text.doubt),
+        tuple(DoubtfulName(text.kind, text.name, text.span, text.doubt) for text in found if text.doubt),
+    )
 
 
 def _iter_srdf_names(srdf: Srdf) -> Iterator[NamePlace]:
