@@ -49,7 +49,8 @@ CONTROLLERS = """arm_controller:
 """
 LAUNCH = """<launch>
   <param name="robot_description" command="xacro $(find robot)/urdf/two_arms.urdf.xacro reach:=0.6"/>
-  <node pkg="tf2_ros" type="static_transform_publisher" name="tf" args="0 0 0 0 0 0 map base"/>
+  <node pkg="tf2_ros" type="static_transform_publisher" name="tf" args="0 0 0 0 0 0 /map /base"/>
+  <node pkg="amcl" type="amcl" name="base"><param name="base_frame_id" value="base"/><param name="title" value="base"/></node>
 </launch>
 """
 PYTHON_LAUNCH = """import os
@@ -181,7 +182,9 @@ def test_a_link_gets_another_name_wherever_it_is_named(editor: Editor, files: di
             '<disable_collisions link1="chassis" link2="left_arm" reason="Adjacent"/>',
         ],
         "show.launch": [
-            '<node pkg="tf2_ros" type="static_transform_publisher" name="tf" args="0 0 0 0 0 0 map chassis"/>'
+            '<node pkg="tf2_ros" type="static_transform_publisher" name="tf" args="0 0 0 0 0 0 /map /chassis"/>',
+            '<node pkg="amcl" type="amcl" name="base"><param name="base_frame_id" value="chassis"/>'
+            '<param name="title" value="base"/></node>',
         ],
     }
 

@@ -24,8 +24,8 @@ _SPAWNERS = frozenset({"spawn_entity.py", "spawn_model"})
 # Parameters of nodes whose values name a frame or joints: `robot_base_frame`, `child_frame_id`, `left_wheel_names` is neither.
 _FRAME_KEY = re.compile(r"(?:\w*_)?frame(?:_id|_name)?")
 _JOINT_KEY = re.compile(r"(?:\w*_)?joints?(?:_names?)?")
-# The parameter of a node that puts a text before the name of each frame.
-_PREFIX_KEY = "frame_prefix"
+# The parameters that put a text before the name of each frame.
+PREFIX_KEYS = frozenset({"frame_prefix", "tf_prefix"})
 # A string as it is typed, without escapes: the quotes and what is between them.
 _STRING = re.compile(r"[rRuU]?('''|\"\"\"|'|\")(.*)\1", re.DOTALL)
 _WORD = re.compile(r"\S+")
@@ -44,6 +44,11 @@ class NamedText:
     span: Span
     doubt: str = ""
     """Why it may be something else; empty where it is that name."""
+
+
+def classify_parameter(name: str) -> str:
+    """Return what the value of a node's parameter names: a link (its frame) or a joint; empty for all others."""
+    return LINK if _FRAME_KEY.fullmatch(name) else JOINT if _JOINT_KEY.fullmatch(name) else ""
 
 
 def read_named_texts(
@@ -135,9 +140,9 @@ class _NamedTexts:
             name = (self.texts.evaluate(key) or "").rpartition(".")[2] if key is not None else ""
             if isinstance(value, ast.Dict):
                 self.read_parameters(value, depth + 1)
-            elif name == _PREFIX_KEY and not (isinstance(value, ast.Constant) and value.value == ""):
+            elif name in PREFIX_KEYS and not (isinstance(value, ast.Constant) and value.value == ""):
                 self.prefixes_frames = True
-            kind = LINK if _FRAME_KEY.fullmatch(name) else JOINT if _JOINT_KEY.fullmatch(name) else ""
+            kind = classify_parameter(name)
             if kind and isinstance(value, (ast.List, ast.Tuple)):
                 for part in value.elts:
                     self.add(kind, part)
