@@ -46,7 +46,7 @@ class CheckJob:
     forgets: bool = False
     """Whether files appeared or disappeared, so that nothing of earlier runs may be reused."""
     only_texts_differ: bool = False
-    """Whether the editor has told of nothing but edits since the last job of this tier that looked for the models."""
+    """Whether the editor has reported nothing but edits since the last job of this tier that looked for the models."""
     fixes: bool = False
     """Whether the safe fixes are wanted instead of the findings."""
     rename: RenameWish | None = None
