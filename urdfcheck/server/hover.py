@@ -9,7 +9,7 @@ from pathlib import PurePath
 from lsprotocol import types
 
 from urdfcheck.core import Applicability, Finding
-from urdfcheck.core.text import format_angle
+from urdfcheck.core.text import format_angle, round_decimals
 from urdfcheck.export.index.source_index import JOINT, LINK, ComputedText, ComputedUse, ValueSource
 from urdfcheck.export.index.units import find_unit
 from urdfcheck.server.diagnostics import ShownFinding
@@ -40,7 +40,9 @@ def describe_position(
     views = list(indexes.view(document))
     for view in views:
         parts += [_describe_text(text, view, offset) for text in view.find_texts(offset)]
-    parts += [part for view in views for part in _iter_named_parts(view, document.text, offset)]
+    known = {line for part in parts for line in part.splitlines()}
+    named = (part for view in views for part in _iter_named_parts(view, document.text, offset))
+    parts += [part for part in named if not known.issuperset(part.splitlines())]
     sections = list(dict.fromkeys(filter(None, parts)))
     if not sections:
         return None
@@ -90,7 +92,7 @@ def _describe_text(text: ComputedText, view: IndexView, offset: int) -> str:
         typed, value = _select_word(text.text, use.value, word)
         where = f" in {quote(use.subject)}" if len(text.uses) > 1 else ""
         unit = _describe_unit(use.subject, value, view)
-        lines.append(f"{quote(typed)} = {quote(value) if value else '(empty)'}{unit}{where}")
+        lines.append(f"{quote(typed)} = {quote(round_decimals(value)) if value else '(empty)'}{unit}{where}")
         if len(text.uses) == 1:
             lines += [_describe_source(source) for source in use.sources]
     if len(text.uses) > 1:
@@ -139,7 +141,7 @@ def _select_word(typed: str, value: str, word: int | None) -> tuple[str, str]:
 def _describe_source(source: ValueSource) -> str:
     """Return ``property base_mass = 116.0, base.urdf.xacro:26``."""
     typed = source.text and quote(source.text)
-    became = quote(source.value) if source.value else ""
+    became = quote(round_decimals(source.value)) if source.value else ""
     value = " = ".join(part for part in (typed, became) if part)
     place = "" if source.span is None else f", {escape(PurePath(source.span.file).name)}:{source.span.line}"
     return f"- {source.kind} {quote(source.name)}{f' = {value}' if value else ''}{place}"
