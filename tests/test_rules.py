@@ -14,7 +14,7 @@ from pathlib import Path
 from string import Formatter
 
 import pytest
-from conftest import check, list_machine_paths
+from conftest import REPOSITORY, check, list_machine_paths
 from website.rule_examples import list_examples
 
 from urdfcheck import rules
@@ -192,6 +192,14 @@ def test_page_is_complete(rule: Rule) -> None:
     if has_check(rule):
         assert cases(rule, "Bad"), "no Bad block"
         assert cases(rule, "Good"), "no Good block"
+
+
+def test_every_rule_is_there_since_a_release() -> None:
+    """What a user can install: 0.1 was never released."""
+    changelog = (REPOSITORY / "CHANGELOG.md").read_text(encoding="utf-8")
+    releases = {*re.findall(r"^## (\d+\.\d+\.\d+) ", changelog, re.MULTILINE)}
+    assert releases
+    assert {rule.code: rule.since for rule in RULES if rule.since not in releases} == {}
 
 
 @pytest.mark.parametrize("rule", CHECKED, ids=lambda rule: rule.code)
