@@ -15,13 +15,13 @@ from string import Formatter
 
 import pytest
 from conftest import REPOSITORY, check, list_machine_paths
-from website.rule_examples import list_examples
 
 from urdfcheck import rules
 from urdfcheck.core import Applicability, Finding, Rule
 from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.core.headlines import LONGEST_HEADLINE
 from urdfcheck.dev.new_rule import TO_DO
+from urdfcheck.dev.rule_examples import list_examples
 from urdfcheck.policy import config, config_resolver
 from urdfcheck.rules import NEEDS, SCOPES, has_check, load_check, load_rules
 

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.scene import Scene, SceneInertia, SceneLink, SceneShape
+from urdfcheck.dev.rule_examples import Files, list_examples
 from urdfcheck.output.shared.robot_picture import render_scene
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.run.request import RunOptions, make_request
-from website.rule_examples import Files, list_examples
 
 Array = NDArray[np.float64]
 WIDTH, HEIGHT = 480, 360
