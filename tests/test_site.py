@@ -13,7 +13,7 @@ from website import rule_index, rule_pages, rule_pictures
 from website.markdown import convert_markdown
 from website.navigation import iter_pages
 from website.reference_pages import render_exit_codes, render_python_api, render_schemas
-from website.source_tree import list_addresses
+from website.source_tree import list_addresses, render_pages
 from website.terminal_recording import DARK, LIGHT, Recorded, render_recording
 
 import urdfcheck
@@ -160,6 +160,12 @@ def test_the_index_of_the_rules_names_every_program_that_minds() -> None:
     affected = rule_pages.list_outcomes(load_rules()["LCH001"])
     assert affected == {"rviz": "affected", "roslaunch": "refuses"}
     assert "pinocchio" not in rule_pages.list_outcomes(load_rules()["SYM001"])  # it loads what was typed
+
+
+def test_every_column_of_a_table_has_a_name() -> None:
+    for address, text in render_pages({}).items():
+        heads = re.findall(r"^(\|.*\|)\n\|[-:| ]+\|$", text, re.MULTILINE)
+        assert not [head for head in heads if "" in map(str.strip, head[1:-1].split("|"))], address
 
 
 def test_the_reference_names_the_whole_interface() -> None:

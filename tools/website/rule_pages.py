@@ -121,7 +121,7 @@ def _render_facts(rule: Rule) -> str:
         "tags": " ".join(f"`{tag}`" for tag in rule.tags),
         "status": f"{rule.status}, since {rule.since}",
     }
-    table = _render_table(("", ""), [(f"**{name}**", text) for name, text in rows.items() if text])
+    table = _render_table(("about", "value"), [(f"**{name}**", text) for name, text in rows.items() if text])
     return f'<div class="facts" data-search-exclude markdown>\n\n{table}\n\n</div>'
 
 
