@@ -17,6 +17,8 @@ from website.source_tree import list_addresses, render_pages
 from website.terminal_recording import DARK, LIGHT, Recorded, render_recording
 
 import urdfcheck
+from urdfcheck.output.html.sections.appendix import render_rule_pages as render_report_pages
+from urdfcheck.output.shared.rule_page import find_rule_address
 from urdfcheck.rules import load_rules
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -140,6 +142,13 @@ def count_marked(picture: bytes) -> int:
     assert pixels.shape == (rule_pictures.HEIGHT, rule_pictures.WIDTH, 4)
     red, green, _, opacity = np.moveaxis(pixels, -1, 0)
     return int(((red > 3 * green) & (opacity > 0)).sum())
+
+
+def test_reports_link_a_rule_where_the_site_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("urdfcheck.version.SITE", "https://example.org/docs/")
+    rule = load_rules()["INR003"]
+    assert find_rule_address("INR003") == f"https://example.org/docs/{rule_pages.place_rule(rule).removesuffix('.md')}/"
+    assert f'<a href="{find_rule_address("INR003")}">page of INR003</a>' in render_report_pages([rule])
 
 
 def test_every_rule_has_all_of_its_page_and_a_row_in_the_index() -> None:
