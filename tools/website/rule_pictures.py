@@ -50,7 +50,7 @@ class RulePictures:
 def draw_rule(rule: Rule) -> RulePictures | None:
     """Draw the first Bad example that has something to mark, and the first Good one that has anything to draw.
 
-    None if there are no such examples, if they look alike but for the mark, or if the rule is about a text.
+    None if there are no such examples, if only the mark tells them apart, or if the rule is about a text.
     """
     if rule.layers == ("visual",) and not rule.code.startswith("MSH"):
         return None
