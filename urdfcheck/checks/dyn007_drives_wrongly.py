@@ -7,18 +7,19 @@ from collections.abc import Iterator
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule
 from urdfcheck.model import Model
+from urdfcheck.model.robot import NO_SIMULATOR
 
 
 def check(model: Model, rule: Rule, *, slip: float, drift: float, rel_tol: float) -> Iterator[Finding]:
     if not model.may_simulate:
-        raise FactUnavailableError("needs a simulator: urdfcheck drop")
+        raise FactUnavailableError(NO_SIMULATOR)
     # Heavy, and most runs do without.
     from urdfcheck.model.motion.simulated_drop import run_drop_test
 
     test = run_drop_test(model)
     if test.drive is None:
         return  # the drop test says why
-    from urdfcheck.model.ground.drop_verdicts import find_standing_defect
+    from urdfcheck.model.ground.drop_verdicts import find_standing_defect, list_supports
     from urdfcheck.model.motion.driving.drive_verdicts import find_drive_defect
 
     standing = find_standing_defect(model, test, lean=math.inf)
@@ -26,4 +27,6 @@ def check(model: Model, rule: Rule, *, slip: float, drift: float, rel_tol: float
         return  # DYN005: it would not drive on its wheels
     defect = find_drive_defect(model, test.drive, slip=slip, drift=drift, rel_tol=rel_tol)
     if defect is not None:
-        yield rule.finding(defect.kind, at=defect.at, related=defect.related, **defect.data)
+        yield rule.finding(
+            defect.kind, at=defect.at, related=defect.related, between=list_supports(model), **defect.data
+        )

@@ -136,7 +136,7 @@ class DropTest:
     drawn: bool
     """Whether the robot rests on its visual geometry, because it has no collision geometry."""
     unread: tuple[str, ...]
-    """Links of which a shape could not be read and does not touch; only where the root cannot move."""
+    """Links of which a shape could not be read and does not touch: a robot that is not fixed may stand on something else."""
     shapes: int
     """Number of shapes that can touch the plane."""
     ground: float
@@ -157,7 +157,10 @@ class DropTest:
     """With the joints held by their motors."""
     later: ReleaseResult | None
     """Held for ten seconds, where the robot did not settle in two."""
+    finer: ReleaseResult | None
+    """Without motors at a quarter of the time step, where it burst or gained energy at the whole one."""
     curves: tuple[StabilityCurve, ...]
+    """Empty where only a check wanted to know how the robot stands."""
     drive: DriveTest | None
     """How the robot drives with its differential drive; None where it was not driven."""
     undriven: str
@@ -167,3 +170,16 @@ class DropTest:
     def weight(self) -> float:
         """N."""
         return self.mass * GRAVITY
+
+    @property
+    def whips(self) -> bool:
+        """Whether the simulation without motors fails at the time step only: light parts at the end of a heavy robot that falls
+        through its joints."""
+        finer = self.finer
+        calm = finer is not None and finer.burst is None and (finer.gain or 0.0) <= MAX_ENERGY_GAIN
+        return calm and self.held.burst is None
+
+    @property
+    def knows_ground(self) -> bool:
+        """Whether all is known that could touch the ground, or nothing has to."""
+        return bool(self.fixed) or not self.unread

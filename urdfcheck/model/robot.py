@@ -21,6 +21,9 @@ from urdfcheck.system.array_cache import ArrayCache
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
+# Why a check that needs a simulator did not run, where none may be started.
+NO_SIMULATOR = "needs a simulator: --target mujoco, or urdfcheck drop"
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Model:

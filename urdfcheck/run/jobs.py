@@ -60,7 +60,7 @@ class AuditOptions:
     pairs: bool = False
     """Whether reports classify all pairs of links for an SRDF."""
     drop: bool = False
-    """Whether models are dropped on a plane."""
+    """Whether models are dropped on a plane, at many time steps, whatever their targets."""
     mechanism: bool = False
     """Whether reports hold the model in plain values, to compare it with another version."""
     base: str = "auto"

@@ -30,6 +30,7 @@ from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.export.outline import ModelOutline, build_outline
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.policy.consumers import SIMULATOR
 from urdfcheck.policy.fix_safety import withdraw_shared_edits
 from urdfcheck.policy.policy import TIERS
 from urdfcheck.policy.report_limits import truncate_texts
@@ -54,7 +55,7 @@ from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
-from urdfcheck.system.installation import describe_left_out, list_own_files
+from urdfcheck.system.installation import describe_left_out, find_library_origin, list_own_files
 from urdfcheck.system.observing.observations import Observations, observe
 from urdfcheck.system.observing.questions import read_folders
 
@@ -264,9 +265,16 @@ class _UnitAudit:
             cache=ArrayCache(self.cache_folder),
             samples=self.options.samples,
             targets=self.policy.targets,
-            may_simulate=self.options.drop,
+            may_simulate=self.may_simulate,
             base=self.options.base,
         )
+
+    @property
+    def may_simulate(self) -> bool:
+        """Whether the model is dropped in MuJoCo: where a command asks for it, or a check for this target that is installed."""
+        wants = any("simulator" in rule.needs and "model" in rule.scopes for rule in self.rules.values())
+        is_target = SIMULATOR in self.policy.targets and self.policy.tier == TIERS[-1] and wants
+        return self.options.drop or (is_target and find_library_origin(SIMULATOR) is not None)
 
     @property
     def cache_folder(self) -> Path | None:
@@ -305,7 +313,7 @@ class _UnitAudit:
 
             self.mechanism = self.run_guarded("diff", lambda: build_mechanism(model, self.unit.id))
             self.collect_seams(operator.methodcaller("list_model_seams", model))
-        if self.options.drop:
+        if model.may_simulate:
             self.drop = self.run_guarded("drop", lambda: self.run_drop_test(model))
 
     def build_index(self) -> None:
@@ -319,10 +327,11 @@ class _UnitAudit:
 
     def run_drop_test(self, model: Model) -> DropTest | None:
         """Drop the model on a plane; None where that is impossible."""
-        from urdfcheck.model.motion.simulated_drop import run_drop_test  # loads numpy
+        from urdfcheck.model.motion.simulated_drop import measure_step_curves, run_drop_test  # loads numpy
 
         try:
-            return replace(run_drop_test(model), model=self.unit.id)
+            curves = measure_step_curves(model) if self.options.drop else ()
+            return replace(run_drop_test(model), model=self.unit.id, curves=curves)
         except FactUnavailableError:  # DYN005 reports why
             return None
 
@@ -457,6 +466,7 @@ class _UnitAudit:
             comments=comments,
             root=root,
             texts=self.texts,
+            joins_simulated=not self.options.drop,  # there it is what was asked for
         )
         usages = assess_comments(
             comments,

@@ -51,6 +51,16 @@ def find_standing_defect(model: Model, test: DropTest, *, lean: float) -> Standi
     return None
 
 
+def list_supports(model: Model) -> list[str]:
+    """List the wheels and casters, and the joints on the way to them, as subjects: what decides how the robot stands.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    links = dict.fromkeys((*(wheel.joint.child for wheel in rolling_wheels(model)), *list_casters(model)))
+    joints = dict.fromkeys(joint.name for link in links for joint in model.tree.find_path_to(link))
+    return [*(f"link[{link}]" for link in links), *(f"joint[{joint}]" for joint in joints)]
+
+
 def _iter_defects(
     model: Model, test: DropTest, release: ReleaseResult, wheels: list[Wheel], lean: float
 ) -> Iterator[StandingDefect]:
@@ -68,7 +78,9 @@ def _iter_defects(
     others = {name: load for name, load in loads.items() if name not in rolling and name not in casters}
     carries = len(wheels) + len(casters) >= _FEWEST_CARRIERS
     heavy = max(others, key=lambda name: others[name], default="")
-    if carries and heavy and others[heavy] > _NOTHING * test.weight:
+    # A ball or a skid may be drawn with the body: where all that should carry the robot does, the body is no lower.
+    hangs = idle or (casters and not any(loads.get(name, 0.0) > _NOTHING * test.weight for name in casters))
+    if carries and hangs and heavy and others[heavy] > _NOTHING * test.weight:
         yield StandingDefect("touches", heavy, {"load": others[heavy], **data})
     if release.settled is not None and idle:
         verb = "bears" if len(idle) == 1 else "bear"
