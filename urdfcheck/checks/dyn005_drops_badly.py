@@ -17,7 +17,7 @@ _AS_DEEP = 0.99
 
 
 def check(model: Model, rule: Rule, *, gain: float, sink: float, lean: float) -> Iterator[Finding]:
-    if not model.may_simulate:
+    if model.simulation == "none":
         raise FactUnavailableError(NO_SIMULATOR)
     # Heavy, and most runs do without.
     from urdfcheck.core.drop_test import LATE_SECONDS, STEP

@@ -11,7 +11,7 @@ from urdfcheck.model.robot import NO_SIMULATOR
 
 
 def check(model: Model, rule: Rule, *, slip: float, drift: float, rel_tol: float) -> Iterator[Finding]:
-    if not model.may_simulate:
+    if model.simulation == "none":
         raise FactUnavailableError(NO_SIMULATOR)
     # Heavy, and most runs do without.
     from urdfcheck.model.motion.simulated_drop import run_drop_test

@@ -68,8 +68,8 @@ def join_explained(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> li
     """Join what a simulation shows to the finding that explains it, so that it is not told twice.
 
     That is the first of the rules under ``explained_by`` on the page which fired on an element of the finding's subjects, or of
-    those in its data (``between``), and is at least as severe. It says what happened in the simulator, and lists the joined code
-    in its data (``hides``). What is suppressed joins nothing.
+    those in its data (``between``), and is at least as severe; of its findings, rather one with a message of the same id. It says
+    what happened in the simulator, and lists the joined code in its data (``hides``). What is suppressed joins nothing.
     """
     findings = list(findings)
     joined: dict[int, int] = {}
@@ -80,14 +80,14 @@ def join_explained(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> li
             continue
         elements = {*map(_get_element, (*finding.subjects, *finding.data.get("between", ())))}
         reasons = [
-            (codes.index(other.code), place)
+            (codes.index(other.code), other.message_id != finding.message_id, place)
             for place, other in enumerate(findings)
             if other.code in codes
             and other.severity >= finding.severity
             and not elements.isdisjoint(map(_get_element, other.subjects))
         ]
         if reasons:
-            joined[index] = min(reasons)[1]
+            joined[index] = min(reasons)[-1]
     for index, place in joined.items():
         findings[place] = _tell_simulated(findings[place], findings[index])
     return [finding for index, finding in enumerate(findings) if index not in joined]

@@ -32,13 +32,13 @@ from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.policy.consumers import SIMULATOR
 from urdfcheck.policy.fix_safety import withdraw_shared_edits
-from urdfcheck.policy.policy import TIERS
+from urdfcheck.policy.policy import TIERS, Policy
 from urdfcheck.policy.report_limits import truncate_texts
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.comment_usage import assess_comments
 from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
-from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.jobs import AuditOptions, AuditSettings, Unit, UnitReport
 from urdfcheck.run.replay.reports import keep_report
 from urdfcheck.run.report_sizes import limit_mechanism, limit_scene
 from urdfcheck.run.shown_paths import PathShortener
@@ -265,16 +265,9 @@ class _UnitAudit:
             cache=ArrayCache(self.cache_folder),
             samples=self.options.samples,
             targets=self.policy.targets,
-            may_simulate=self.may_simulate,
+            simulation=choose_simulation(self.policy, self.options),
             base=self.options.base,
         )
-
-    @property
-    def may_simulate(self) -> bool:
-        """Whether the model is dropped in MuJoCo: where a command asks for it, or a check for this target that is installed."""
-        wants = any("simulator" in rule.needs and "model" in rule.scopes for rule in self.rules.values())
-        is_target = SIMULATOR in self.policy.targets and self.policy.tier == TIERS[-1] and wants
-        return self.options.drop or (is_target and find_library_origin(SIMULATOR) is not None)
 
     @property
     def cache_folder(self) -> Path | None:
@@ -313,7 +306,7 @@ class _UnitAudit:
 
             self.mechanism = self.run_guarded("diff", lambda: build_mechanism(model, self.unit.id))
             self.collect_seams(operator.methodcaller("list_model_seams", model))
-        if model.may_simulate:
+        if model.simulation != "none":
             self.drop = self.run_guarded("drop", lambda: self.run_drop_test(model))
 
     def build_index(self) -> None:
@@ -543,6 +536,25 @@ class _UnitAudit:
             return read_regular(path).decode("utf-8", "replace")
         except OSError:
             return None
+
+
+def choose_simulation(policy: Policy, options: AuditOptions) -> str:
+    """Return how long the simulator may run for a model: none | brief | full.
+
+    A command asks for it, or the model is for MuJoCo, which is installed, and one of the rules that need it is selected.
+    """
+    if options.drop:
+        return "full"
+    if not options.simulate or SIMULATOR not in policy.targets or policy.tier != TIERS[-1]:
+        return "none"
+    is_wanted = any(code in policy.codes for code in list_simulated_rules())
+    return "brief" if is_wanted and find_library_origin(SIMULATOR) is not None else "none"
+
+
+@cache
+def list_simulated_rules() -> tuple[str, ...]:
+    """List the codes of the rules about models that need a simulator."""
+    return tuple(c for c, rule in load_rules().items() if "simulator" in rule.needs and "model" in rule.scopes)
 
 
 def _find_undeclared_arguments(source: Source) -> dict[str, str] | None:
