@@ -48,6 +48,7 @@ _KEYS = {
     "pedantic",
     "dynamics",
     "explained_by",
+    "repeats",
     "options",
     "messages",
     "headlines",
@@ -169,6 +170,7 @@ def load_page(path: Path) -> Rule:
             pedantic=_parse_words("pedantic", meta.get("pedantic", {}), meta["messages"]),
             dynamics=_parse_messages("dynamics", meta.get("dynamics", ()), meta["messages"]),
             explained_by=_parse_words("explained_by", meta.get("explained_by", {}), meta["messages"]),
+            repeats=_parse_words("repeats", meta.get("repeats", {}), meta["messages"]),
             layers=tuple(meta.get("layers", family.layers)),
         )
     except (KeyError, ValueError, TypeError) as error:

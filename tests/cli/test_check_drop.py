@@ -160,16 +160,81 @@ def test_a_skid_that_is_drawn_with_the_body_may_bear_weight(tmp_path: Path) -> N
     assert [finding.message_id for finding in check_for_mujoco(tmp_path, low, codes={"DYN005"}).findings] == ["touches"]
 
 
-def test_a_limp_arm_that_whips_its_end_is_a_note(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_explosion_that_only_the_test_causes_is_a_note(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (sound,) = check_for_mujoco(tmp_path, make_cart()).drops
     burst = replace(sound.free, burst=1.0, speed=None, gain=None, tilt=None, settled=None)
     severities = []
-    for finer, held in ((sound.free, sound.held), (burst, sound.held), (sound.free, burst)):
-        test = replace(sound, free=burst, held=held, finer=finer)
+    stiff = replace(burst, held=True)
+    for free, finer, held in (
+        (burst, sound.free, sound.held),
+        (sound.free, None, stiff),
+        (burst, burst, sound.held),
+        (burst, sound.free, stiff),
+    ):
+        test = replace(sound, free=free, held=held, finer=finer)
         monkeypatch.setattr(simulated_drop, "run_drop_test", lambda _, test=test: test)
         (finding,) = check_for_mujoco(tmp_path, make_cart(), codes={"DYN005"}).findings
         severities.append(finding.severity)
-    assert severities == [Severity.INFO, Severity.WARNING, Severity.WARNING]
+    assert severities == [Severity.INFO, Severity.INFO, Severity.WARNING, Severity.WARNING]
+
+
+def test_wheels_that_hang_by_a_hair_are_loaded(tmp_path: Path) -> None:
+    """Which of four supports bear weight is a matter of rounding below half a millimetre."""
+    assert not check_for_mujoco(tmp_path, make_cart(0.0503), codes={"DYN005"}).findings
+    assert check_for_mujoco(tmp_path, make_cart(0.0517), codes={"DYN005"}).findings
+
+
+def test_rollers_are_parts_of_their_wheels(tmp_path: Path) -> None:
+    model = make_cart()
+    for side in ("left", "right"):
+        roller = link(f"{side}_roller", inertial(0.01, 1e-6), BALL.format(x="0").replace(" 0.01", " -0.045"))
+        turns = joint(f"{side}_turn", f"{side}_wheel", f"{side}_roller", kind="continuous", axis="1 0 0")
+        model = model.replace("</robot>", f"{roller}{turns}</robot>")
+    run = check_for_mujoco(tmp_path, model, codes={"DYN005"})
+    assert {"left_roller", "right_roller"} & {touching.link for touching in run.drops[0].free.touching}
+    assert not run.findings
+
+
+GAZEBO = (
+    '<gazebo><plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">'
+    "<left_joint>left_joint</left_joint><right_joint>right_joint</right_joint>"
+    "<wheel_separation>0.3</wheel_separation><wheel_radius>0.05</wheel_radius></plugin></gazebo></robot>"
+)
+
+
+def test_where_a_plugin_sends_the_robot_concerns_gazebo(tmp_path: Path) -> None:
+    backwards = make_cart().replace('xyz="0 1 0"', 'xyz="0 -1 0"').replace("</robot>", GAZEBO)
+    for targets, severity in ((("mujoco",), Severity.INFO), (("mujoco", "gazebo"), Severity.WARNING)):
+        (finding,) = check_for_mujoco(tmp_path, backwards, codes={"DYN007"}, targets=targets).findings
+        assert (finding.message_id, finding.severity) == ("backwards", severity)
+
+
+def test_opposed_wheels_that_nothing_commands_are_a_note(tmp_path: Path) -> None:
+    opposed = make_cart().replace('xyz="0 1 0"', 'xyz="0 -1 0"', 1)
+    (finding,) = check_for_mujoco(tmp_path, opposed, codes={"DYN007"}).findings
+    assert (finding.message_id, finding.severity) == ("spins", Severity.INFO)
+    (told,) = check_for_mujoco(tmp_path, opposed, codes={"DYN007", "SYM005"}).findings
+    assert (told.code, told.severity) == ("SYM005", Severity.INFO)
+    assert told.consequences["mujoco"].startswith("simulated it here: driven ahead, the robot spins")
+
+
+def test_wheels_with_grip_that_lose_rotation_all_alike_creep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (sound,) = check_for_mujoco(tmp_path, make_cart()).drops
+    assert sound.drive is not None
+    wheels = tuple(replace(wheel, travelled=0.85 * wheel.rolled) for wheel in sound.drive.wheels)
+    forward = replace(sound.drive.forward, ahead=0.85 * sound.drive.forward.ahead)
+    creeping = replace(sound, drive=replace(sound.drive, wheels=wheels, forward=forward))
+    one = replace(sound, drive=replace(sound.drive, wheels=(wheels[0], sound.drive.wheels[1]), forward=forward))
+    smooth = '<gazebo reference="{}_wheel"><mu1>0.05</mu1><mu2>0.05</mu2></gazebo>'
+    slippery = make_cart().replace("</robot>", f"{smooth.format('left')}{smooth.format('right')}</robot>")
+    for test, model, found in (
+        (creeping, make_cart(), []),
+        (one, make_cart(), ["slips"]),
+        (creeping, slippery, ["slips"]),
+    ):
+        monkeypatch.setattr(simulated_drop, "run_drop_test", lambda _, test=test: test)
+        run = check_for_mujoco(tmp_path, model, codes={"DYN007"})
+        assert [finding.message_id for finding in run.findings] == found
 
 
 # -- processes and caches ----------------------------------------------------------------------------------------------

@@ -67,15 +67,17 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
 def join_explained(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
     """Join what a simulation shows to the finding that explains it, so that it is not told twice.
 
-    That is the first of the rules under ``explained_by`` on the page which fired on an element of the finding's subjects, or of
-    those in its data (``between``), and is at least as severe; of its findings, rather one with a message of the same id. It says
-    what happened in the simulator, and lists the joined code in its data (``hides``). What is suppressed joins nothing.
+    That is the first of the rules under ``repeats`` and ``explained_by`` on the page which fired on an element of the finding's
+    subjects, or of those in its data (``between``); of its findings, rather one with a message of the same id. One that explains
+    must be as severe. It says what happened in the simulator, and lists the joined code in its data (``hides``). What is
+    suppressed joins nothing.
     """
     findings = list(findings)
     joined: dict[int, int] = {}
     for index, finding in enumerate(findings):
         rule = rules.get(finding.code)
-        codes = () if rule is None else rule.explained_by.get(finding.message_id, ())
+        repeated = () if rule is None else rule.repeats.get(finding.message_id, ())
+        codes = () if rule is None else (*repeated, *rule.explained_by.get(finding.message_id, ()))
         if not codes or finding.suppressed is not None:
             continue
         elements = {*map(_get_element, (*finding.subjects, *finding.data.get("between", ())))}
@@ -83,7 +85,7 @@ def join_explained(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> li
             (codes.index(other.code), other.message_id != finding.message_id, place)
             for place, other in enumerate(findings)
             if other.code in codes
-            and other.severity >= finding.severity
+            and (other.code in repeated or other.severity >= finding.severity)
             and not elements.isdisjoint(map(_get_element, other.subjects))
         ]
         if reasons:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
-from urdfcheck.model.ground.rest_pose import find_rest_pose, is_caster_joint, list_casters
+from urdfcheck.model.ground.rest_pose import carries_rollers, find_rest_pose, is_caster_joint, list_casters
 from urdfcheck.model.ground.rest_words import describe_uneven_reason
 from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
 from urdfcheck.model.robot import Model
@@ -43,7 +43,12 @@ def find_standing_defect(model: Model, test: DropTest, *, lean: float) -> Standi
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     wheels = [wheel for wheel in rolling_wheels(model) if not is_caster_joint(wheel.joint)]
-    if len(wheels) < 2 or test.fixed or any(is_suspended(model, wheel.joint.child) for wheel in rolling_wheels(model)):
+    names = [wheel.joint.child for wheel in rolling_wheels(model)]
+    if (
+        len(wheels) < 2
+        or test.fixed
+        or any(is_suspended(model, name) or carries_rollers(model, name) for name in names)
+    ):
         return None
     release = test.held if test.held.settled is not None else test.free
     if release.burst is None and not release.has_tipped:
@@ -64,12 +69,18 @@ def list_supports(model: Model) -> list[str]:
 def _iter_defects(
     model: Model, test: DropTest, release: ReleaseResult, wheels: list[Wheel], lean: float
 ) -> Iterator[StandingDefect]:
+    if not release.touching:
+        return
     loads = {touching.link: touching.load for touching in release.touching}
     bodies = {wheel.joint.child: model.tree.list_body_links(wheel.joint.child) for wheel in wheels}
+    gaps = _measure_gaps(model, release)
+    tolerance = max(_SPREAD * min(wheel.radius for wheel in wheels), _LEAST)
+    # Of more than three supports on one plane it is a matter of rounding which bear weight.
     idle = [
         name
         for name, links in bodies.items()
         if sum(loads.get(link, 0.0) for link in links) < _NOTHING * test.weight / len(wheels)
+        and gaps.get(name, math.inf) > tolerance
     ]
     reason = _describe_reason(model, wheels)
     data = {"reason": f"; {reason}" if reason else "", "on": join_names(loads), "weight": test.weight}
@@ -78,8 +89,8 @@ def _iter_defects(
     others = {name: load for name, load in loads.items() if name not in rolling and name not in casters}
     carries = len(wheels) + len(casters) >= _FEWEST_CARRIERS
     heavy = max(others, key=lambda name: others[name], default="")
-    # A ball or a skid may be drawn with the body: where all that should carry the robot does, the body is no lower.
-    hangs = idle or (casters and not any(loads.get(name, 0.0) > _NOTHING * test.weight for name in casters))
+    # A ball or a skid may be drawn with the body: it is no lower where it lifts nothing.
+    hangs = idle or (casters and all(gaps.get(name, math.inf) > tolerance for name in casters))
     if carries and hangs and heavy and others[heavy] > _NOTHING * test.weight:
         yield StandingDefect("touches", heavy, {"load": others[heavy], **data})
     if release.settled is not None and idle:
@@ -94,6 +105,23 @@ def _iter_defects(
     if carries and moves and free.burst is None and free.settled is None and free.rolls and not free.has_tipped:
         cause = _describe_heavy_side(model)
         yield StandingDefect("rolls", model.tree.root, {**data, "speed": 1e3 * (free.speed or 0.0), "reason": cause})
+
+
+def _measure_gaps(model: Model, release: ReleaseResult) -> dict[str, float]:
+    """Measure how far (m) the lowest point of each link is above the plane on which the robot rests.
+
+    On one or two points the plane is level where they do not decide.
+    """
+    import numpy as np
+
+    from urdfcheck.model.ground.support_polygon import collect_robot_corners
+
+    places = np.array([(*touching.place[:2], touching.lowest) for touching in release.touching])
+    middle = places.mean(axis=0)
+    slope = np.linalg.lstsq(places[:, :2] - middle[:2], places[:, 2] - middle[2], rcond=1e-3)[0]
+    points, owners = collect_robot_corners(model, {wheel.joint.child: wheel for wheel in rolling_wheels(model)})
+    above = points[:, 2] - middle[2] - (points[:, :2] - middle[:2]) @ slope
+    return {model.tree.order[index]: float(above[owners == index].min()) for index in sorted(set(owners.tolist()))}
 
 
 def _describe_heavy_side(model: Model) -> str:

@@ -98,7 +98,6 @@ def _simulate_drop(robot: StandingRobot, simulation: Simulation) -> DropTest:
     free, held = (
         _simulate_release(robot, simulation, slow=slow, seconds=drop_test.SECONDS, held=held) for held in (False, True)
     )
-    is_upset = free.burst is not None or (free.gain or 0.0) > drop_test.MAX_ENERGY_GAIN
     return DropTest(
         model="",
         simulator=f"MuJoCo {simulation.version}",
@@ -124,7 +123,7 @@ def _simulate_drop(robot: StandingRobot, simulation: Simulation) -> DropTest:
         finer=_simulate_release(
             robot, simulation, slow=slow, seconds=drop_test.SECONDS, held=False, step=drop_test.STEP / 4
         )
-        if is_upset
+        if drop_test.is_upset(free)
         else None,
         curves=(),
         drive=None,
