@@ -108,8 +108,8 @@ def test_models_of_other_repositories_are_found_in_their_clones(tmp_path: Path) 
     line = "# repo some/robot commit 4e23c97 my files/arm.urdf.xacro side:=left empty:=\n"
     path.write_text(line + path.read_text(encoding="utf-8"), encoding="utf-8")
     models = read_models(path)
-    assert list(models) == ["some/robot:arm"]
-    (robot,) = find_models(models, [RealRobot(name="some/robot", entry=tmp_path)])
+    assert list(models) == ["some/robot:arm", "some/robot:arm.urdf.xacro", "some/robot:my files/arm.urdf.xacro"]
+    robot, *_ = find_models(models, [RealRobot(name="some/robot", entry=tmp_path)])
     assert (robot.name, robot.entry) == ("some/robot:arm", tmp_path / "my files" / "arm.urdf.xacro")
     assert robot.arguments == {"side": "left", "empty": ""}
     assert find_models(models, []) == []

@@ -129,8 +129,9 @@ def read_models(path: Path) -> dict[str, Model]:
         if found is not None:
             repository, commit, entry, words = found.groups()
             arguments = dict(word.split(":=", 1) for word in words.split())
-            stem = Path(entry).name.partition(".")[0]
-            models[f"{repository}:{stem}"] = Model(repository, commit, entry, arguments)
+            # A label names one of several models by its file, with or without folder or ending.
+            for name in dict.fromkeys((Path(entry).name.partition(".")[0], Path(entry).name, entry)):
+                models[f"{repository}:{name}"] = Model(repository, commit, entry, arguments)
     return models
 
 

@@ -160,6 +160,14 @@ def test_numbers_for_one_call_of_a_macro_are_not_for_its_line(tmp_path: Path) ->
     assert "as the result of the call at robot.urdf.xacro:3" in finding.fix.title
 
 
+def test_numbers_are_not_written_in_place_of_a_formula(tmp_path: Path) -> None:
+    call = '<inertial><mass value="1"/>\n<xacro:tensor m="1" x="0.2" y="0.1" z="0.3"/></inertial>'
+    text = robot(MACRO, link("arm", call, visual(box("0.3 0.2 0.1"))), xacro=True)
+    finding = one(tmp_path, text, "INR009", "robot.urdf.xacro")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("as the result of the formula")
+
+
 def test_the_com_of_a_base_that_is_bolted_down_is_not_reported(tmp_path: Path) -> None:
     part, drawn = inertial(1, ixx=0.0042, iyy=0.0083, izz=0.0108), visual(box("0.3 0.2 0.1"), xyz="0.3 0 0")
 

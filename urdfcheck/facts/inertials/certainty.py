@@ -41,7 +41,7 @@ _COARSE = frozenset(
 _OF_ORIGIN = frozenset({"about_origin", "positive_notation"})
 # Mistakes of place and direction: undoing one gives the tensor of the part itself, or another mistake is there. A unit changes
 # a tensor by powers of ten, which whatever the part holds besides leaves visible.
-_OF_PLACE = frozenset({"steiner_missing", "steiner_twice", "quarter_turn", "axes_permuted"})
+_OF_PLACE = frozenset({"steiner_missing", "steiner_twice", "quarter_turn", "axes_permuted", "rpy_missing", "rpy_twice"})
 # What they may leave, as a mismatch: an ellipsoid of inertia that is a third longer or shorter along one axis. Of 74 links of 718
 # published descriptions in which one of them was the best explanation, 11 were left farther off.
 PLACED = 0.3

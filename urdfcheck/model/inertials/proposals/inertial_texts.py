@@ -6,7 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 
 from urdfcheck.core import Span
+from urdfcheck.facts.inertials.formulas.polynomials import measure_degree
 from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.typed_formulas import parse_formula
 from urdfcheck.model.parts import Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.robot import Model
@@ -24,12 +26,11 @@ def links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]]
 
 
 def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
-    """Say which macro call makes the tensor of a link that a repair changes, where the same text makes other numbers for other
-    links: written there, the numbers of one link would be wrong for the others. Empty elsewhere."""
+    """Say that the numbers of a repair are no text for the place that it changes: which macro call makes the tensor of a link,
+    where the same text makes other numbers for other links, or that a formula computes it. Empty elsewhere."""
     tensor = None if link.inertial is None else link.inertial.tensor_element
-    if link.inertial is None or tensor is None or not tensor.location.via:
-        return ""
-    if not any(isinstance(place, Attribute) and place.owner is tensor for place in change.places):
+    places = [place for place in change.places if isinstance(place, Attribute) and place.owner is tensor]
+    if link.inertial is None or tensor is None or not places:
         return ""
     own = (link.inertial.mass, link.inertial.inertia_components)
     others = [
@@ -40,8 +41,14 @@ def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
         and other.span == tensor.span
         and (inertial.mass, inertial.inertia_components) != own
     ]
-    if not others:
-        return ""
+    if not others or not tensor.location.via:
+        return " as the result of the formula" if any(map(_is_computed, places)) else ""
     shared = {span for other in others for span in other.location.via}
     call = next((span for span in reversed(tensor.location.via) if span not in shared), tensor.location.via[-1])
     return f" as the result of the call at {PurePath(call.file).name}:{call.line}"
+
+
+def _is_computed(attribute: Attribute) -> bool:
+    """Whether a value is computed from others, rather than the value of one name that is handed on."""
+    formula = parse_formula(attribute)
+    return formula is not None and measure_degree(formula) > 1
