@@ -65,7 +65,7 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
 
 
 def join_explained(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
-    """Join what a simulation shows to the finding that explains it, so that it is not told twice.
+    """Join what a simulation shows to the finding that explains it, so that it is not reported twice.
 
     That is the first of the rules under ``repeats`` and ``explained_by`` on the page which fired on an element of the finding's
     subjects, or of those in its data (``between``); of its findings, rather one with a message of the same id. One that explains

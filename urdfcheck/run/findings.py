@@ -74,7 +74,7 @@ def finalize_unit_findings(
     """Turn the admitted findings of one unit into those of its report.
 
     ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any;
-    ``texts``: its files by name; ``joins_simulated``: whether what a simulation shows is told with the finding that explains it.
+    ``texts``: its files by name; ``joins_simulated``: whether what a simulation shows is joined to the finding that explains it.
     """
     located = locate_typed_values(list(findings), root, texts or {})
     # Before merging: of six links that one macro line makes, a single one may be suppressed.
