@@ -218,6 +218,18 @@ def test_opposed_wheels_that_nothing_commands_are_a_note(tmp_path: Path) -> None
     assert told.consequences["mujoco"].startswith("simulated it here: driven ahead, the robot spins")
 
 
+def test_a_caster_that_sinks_into_soft_ground_is_no_lean(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The robot leans by 4°, but what it rests on is level in its own frame."""
+    (sound,) = check_for_mujoco(tmp_path, make_cart()).drops
+    sunk = replace(sound.held, tilt=0.07)
+    raised = tuple(replace(t, lowest=t.lowest + 0.07 * t.place[0]) for t in sunk.touching)
+    for held, found in ((sunk, []), (replace(sunk, touching=raised), ["leans"])):
+        test = replace(sound, held=held)
+        monkeypatch.setattr(simulated_drop, "run_drop_test", lambda _, test=test: test)
+        run = check_for_mujoco(tmp_path, make_cart(), codes={"DYN005"})
+        assert [finding.message_id for finding in run.findings] == found
+
+
 def test_wheels_with_grip_that_lose_rotation_all_alike_creep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (sound,) = check_for_mujoco(tmp_path, make_cart()).drops
     assert sound.drive is not None

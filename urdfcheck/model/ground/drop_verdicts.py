@@ -15,12 +15,15 @@ from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest, ReleaseResult
+    from urdfcheck.facts.arrays import Array
 
 # A wheel that bears less than this share of an equal part of the weight bears nothing.
 _NOTHING = 0.01
 # As DYN006.
 _SPREAD, _LEAST = 0.02, 5e-4
 _FEWEST_CARRIERS = 3
+# Contacts whose extent across is this part of that along are on one line.
+_FLAT = 1e-3
 # A COM this part of the radius off the axle makes a wheel roll.
 _OFF_AXLE = 0.02
 
@@ -73,7 +76,8 @@ def _iter_defects(
         return
     loads = {touching.link: touching.load for touching in release.touching}
     bodies = {wheel.joint.child: model.tree.list_body_links(wheel.joint.child) for wheel in wheels}
-    gaps = _measure_gaps(model, release)
+    ground = _fit_ground(release)
+    gaps = _measure_gaps(model, ground)
     tolerance = max(_SPREAD * min(wheel.radius for wheel in wheels), _LEAST)
     # Of more than three supports on one plane it is a matter of rounding which bear weight.
     idle = [
@@ -96,7 +100,8 @@ def _iter_defects(
     if release.settled is not None and idle:
         verb = "bears" if len(idle) == 1 else "bear"
         yield StandingDefect("unloaded", idle[0], {"wheels": join_names(idle), "bear": verb, **data})
-    tilt = math.degrees(release.tilt or 0.0)
+    # A light caster sinks into MuJoCo's soft ground: only what the places of the contacts explain is a lean of the robot.
+    tilt = math.degrees(min(release.tilt or 0.0, ground.lean))
     if carries and release.settled is not None and tilt > lean:
         yield StandingDefect("leans", model.tree.root, {"tilt": tilt, **data})
     free = test.free
@@ -107,20 +112,33 @@ def _iter_defects(
         yield StandingDefect("rolls", model.tree.root, {**data, "speed": 1e3 * (free.speed or 0.0), "reason": cause})
 
 
-def _measure_gaps(model: Model, release: ReleaseResult) -> dict[str, float]:
-    """Measure how far (m) the lowest point of each link is above the plane on which the robot rests.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ground:
+    """The plane on which a robot rests, in the root's frame; level where one or two contacts do not decide."""
 
-    On one or two points the plane is level where they do not decide.
-    """
+    middle: Array
+    """(3,), in m."""
+    slope: Array
+    """(2,), rise along x and y."""
+    lean: float
+    """Angle (rad) to the root's xy plane; infinite where the contacts do not decide it."""
+
+
+def _fit_ground(release: ReleaseResult) -> _Ground:
     import numpy as np
-
-    from urdfcheck.model.ground.support_polygon import collect_robot_corners
 
     places = np.array([(*touching.place[:2], touching.lowest) for touching in release.touching])
     middle = places.mean(axis=0)
-    slope = np.linalg.lstsq(places[:, :2] - middle[:2], places[:, 2] - middle[2], rcond=1e-3)[0]
+    slope, _, rank, _ = np.linalg.lstsq(places[:, :2] - middle[:2], places[:, 2] - middle[2], rcond=_FLAT)
+    return _Ground(middle, slope, math.atan(float(np.linalg.norm(slope))) if rank > 1 else math.inf)
+
+
+def _measure_gaps(model: Model, ground: _Ground) -> dict[str, float]:
+    """Measure how far (m) the lowest point of each link is above the ground."""
+    from urdfcheck.model.ground.support_polygon import collect_robot_corners
+
     points, owners = collect_robot_corners(model, {wheel.joint.child: wheel for wheel in rolling_wheels(model)})
-    above = points[:, 2] - middle[2] - (points[:, :2] - middle[:2]) @ slope
+    above = points[:, 2] - ground.middle[2] - (points[:, :2] - ground.middle[:2]) @ ground.slope
     return {model.tree.order[index]: float(above[owners == index].min()) for index in sorted(set(owners.tolist()))}
 
 
