@@ -416,6 +416,12 @@ def test_a_transmission_is_complete(tmp_path: Path, transmission: str, message: 
     assert nesting(tmp_path / "b", body) == [(message, "warning")]
 
 
+def test_a_misplaced_transmission_is_no_error_where_nothing_reads_transmissions(tmp_path: Path) -> None:
+    body = f'<gazebo><transmission name="t">{TYPE}</transmission></gazebo>'
+    assert nesting(tmp_path / "a", body + CLASSIC) == [("transmission", "error")]
+    assert nesting(tmp_path / "b", body) == [("transmission", "warning")]
+
+
 def test_the_spelling_of_indigo_is_one_info(tmp_path: Path) -> None:
     spelling = " EffortJointInterface\n"
     one = f'<transmission name="t">{TYPE}<joint name="left_wheel">{interface(spelling)}</joint></transmission>'

@@ -125,10 +125,13 @@ def test_interfaces_and_values(tmp_path: Path, interface: str, messages: list[st
     assert [f.message_id for f in findings] == messages
 
 
-def test_degrees_are_recognised(tmp_path: Path) -> None:
-    interface = command_interface("position", ("initial_value", "45"))
+@pytest.mark.parametrize(("value", "hint"), [("45", True), ("2", False)])
+def test_degrees_are_recognised(tmp_path: Path, value: str, hint: bool) -> None:
+    """Any small number fits as degrees."""
+    interface = command_interface("position", ("initial_value", value))
     (finding,) = find(tmp_path, ROBOT.format(block(f'{HARDWARE}<joint name="a">{interface}</joint>')), "CTL006")
-    assert "as degrees it is 0.785 rad" in finding.message
+    assert ("as degrees it is 0.785 rad" in finding.message) is hint
+    assert ("degrees" in finding.message) is hint
 
 
 @pytest.mark.usefixtures("one_process")

@@ -247,12 +247,15 @@ SENSOR = '<sensor name="s" type="force_torque"/>'
     ("body", "expected"),
     [
         (block("j", SENSOR), [("joint", Severity.WARNING)]),
+        (block("j", '<sensor name="c" type="camera"/>'), [("joint-content", Severity.WARNING)]),
+        (block("j", '<plugin filename="libp.so"/>'), [("joint-content", Severity.WARNING)]),
         (block("j", "<provideFeedback>true</provideFeedback>"), [("joint-settings", Severity.INFO)]),
         (block("j", SENSOR, "<preserveFixedJoint>true</preserveFixedJoint>"), []),
         (block("j", SENSOR) + block("j", '<disableFixedJointLumping value="1"/>'), []),
         (block("j", SENSOR, "<preserveFixedJoint>false</preserveFixedJoint>"), [("joint", Severity.WARNING)]),
         (block("tip", SENSOR), []),
         (block("tip", "<preserveFixedJoint>true</preserveFixedJoint>"), [("link", Severity.WARNING)]),
+        (block("base", "<preserveFixedJoint>true</preserveFixedJoint>"), [("link", Severity.INFO)]),
         (block("l", "<preserveFixedJoint>true</preserveFixedJoint>"), [("dropped", Severity.WARNING)]),
     ],
 )
@@ -265,6 +268,7 @@ def test_blocks_of_joints(tmp_path: Path, body: str, expected: list[tuple[str, S
     [
         ("fixed", "<mu1>0</mu1><mu2>0</mu2>", ["surface"]),
         ("continuous", "<mu1>0</mu1><mu2>0</mu2>", ["surface"]),
+        ("fixed", "<mu1>0</mu1><turnGravityOff>0</turnGravityOff>", ["surface"]),
         ("continuous", "<kp>1</kp><stopCfm>0</stopCfm>", []),
         ("fixed", "<kp>1</kp><stopCfm>0</stopCfm>", ["joint-settings"]),
         ("continuous", "<springStiffness>1</springStiffness>", []),
@@ -278,11 +282,53 @@ def test_a_joint_has_no_friction(tmp_path: Path, kind: str, tags: str, found: li
 @pytest.mark.parametrize(("kind", "spring"), [("fixed", False), ("prismatic", True)])
 def test_the_repair_of_friction_of_a_joint_names_the_link(tmp_path: Path, kind: str, spring: bool) -> None:
     """In the block of a joint that moves, kp may be meant for a suspension."""
-    body = make_link("base") + make_link("leg", 0.1) + fixed("sus", "base", "leg", kind) + block("sus", "<kp>1</kp>")
+    body = (
+        make_link("base") + make_link("leg", 0.1, "") + fixed("sus", "base", "leg", kind) + block("sus", "<kp>1</kp>")
+    )
     (finding,) = find(tmp_path, robot(body), "GZB003")
     assert finding.fix is not None
     assert finding.fix.title.startswith("write the name of the link: leg")
     assert ("springStiffness" in finding.fix.title) is spring
+
+
+@pytest.mark.parametrize(
+    ("leg", "repair"),
+    [
+        (make_link("leg", 0.1), "delete the block, or write the name of the link that is meant: leg has no such shape"),
+        (
+            make_link("leg", 0.1, "") + block("leg", "<mu1>1</mu1>"),
+            "delete the block: the one of leg has these settings",
+        ),
+    ],
+)
+def test_friction_of_a_joint_is_not_moved_to_a_link_that_has_it_or_cannot_have_it(
+    tmp_path: Path, leg: str, repair: str
+) -> None:
+    body = make_link("base") + leg + fixed("axle", "base", "leg") + block("axle", "<mu1>0</mu1>")
+    (finding,) = find(tmp_path, robot(body), "GZB003")
+    assert finding.fix is not None
+    assert finding.fix.title == repair
+
+
+def test_settings_of_a_link_among_those_of_a_merged_joint_are_said_to_be_its(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, robot(MERGED + block("j", "<mu1>1</mu1><stopCfm>0</stopCfm>")), "GZB003")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("mu1 are for a link: write them in its block")
+
+
+@pytest.mark.parametrize(("mass", "edits"), [(1.0, 1), (0.0, 0)])
+def test_no_edit_keeps_the_joint_of_a_link_that_gazebo_would_drop_then(tmp_path: Path, mass: float, edits: int) -> None:
+    body = make_link("base") + make_link("tip", mass, "") + fixed("j", "base", "tip")
+    (finding,) = find(tmp_path, robot(body + block("tip", "<preserveFixedJoint>true</preserveFixedJoint>")), "GZB003")
+    assert finding.fix is not None
+    assert len(finding.fix.edits) == edits
+
+
+def test_a_contact_sensor_of_a_link_without_collisions_needs_one(tmp_path: Path) -> None:
+    sensor = '<sensor name="s" type="contact"><contact><collision>leg_collision</collision></contact></sensor>'
+    (finding,) = find(tmp_path, robot(make_link("leg") + block("leg", sensor)), "GZB004")
+    assert finding.fix is not None
+    assert finding.fix.title == "give leg a collision, or move the sensor to the link that has it"
 
 
 def test_two_blocks_of_one_link_are_two_places(tmp_path: Path) -> None:

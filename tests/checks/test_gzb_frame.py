@@ -30,6 +30,7 @@ def find_frames(folder: Path, inner: str, plugin: str = NEW, **files: str) -> li
     [
         (sensor(), NEW, 1),
         (sensor("camera") + sensor("imu", name="imu"), NEW, 2),
+        (sensor("ray"), NEW, 0),
         (sensor("contact"), NEW, 0),
         (sensor("altimeter"), NEW, 0),
         (sensor(), CLASSIC, 0),

@@ -84,6 +84,44 @@ def test_a_lower_limit_above_the_default_upper_one_is_inverted(tmp_path: Path) -
     assert not finding.fix.edits, "there is no second value to exchange it with"
 
 
+@pytest.mark.parametrize(
+    ("limits", "other", "repair", "edited"),
+    [
+        ('lower="2" upper="1"', "", "swap the two: lower 1, upper 2; or lower -2 if its minus sign is missing", False),
+        (
+            'lower="-1" upper="-2"',
+            "",
+            "swap the two: lower -2, upper -1; or upper 2 if its minus sign is too much",
+            False,
+        ),
+        ('lower="-1" upper="-2"', 'lower="1" upper="2"', "swap the two: lower -2, upper -1", True),
+        ('lower="1" upper="-2"', "", "swap the two: lower -2, upper 1", True),
+    ],
+)
+def test_limits_of_one_sign_may_lack_a_minus_sign(
+    tmp_path: Path, limits: str, other: str, repair: str, edited: bool
+) -> None:
+    first, second = (f'<limit {typed} effort="1" velocity="1"/>' for typed in (limits, other))
+    text = make_three_links(make_joint(first), make_joint(second, name="k", child="c"))
+    (finding,) = [f for f in find(tmp_path, text, "JNT005") if f.message_id == "inverted"]
+    assert finding.fix is not None
+    assert (finding.fix.title, bool(finding.fix.edits)) == (repair, edited)
+
+
+@pytest.mark.parametrize(("angle", "edited"), [("7", True), ("6.9", False), ("62.5", True)])
+def test_an_angle_little_beyond_a_turn_may_be_in_radians(tmp_path: Path, angle: str, edited: bool) -> None:
+    origin = f'<origin rpy="0 0 {angle}"/>'
+    (finding,) = find(tmp_path, make_three_links(make_joint(origin + LIMIT)), "JNT012")
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) == edited
+
+
+def test_a_rotor_of_type_revolute_is_fast(tmp_path: Path) -> None:
+    rotor = '<limit lower="-1e16" upper="1e16" effort="1" velocity="450"/>'
+    assert not find(tmp_path, make_three_links(make_joint(rotor)), "JNT006")
+    assert find(tmp_path, make_three_links(make_joint(rotor.replace("1e16", "3.14"))), "JNT006")
+
+
 def test_inverted_limits_are_exchanged_as_typed(tmp_path: Path) -> None:
     (finding,) = find(
         tmp_path,
@@ -172,6 +210,16 @@ def test_a_rocker_without_effort_and_velocity_has_no_motor(tmp_path: Path) -> No
     driven = make_joint(LIMIT, name="k", child="c")
     (finding,) = find(tmp_path, make_three_links(rocker, driven), "JNT007")
     assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
+
+
+def test_a_slide_is_not_like_the_hinges_of_an_arm(tmp_path: Path) -> None:
+    """A spring slide in the tool of an arm has no motor."""
+    text = '<robot name="r"><link name="base"/>'
+    for name, kind in (("waist", "revolute"), ("arm", "revolute"), ("elbow", "revolute"), ("spring", "prismatic")):
+        limit = f'<limit lower="0" upper="1" effort="{0 if name == "spring" else 9}" velocity="1"/>'
+        text += f'<link name="{name}_link"/>' + joint(name, "base", f"{name}_link", limit, kind=kind, axis="0 1 0")
+    (finding,) = find(tmp_path, text + "</robot>", "JNT007")
+    assert finding.message_id == "effort-unused"
 
 
 @pytest.mark.parametrize(

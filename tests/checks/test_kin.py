@@ -52,6 +52,32 @@ def test_one_cause_one_finding(tmp_path: Path, text: str, expected: list[str]) -
     assert sorted(codes(check_text(tmp_path, text, codes=TREE))) == expected
 
 
+@pytest.mark.parametrize(
+    ("text", "urdfdom"),
+    [
+        (make_tree("a b c", "a b", "c c"), "drops the link without a message"),
+        (make_tree("a b", "a b", "b b"), "loads it with the link as its own child"),
+        (make_tree("w a b", "a b", "b a"), "drops the loop without a message"),
+        (make_tree("w a b", "w a", "a b", "b a"), "loads it with links that are their own ancestors"),
+        (make_tree("a b", "a b", "b a"), "refuses the file: no root link found"),
+    ],
+)
+def test_a_loop_is_lost_only_if_the_tree_does_not_lead_into_it(tmp_path: Path, text: str, urdfdom: str) -> None:
+    (finding,) = check_text(tmp_path, text, codes={"KIN004", "KIN006"}).findings
+    assert finding.consequences["urdfdom"] == urdfdom
+    assert ("pinocchio" in finding.consequences) == urdfdom.startswith("loads")
+
+
+@pytest.mark.parametrize(("root", "is_part"), [('<robot name="r"', False), ("<robot", True)])
+def test_a_nameless_part_is_to_be_included(tmp_path: Path, root: str, is_part: bool) -> None:
+    text = make_tree("camera", "base camera").replace(
+        '<robot name="r"', f'{root} xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    )
+    (finding,) = check_text(tmp_path, text, codes={"KIN002"}, name="camera.xacro").findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("include the file") == is_part
+
+
 def test_a_copied_joint_is_a_duplicate_and_not_a_second_parent(tmp_path: Path) -> None:
     joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
     text = f'<robot name="r"><link name="a"/><link name="b"/>{joint}\n{joint}</robot>'

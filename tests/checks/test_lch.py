@@ -422,6 +422,7 @@ def transform(words: str) -> str:
     ("words", "messages"),
     [
         ("0 0 0 0 0 0 odom laser", ["second-parent"]),
+        ("0 0 0 0 0 0 base_link laser", ["repeated"]),
         ("0 0 0 0 0 0 laser base_link", ["loop"]),
         ("0 0 0 0 0 0 bace_link camera", ["unknown-frame"]),
         ("0 0 0 0 0 0 camera_link camera_optical", []),
@@ -436,9 +437,16 @@ def test_static_transforms_against_the_model(tmp_path: Path, words: str, message
     assert [f.message_id for f in find_in_package(tmp_path, transform(words), "LCH005")] == messages
 
 
+def test_a_transform_from_the_world_may_be_meant_for_the_root(tmp_path: Path) -> None:
+    (finding,) = find_in_package(tmp_path, transform("0 0 0 0 0 0 map laser"), "LCH005")
+    assert finding.fix is not None
+    assert "write the root base_link for laser if the node is to place the robot in map" in finding.fix.title
+
+
 @pytest.mark.parametrize(
     ("words", "effect"),
     [
+        ("0 0 0 0 0 0 base_link laser", "may jump if the two do not agree"),
         ("0 0 0 0 0 0 odom laser", "draws laser where the last message put it"),
         ("0 0 0 0 0 0 laser base_link", "reports lookup errors"),
         ("0 0 0 0 0 0 bace_link camera", "leaves camera unconnected"),

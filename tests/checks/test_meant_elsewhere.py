@@ -59,6 +59,31 @@ def test_wheels_slide_with_rollers_that_slide_too_or_touch_nothing(tmp_path: Pat
         assert finding.message_id == "slides"
 
 
+CASTER = joint("c", "base_link", "caster", xyz="-0.1 0 0") + surface("caster", 1)
+
+
+@pytest.mark.parametrize(
+    ("more", "messages"),
+    [
+        (link("caster", collision(sphere(0.01))), ["drags"]),
+        (link("caster"), []),
+        (
+            link("caster", collision(sphere(0.01))) + link("w") + joint("w_joint", "caster", "w", kind="continuous"),
+            [],
+        ),
+        (
+            link("caster", collision(sphere(0.01)))
+            + '<gazebo><plugin name="p" filename="libgazebo_ros_planar_move.so"/></gazebo>',
+            [],
+        ),
+    ],
+)
+def test_a_fixed_caster_drags_if_it_touches_cannot_roll_and_nothing_pushes(
+    tmp_path: Path, more: str, messages: list[str]
+) -> None:
+    assert [f.message_id for f in find(tmp_path, cart(more, CASTER), "GZB008")] == messages
+
+
 # -- SYM005 ----------------------------------------------------------------------------------------------------------------
 
 CONTROLLER = """controller_manager: {ros__parameters: {d: {type: diff_drive_controller/DiffDriveController}}}

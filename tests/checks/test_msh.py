@@ -322,6 +322,7 @@ def test_what_is_no_pointer(tmp_path: Path, content: str) -> None:
 def test_the_pointers_of_one_repository_are_one_finding(tmp_path: Path) -> None:
     for folder in ("arm/.git", "hand/.git", "hand/meshes"):
         (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "arm/.gitattributes").write_text("*.stl filter=lfs diff=lfs merge=lfs -text\n")
     for name in ("arm/a.stl", "arm/b.stl", "hand/meshes/c.stl"):
         (tmp_path / name).write_bytes(POINTER)
     uses = [shape("visual", name) for name in ("arm/a.stl", "hand/meshes/c.stl", "arm/b.stl")]
@@ -330,6 +331,10 @@ def test_the_pointers_of_one_repository_are_one_finding(tmp_path: Path) -> None:
     assert (hand.message_id, hand.data["count"]) == ("pointer", 1)
     assert arm.cause is not None
     assert arm.cause.id == "clone"
+    assert hand.cause is not None
+    assert hand.cause.id == "copy"
+    assert hand.fix is not None
+    assert "git lfs" not in hand.fix.title
 
 
 def test_a_pointer_is_not_called_unreadable_as_well(tmp_path: Path) -> None:

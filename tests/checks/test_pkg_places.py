@@ -381,3 +381,22 @@ def test_an_include_by_a_path_of_another_machine_is_looked_for_in_the_package(
     (finding,) = check(root / "urdf/car.xacro", codes={"PKG012"}).findings
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(("name", "find"), [("all.launch", "find"), ("all.launch.xml", "find-pkg-share")])
+def test_a_launch_file_of_the_package_is_named_by_it_whatever_the_authors_machine(
+    tmp_path: Path, name: str, find: str
+) -> None:
+    root = tmp_path / "car"
+    (root / "launch").mkdir(parents=True)
+    build_type = "ament_cmake" if find == "find-pkg-share" else "catkin"
+    (root / "package.xml").write_text(
+        f"<package><name>car</name><buildtool_depend>{build_type}</buildtool_depend></package>"
+    )
+    node = '<node pkg="car" name="n" {}="drive"/>'.format("exec" if find == "find-pkg-share" else "type")
+    (root / "launch/world.launch").write_text(f"<launch>{node}</launch>")
+    include = '<include file="/home/ann/ws/src/car/launch/world.launch"/>'
+    (root / "launch" / name).write_text(f"<launch>{include}{node}</launch>")
+    (finding,) = check(root / "launch" / name, codes={"PKG012"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title == f"write `$({find} car)/launch/world.launch`: the package has the file"

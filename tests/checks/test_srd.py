@@ -330,6 +330,24 @@ def test_joint_limits_are_not_looser_than_the_model(tmp_path: Path, entry: str, 
 
 
 @pytest.mark.parametrize(
+    ("build_type", "flag", "messages"),
+    [
+        ("ament_cmake", "", []),
+        ("ament_cmake", ", has_velocity_limits: true", ["velocity"]),
+        ("catkin", "", ["velocity"]),
+    ],
+)
+def test_moveit_2_reads_a_velocity_only_beside_its_flag(
+    tmp_path: Path, build_type: str, flag: str, messages: list[str]
+) -> None:
+    (tmp_path / "package.xml").write_text(
+        f"<package><name>arm</name><buildtool_depend>{build_type}</buildtool_depend></package>"
+    )
+    limits = f"joint_limits:\n  elbow: {{max_velocity: 9.0{flag}}}\n"
+    assert ids(find_with_srdf(tmp_path, GROUP, "SRD003", limits=limits)) == messages
+
+
+@pytest.mark.parametrize(
     "limits",
     [
         "robot_description_planning:\n  joint_limits:\n    elbw: {max_velocity: 1.0}\n    shoulder: {max_velocity: 1.0}\n",

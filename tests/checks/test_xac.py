@@ -1217,3 +1217,18 @@ def test_backslashes_of_a_path_are_the_cause_where_it_exists_with_slashes(
     assert finding.fix is not None
     assert (finding.fix.title == "write `/` for each backslash") == said
     assert finding.fix.title.startswith("correct the path") != said
+
+
+@pytest.mark.parametrize(("inside", "is_offered"), [(True, True), (False, False)])
+def test_a_name_that_a_macro_reads_may_be_a_parameter_that_it_lacks(
+    tmp_path: Path, inside: bool, is_offered: bool
+) -> None:
+    frame = '<link name="${prefix}frame"/>'
+    text = (
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        f'<xacro:macro name="camera" params="name"><link name="${{name}}"/>{frame * inside}</xacro:macro>'
+        f'<xacro:camera name="c"/>{frame * (not inside)}</robot>'
+    )
+    (finding,) = check_text(tmp_path, text, "r.urdf.xacro", codes={"XAC001"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("or add it to the params of macro camera") == is_offered

@@ -164,6 +164,14 @@ class TestXML002:
         text = f'<robot name="r" {ns}><xacro:include filename="part.xacro"/></robot>'
         assert not findings(tmp_path, text, "XML002", "robot.urdf.xacro")
 
+    def test_block_for_gazebo_alone_is_no_old_sdf_model(self, tmp_path: Path) -> None:
+        block = '<gazebo {}><plugin name="p" filename="libp.so"/></gazebo>'
+        (part,) = findings(
+            tmp_path, block.format('xmlns:xacro="http://www.ros.org/wiki/xacro"'), "XML002", "sensors.xacro"
+        )
+        (old,) = findings(tmp_path, block.format('version="1.0"'), "XML002")
+        assert (part.message_id, old.message_id) == ("root", "format")
+
     def test_nameless_xacro_is_a_warning_however_it_is_found(self, tmp_path: Path) -> None:
         text = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/></robot>'
         (named,) = findings(tmp_path, text, "XML002", "robot.urdf.xacro")
@@ -196,6 +204,33 @@ class TestXML003:
         (finding,) = findings(tmp_path, text, "XML003")
         assert finding.fix is not None
         assert finding.fix.edits
+
+    @pytest.mark.parametrize(
+        ("inside", "repair"),
+        [
+            (
+                '<collision><mass value="1"/><geometry><sphere radius="1"/></geometry></collision>',
+                "delete it: the <inertial>",
+            ),
+            (
+                '<visual><inertial><mass value="1"/></inertial><geometry><sphere radius="1"/></geometry></visual>',
+                "delete it: the <link>",
+            ),
+            (
+                '<plugin name="p" filename="libp.so"><rate>1</rate></plugin>',
+                "move it into a `<gazebo>` without reference",
+            ),
+            ("<static>true</static>", "move it into a `<gazebo>` without reference"),
+        ],
+    )
+    def test_repair_neither_doubles_an_element_nor_gives_that_of_a_model_to_a_link(
+        self, tmp_path: Path, inside: str, repair: str
+    ) -> None:
+        inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        text = f'<robot name="r"><link name="a">{inertial}{inside}</link></robot>'
+        (finding,) = check_text(tmp_path, text, codes={"XML003"}).findings
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(repair)
 
     def test_gazebo_misses_an_sdf_element_outside_its_block(self, tmp_path: Path) -> None:
         text = '<robot name="r"><link name="a"><self_collide>1</self_collide><toy/></link></robot>'
@@ -520,6 +555,27 @@ class TestXML007:
         assert finding.message_id == kind
         assert finding.fix is not None
         assert [e.replacement for e in finding.fix.edits] == ([] if repair is None else [repair])
+
+    @pytest.mark.parametrize(
+        ("typed", "message", "repair"),
+        [
+            ("0 pi/2 0", "expression", "write `${pi/2}`: xacro computes only what is inside"),
+            ("0 {pi/2} 0", "expression", "write `${pi/2}`: xacro computes only what is inside"),
+            ("0 pi / 2 0", "expression", "write `${…}`: xacro computes only what is inside"),
+            ("${quarter} 0 0", "expression", "write `${pi/2}`: xacro computes only what is inside"),
+            ("0 ${two}/2 0", "outside", "put the whole expression into one pair of braces: `0 ${two/2} 0`"),
+            ("0 ${two} * 2 0", "outside", "put the whole expression into one pair of braces"),
+        ],
+    )
+    def test_xacro_lacks_only_the_braces(self, tmp_path: Path, typed: str, message: str, repair: str) -> None:
+        text = (
+            '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="quarter" value="pi/2"/>'
+            f'<xacro:property name="two" value="2"/><link name="a"><visual><origin rpy="{typed}"/>'
+            '<geometry><sphere radius="1"/></geometry></visual></link></robot>'
+        )
+        (finding,) = check_text(tmp_path, text, codes={"XML007"}, name="r.urdf.xacro").findings
+        assert finding.fix is not None
+        assert (finding.message_id, finding.fix.title) == (message, repair)
 
     def test_an_operator_outside_the_braces(self, tmp_path: Path) -> None:
         xacro = with_effort("${r + 1} * (${r}*2)").replace(
@@ -897,6 +953,8 @@ class TestXML013:
             ("1.4 0 0 1", None),
             ("-0.2 0 0 1", None),
             ("256 0 0 1", None),
+            ("2 2 2 1", None),
+            ("255 128 0 100", None),
             ("0 0 0 2", None),
         ],
     )

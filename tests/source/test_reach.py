@@ -202,6 +202,14 @@ class TestModels:
         assert found.fix is not None
         assert found.fix.title.endswith("--allow-read ../other")
 
+    def test_model_that_a_launch_file_names_by_the_place_of_one_machine(self, tmp_path: Path) -> None:
+        car = package(tmp_path / "car", "car")
+        command = "xacro /home/nobody-here/car/car.urdf.xacro"
+        (car / "car.launch").write_text(f'<launch><param name="robot_description" command="{command}"/></launch>')
+        (found,) = check(car, codes={"XML001"}).findings
+        assert found.fix is not None
+        assert found.fix.title.startswith("where the file is named, write its place in a package")
+
     def test_the_folder_can_be_allowed(self, tmp_path: Path) -> None:
         (tmp_path / "out").mkdir()
         (tmp_path / "out" / "a.stl").write_text("unreadable")

@@ -23,7 +23,6 @@ _CLASSIC = re.compile(r"gazebo_ros_control")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    yield from _check_nesting(model, rule)
     # Only gazebo_ros_control reads transmissions; without it they may be an exporter's leftovers.
     simulated = any(
         _CLASSIC.search(plugin.get("filename"))
@@ -33,6 +32,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # ROS 2 has no program that reads the hardwareInterface.
     is_ros1 = simulated or not _is_for_ros2(model)
     severity = None if simulated else Severity.WARNING
+    yield from _check_nesting(model, rule, severity=severity)
     driven = _list_driven_joints(model)
     for transmission in model.robot.find_children("transmission"):
         yield from _check_transmission(rule, transmission, severity=severity)
@@ -55,7 +55,8 @@ def _list_driven_joints(model: Model) -> set[str]:
     return {wheel.text.strip() for wheel in wheels}
 
 
-def _check_nesting(model: Model, rule: Rule) -> Iterator[Finding]:
+def _check_nesting(model: Model, rule: Rule, *, severity: Severity | None) -> Iterator[Finding]:
+    """Report blocks that are not directly in the robot; ``severity``: that of a transmission."""
     for element in model.robot.walk():
         around = element.parent
         if around is None or around is model.robot:
@@ -63,7 +64,13 @@ def _check_nesting(model: Model, rule: Rule) -> Iterator[Finding]:
         if element.tag == "ros2_control" or (
             element.tag == "transmission" and around.tag in {"gazebo", "link", "joint"}
         ):
-            yield rule.finding(element.tag, at=element, name=element.get("name"), around=around.label)
+            yield rule.finding(
+                element.tag,
+                at=element,
+                severity=severity if element.tag == "transmission" else None,
+                name=element.get("name"),
+                around=around.label,
+            )
 
 
 def _check_transmission(rule: Rule, transmission: Element, *, severity: Severity | None) -> Iterator[Finding]:

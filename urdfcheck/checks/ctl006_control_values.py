@@ -115,8 +115,14 @@ def _describe(interface: Element, joint: Joint | None) -> str:
 
 
 def _describe_degrees(value: float, joint: Joint) -> str:
-    """Return a remark if the value fits the range as degrees."""
+    """Return a remark if the value is more than a turn, and fits the range as degrees."""
     span = joint.position_range
-    if span is None or joint.type != "revolute" or not span[0] <= math.radians(value) <= span[1]:
+    # Any small number would fit.
+    if (
+        span is None
+        or joint.type != "revolute"
+        or abs(value) <= 2 * math.pi
+        or not span[0] <= math.radians(value) <= span[1]
+    ):
         return ""
     return f"; as degrees it is {math.radians(value):.3g} rad, within the limits"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,12 +14,24 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
+from urdfcheck.source.text.engine_reactions import has_mujoco_option
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
+# What MuJoCo does where the file tells it to keep visuals (checked with MuJoCo 4.0).
+_KEPT = "draws the link, but nothing touches it"
+
+
 def check(model: Model, rule: Rule, *, sheltered: float, majority: float, small: float) -> Iterator[Finding]:
+    findings = _check_bodies(model, rule, sheltered=sheltered, majority=majority, small=small)
+    keeps_visuals = has_mujoco_option(model.robot, "discardvisual", "false")
+    for finding in findings:
+        yield replace(finding, consequences={**finding.consequences, "mujoco": _KEPT}) if keeps_visuals else finding
+
+
+def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float, small: float) -> Iterator[Finding]:
     moving = [body for body in list_rigid_bodies(model) if body.is_movable and _list_drawn_links(model, body)]
     if not moving:
         return

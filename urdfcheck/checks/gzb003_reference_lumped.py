@@ -26,8 +26,11 @@ _COLLISION = frozenset({
     "mu1", "mu2", "fdir1", "kp", "kd", "minDepth", "maxVel", "maxContacts", "laserRetro", "collision",
 })  # fmt: skip
 _VISUAL = frozenset({"material", "visual"})
+# Those of the link itself.
+_BODY = frozenset({"turnGravityOff", "gravity", "selfCollide", "self_collide", "dampingFactor"})
 # Stiffness and damping of contacts, which authors take for those of a suspension.
 _CONTACT_SPRING = frozenset({"kp", "kd"})
+_BLOCK = '<gazebo reference="…">'
 _SPRING = "; a spring of the joint is <springStiffness> and <springReference>"
 # These still matter when the joint is gone; the rest only sets how a moving joint is solved.
 _FUNCTIONAL_TAGS = frozenset({"sensor", "plugin"})
@@ -47,10 +50,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield from _check_surface_settings(rule, "visual", block, shapes=visuals[name])
         elif joint is not None:
             tags = {child.tag for child in block.children}.difference(PRESERVE)
-            if tags and tags <= _COLLISION | _VISUAL:
-                yield _build_surface_finding(rule, block, joint, tags)
+            if tags & (_COLLISION | _VISUAL) and tags <= _COLLISION | _VISUAL | _BODY:
+                yield _build_surface_finding(model, rule, block, joint=joint, tags=tags)
             elif tags and is_merged_joint(joint, preserved):
-                lost.setdefault("joint" if tags & _FUNCTIONAL_TAGS else "joint-settings", []).append(block)
+                lost.setdefault(_classify_lost_block(block, tags), []).append(block)
     for message, lost_blocks in lost.items():
         yield _build_lost_finding(model, rule, message, blocks=lost_blocks, reduction=reduction)
     yield from _check_gravity_flags(model, rule, blocks, reduction=reduction)
@@ -68,6 +71,14 @@ def _group_unreached_shapes(shapes: tuple[MergedShape, ...]) -> defaultdict[str,
     return groups
 
 
+def _classify_lost_block(block: Element, tags: set[str]) -> str:
+    """Return the message: kept by keeping the joint is a force-torque sensor only; other sensors and plugins are a link's."""
+    if not tags & _FUNCTIONAL_TAGS:
+        return "joint-settings"
+    kinds = {sensor.get("type").strip() for sensor in block.find_children("sensor")}
+    return "joint" if kinds <= {"force_torque"} and "plugin" not in tags else "joint-content"
+
+
 def _format_tags(tags: list[str]) -> str:
     return join_names(dict.fromkeys(tags))
 
@@ -79,10 +90,11 @@ def _build_lost_finding(
     names = [block.get("reference") for block in blocks]
     joint = model.joint_by_name[names[0]]
     lost = [child.tag for block in blocks for child in block.children if child.tag not in PRESERVE]
+    of_links = _format_tags([tag for tag in lost if tag in _COLLISION | _VISUAL | _BODY])
     finding = rule.finding(
         message,
         at=blocks[0].attributes["reference"],
-        severity=Severity.WARNING if message == "joint" else Severity.INFO,
+        severity=Severity.INFO if message == "joint-settings" else Severity.WARNING,
         related=[block.attributes["reference"] for block in blocks[1:10]],
         edits=_propose_all_edits(model, blocks) if message == "joint" else (),
         blocks=format_count(len(blocks), "<gazebo> block has", "<gazebo> blocks have"),
@@ -95,22 +107,35 @@ def _build_lost_finding(
         child=joint.child,
         body=reduction.body_by_link[joint.child],
         content=_format_tags(lost),
+        links=join_names(dict.fromkeys(model.joint_by_name[name].child for name in names)),
+        meant=f"; {of_links} are for a link: write them in its block" if of_links else "",
     )
     return replace(finding, subjects=tuple(dict.fromkeys(block.subject for block in blocks)))
 
 
-def _build_surface_finding(rule: Rule, block: Element, joint: Joint, tags: set[str]) -> Finding:
-    """Report settings of the shapes of a link in the block of a joint, of whatever type."""
+def _build_surface_finding(model: Model, rule: Rule, block: Element, *, joint: Joint, tags: set[str]) -> Finding:
+    """Report settings of a link and its shapes in the block of a joint, of whatever type."""
     return rule.finding(
         "surface",
         at=block.attributes["reference"],
         related=[joint],
         severity=Severity.WARNING if _COLLISION & tags else Severity.INFO,
         joint=joint.name,
-        child=joint.child,
+        repair=_describe_surface_repair(model, joint, tags),
         spring=_SPRING if joint.is_movable and tags <= _CONTACT_SPRING else "",
         content=_format_tags([child.tag for child in block.children if child.tag in tags]),
     )
+
+
+def _describe_surface_repair(model: Model, joint: Joint, tags: set[str]) -> str:
+    """Say where settings of a link belong: the link below the joint, unless it has them, or nothing that they could be for."""
+    child = model.link_by_name.get(joint.child)
+    if child is None or not (child.collisions if tags & _COLLISION else child.visuals):
+        return f"delete the block, or write the name of the link that is meant: {joint.child} has no such shape"
+    own = {e.tag for b in model.robot.find_children("gazebo") if b.get("reference") == child.name for e in b.children}
+    if tags <= own:
+        return f"delete the block: the one of {child.name} has these settings"
+    return f"write the name of the link: {child.name}"
 
 
 def _check_surface_settings(
@@ -153,10 +178,15 @@ def _check_gravity_flags(
         masses[body] = masses.get(body, 0.0) + _get_mass(model, name)
     for body, flagged in off.items():
         own = sum(_get_mass(model, name) for name in flagged)
-        if body not in flagged and own < 0.5 * masses[body]:
+        if body not in flagged and own < 0.5 * masses[body] and not _is_fixed_to_world(model, body):
             first, *others = flagged.values()
             links = join_names(flagged, 3)
             yield rule.finding("gravity", at=first, related=others, links=links, body=body, own=own, total=masses[body])
+
+
+def _is_fixed_to_world(model: Model, body: str) -> bool:
+    joint = model.tree.parent_joint.get(body)
+    return joint is not None and joint.type == "fixed" and joint.parent == "world"
 
 
 def _get_mass(model: Model, link: str) -> float:
@@ -177,14 +207,19 @@ def _check_preserve_flag(model: Model, rule: Rule, block: Element) -> Iterator[F
     elif link is not None:
         above = model.tree.parent_joint.get(link.name)
         fixed = above is not None and above.type == "fixed"
-        alone = fixed and block.children == [flag]
+        # Kept above a link without a mass, the joint makes sdformat drop the link.
+        alone = fixed and block.children == [flag] and _get_mass(model, link.name) > 0.0
         yield rule.finding(
             "link",
             at=reference,
             edits=edit_value(reference, above.name) if above is not None and alone else (),
             flag=flag.tag,
+            # Without a fixed joint above, nothing merges the link into another one.
+            severity=None if fixed else Severity.INFO,
             link=link.name,
-            joint=f"joint {above.name}" if above is not None and fixed else "the intended fixed joint",
+            repair=f"move it to a separate block for joint {above.name}: {_BLOCK}"
+            if above is not None and fixed
+            else f"delete it, or move it to a block for the fixed joint that is meant: {_BLOCK}",
         )
 
 

@@ -82,7 +82,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             sensor=unknown.sensor.name,
             collision=unknown.name,
             body=unknown.body,
-            names=" or ".join(names) or "it has none",
+            repair=f"write the SDF name of this link's collision: {' or '.join(names)}"
+            if names
+            else f"give {unknown.sensor.reference} a collision, or move the sensor to the link that has it",
         )
 
 

@@ -18,6 +18,8 @@ from urdfcheck.system.files import read_regular, walk
 _FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_frame_id"})
 # The sensors whose data programs place by its frame.
 _PLACED = re.compile(r"camera|depth|rgbd|thermal|segmentation|lidar|ray|imu|sonar")
+# The new Gazebo makes no sensor of these, so nothing is stamped: GZB004 reports them.
+_CPU_LIDARS = frozenset({"ray", "lidar"})
 _BRIDGES = ("ros_gz", "ros_ign")
 # A bridge may write a frame of its own into what it hands to ROS, beside the topic (ros_gz_bridge since Kilted).
 _BRIDGED_FRAME = re.compile(r"""frame_id["']?\s*[:=]\s*["']?/?([\w/.-]+)""")
@@ -73,6 +75,8 @@ def _speaks_ros(model: Model, texts: Iterable[str]) -> bool:
 
 
 def _lacks_frame(sensor: GazeboSensor) -> bool:
+    if sensor.type in _CPU_LIDARS:
+        return False
     if any(element.tag == "plugin" for element in sensor.element.walk()):
         return False  # the plugin publishes the data
     named = any(element.tag in _FRAMES and element.text.strip() for element in sensor.element.walk())

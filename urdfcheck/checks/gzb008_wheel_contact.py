@@ -37,7 +37,12 @@ def check(model: Model, rule: Rule, *, slippery: float, rough: float) -> Iterato
         # Of mecanum and omni wheels some slide on purpose; all of them do not.
         if bare and not stands_on_parts and len(bare) == sum(bool(WHEEL_NAME.search(name)) for name in driven):
             yield _build_finding(rule, "slides", bare)
-    dragging = [b for b, friction in frictions if min(friction) >= rough and _is_fixed_caster(model, b)]
+    # What pushes the whole robot moves it whatever drags.
+    dragging = [
+        b
+        for b, friction in frictions
+        if min(friction) >= rough and _is_fixed_caster(model, b) and not _has_plugin(model, _PUSHES)
+    ]
     if dragging:
         yield _build_finding(rule, "drags", dragging)
 
@@ -55,10 +60,12 @@ def _build_finding(rule: Rule, message: str, blocks: list[Element]) -> Finding:
 
 
 def _turns_wheels(model: Model) -> bool:
-    plugins = [
-        p.get("filename") for block in model.robot.find_children("gazebo") for p in block.find_children("plugin")
-    ]
-    return any(map(_TURNS.search, plugins)) and not any(map(_PUSHES.search, plugins))
+    return _has_plugin(model, _TURNS) and not _has_plugin(model, _PUSHES)
+
+
+def _has_plugin(model: Model, pattern: re.Pattern[str]) -> bool:
+    plugins = (p for block in model.robot.find_children("gazebo") for p in block.find_children("plugin"))
+    return any(pattern.search(plugin.get("filename")) for plugin in plugins)
 
 
 def _has_gripping_part(model: Model, wheel: str, slides: set[str]) -> bool:
@@ -76,6 +83,11 @@ def _has_gripping_part(model: Model, wheel: str, slides: set[str]) -> bool:
 
 
 def _is_fixed_caster(model: Model, block: Element) -> bool:
+    """Whether a caster touches and cannot roll: the bracket of one that rolls has its wheel below it."""
     name = block.get("reference")
     joint = model.tree.parent_joint.get(name)
-    return bool(CASTER_NAME.search(name)) and joint is not None and joint.type == "fixed"
+    if not CASTER_NAME.search(name) or joint is None or joint.type != "fixed":
+        return False
+    return bool(model.link_by_name[name].collisions) and not any(
+        below.is_movable for below in model.tree.child_joints.get(name, ())
+    )

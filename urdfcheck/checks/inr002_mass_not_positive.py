@@ -50,6 +50,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 link=link.name,
                 mass=declared.mass,
             )
+        elif _is_world(model, link):
+            continue  # it is fixed already, and programs leave it out
         elif largest > ZERO:
             yield _build_massless_inertia_finding(model, rule, declared, largest=largest)
         else:
@@ -81,6 +83,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             severity=Severity.INFO,
             links=", ".join(declared.link.name for declared in helpers),
         )
+
+
+def _is_world(model: Model, link: Link) -> bool:
+    """Whether a link is the root by whose name programs fix a robot to the world."""
+    return link.name == "world" and not any(joint.child == link.name for joint in model.joints)
 
 
 def _classify_massless_link(model: Model, link: Link) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -18,6 +19,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.habits.rotor_inertias import find_rotor_inertias
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
+from urdfcheck.source.text.engine_reactions import has_mujoco_option
 from urdfcheck.source.text.handed_values import find_typed_value
 
 # Where ixx, iyy and izz are in ``ixx ixy ixz iyy iyz izz``.
@@ -26,11 +28,20 @@ _DIAGONAL = (0, 3, 5)
 _COPIED = "; in copied numbers look for a lost decimal point or a wrong unit"
 _COMPUTED = ", or correct the formula that computes it"
 
+# What MuJoCo does where the file has this option (checked with MuJoCo 4.0).
+_BALANCED = "replaces the three moments by their mean: balanceinertia is set"
+
 
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
     # Copies of one finger are one finding.
     findings = _check_each_link(model, rule, rel_tol=rel_tol, rounding=rounding)
-    yield from merge_identical(rule, findings, "link", "other")
+    merged = merge_identical(rule, findings, "link", "other")
+    if not has_mujoco_option(model.robot, "balanceinertia", "true"):
+        yield from merged
+        return
+    for finding in merged:
+        if finding.message_id != "helper":  # only MuJoCo minds
+            yield replace(finding, consequences={**finding.consequences, "mujoco": _BALANCED})
 
 
 def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:

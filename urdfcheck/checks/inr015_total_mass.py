@@ -16,6 +16,7 @@ from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
 
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
+_WATER = 1000.0
 _MOST_LISTED = 3
 # One link has an impossible mass, not all, if the others have less than this share of what is possible.
 _OTHERS = 0.1
@@ -44,7 +45,7 @@ def check(
         yield _build_placeholder_finding(model, rule, masses[0])
     elif _is_one_mass(model, masses):
         yield _build_same_finding(model, rule, total=total)
-    elif total > most or (total < least and _has_most_masses(model)):
+    elif (total > most and not _is_light_for_its_size(model, total)) or (total < least and _has_most_masses(model)):
         # In tonnes too, a robot weighs a gram or more.
         light = _name_unit(masses, "tonnes") if _TONNE * total >= least else None
         message, cause = ("light", light) if total < least else ("heavy", _name_unit(masses, "grams"))
@@ -73,6 +74,12 @@ def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
 def _name_unit(masses: Sequence[float], unit: str) -> str | None:
     """Return the unit as the cause, or None where all masses are round: a CAD program writes no such numbers."""
     return None if all(map(is_round, masses)) else unit
+
+
+def _is_light_for_its_size(model: Model, total: float) -> bool:
+    """Whether a cube around all that is drawn weighs more if filled with water: a ship, an excavator or a building."""
+    edge, is_seen = _measure_extent(model, 1.0, enough=math.inf)
+    return is_seen and total <= _WATER * edge**3
 
 
 def _has_most_masses(model: Model) -> bool:

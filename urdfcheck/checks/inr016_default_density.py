@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_equivalent_density
@@ -47,6 +47,7 @@ def check(
             at=near[0].attribute.location,
             related=[declared.attribute.location for declared in near[1:]],
             cause=cause,
+            severity=None if any(joint.is_movable for joint in model.joints) else Severity.INFO,
             count=len(near),
             known=len(densities),
             default=default,

@@ -17,7 +17,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for declared in model.tensors:
         attributes = _get_moments(declared)
         wrong = None if attributes is None else _find_wrong_formula(attributes)
-        if attributes is not None and wrong is not None:
+        if attributes is not None and wrong is not None and not (len(wrong.indices) == 3 and _is_no_cylinder(declared)):
             yield _build_finding(rule, wrong, attributes, link=declared.link.name)
 
 
@@ -25,6 +25,12 @@ def _get_moments(declared: DeclaredTensor) -> tuple[Attribute, ...] | None:
     """Return the attributes of the three moments, if each has a place."""
     attributes = tuple(declared.element.attributes[name] for name in MOMENTS if name in declared.element.attributes)
     return attributes if len(attributes) == len(MOMENTS) and all(a.span is not None for a in attributes) else None
+
+
+def _is_no_cylinder(declared: DeclaredTensor) -> bool:
+    """Whether only boxes and spheres are drawn, whose moments are not those of the cylinder in the formula."""
+    kinds = {shape.kind for shape in (*declared.link.visuals, *declared.link.collisions)}
+    return bool(kinds) and kinds <= {"box", "sphere"}
 
 
 def _find_wrong_formula(attributes: Sequence[Attribute]) -> WrongFormula | None:

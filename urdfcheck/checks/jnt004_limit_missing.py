@@ -16,11 +16,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if joint.type not in {"revolute", "prismatic"}:
             continue
         data: dict[str, Any] = {"joint": joint.name, "type": joint.type, "unit": joint.position_unit}
+        data["instead"] = ", or make it continuous if it turns without end" if joint.type == "revolute" else ""
         limit = joint.limit
         if limit is None:
-            instead = ", or make it continuous if it turns without end" if joint.type == "revolute" else ""
-            yield rule.finding(
-                "wheel-missing" if is_revolute_wheel(joint) else "missing", at=joint, **data, instead=instead
-            )
+            yield rule.finding("wheel-missing" if is_revolute_wheel(joint) else "missing", at=joint, **data)
         elif is_attribute_missing(limit, "lower") and is_attribute_missing(limit, "upper"):
             yield rule.finding("wheel" if is_revolute_wheel(joint) else "locked", at=limit, **data)

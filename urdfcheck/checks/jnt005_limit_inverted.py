@@ -28,10 +28,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if lower == upper:
             equal.setdefault((lower, _is_empty(joint)), []).append(joint)
         else:
+            slip = "" if _is_mirrored(model, lower, upper) else _describe_lost_sign(lower, upper)
             yield rule.finding(
                 "inverted",
                 at=limit,
-                edits=swap_values(limit.attributes.get("lower"), limit.attributes.get("upper")),
+                edits=[] if slip else swap_values(limit.attributes.get("lower"), limit.attributes.get("upper")),
+                signed=slip,
                 joint=joint.name,
                 lower=lower,
                 upper=upper,
@@ -53,6 +55,24 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             also=". Effort and velocity are 0 too" if is_empty else "",
             explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
         )
+
+
+def _is_mirrored(model: Model, lower: float, upper: float) -> bool:
+    """Whether another joint has these limits with opposite signs: a limb was mirrored, and the order was not."""
+    return any(
+        joint.get_limit_value("lower") == -lower and joint.get_limit_value("upper") == -upper for joint in model.joints
+    )
+
+
+def _describe_lost_sign(lower: float, upper: float) -> str:
+    """Return the other repair of limits with one sign, of which either may have the wrong one; nothing for others."""
+    if lower * upper <= 0:
+        return ""
+    return (
+        f"; or lower {-lower:g} if its minus sign is missing"
+        if lower > 0
+        else f"; or upper {-upper:g} if its minus sign is too much"
+    )
 
 
 def _describe_instead(model: Model, joints: Sequence[Joint], value: float) -> str:

@@ -27,7 +27,9 @@ def check(
         # 100 may mean "no limit", unless another joint of the robot shows the unit.
         alike = [joint for joint, sizes in ranges.items() if _can_be_degree_range(sizes, least_angle, most_angle)]
         yield _build_finding(model, rule, "range", joints=alike, names=("lower", "upper"))
-    speeds = {joint: size for joint in joints for size in _read_magnitudes(joint, ("velocity",))}
+    # A rotor turns without end, however its joint is typed, and so fast.
+    ranged = [joint for joint, sizes in ranges.items() if max(sizes, default=0) <= most_angle]
+    speeds = {joint: size for joint in ranged for size in _read_magnitudes(joint, ("velocity",))}
     fast = {joint: size for joint, size in speeds.items() if least_speed < size <= most_speed and size % 5 == 0}
     meaningful = {size for size in fast.values() if not _is_placeholder(size)}
     if len(meaningful) > 1 or any(size % 45 == 0 for size in meaningful):

@@ -18,6 +18,10 @@ _EFFORT_INTERFACE = "EffortJointInterface"
 _SETS_DIRECTLY = "gazebo_ros2_control/"
 # So many joints are a robot of which one joint can be the odd one.
 _MANY = 4
+_WANTED = {
+    "effort": "effort, the highest torque in N·m (force in N),",
+    "velocity": "velocity, the highest speed in rad/s (m/s),",
+}
 
 
 def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float) -> Iterator[Finding]:
@@ -26,7 +30,12 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
         missing = [] if limit is None else [n for n in ("effort", "velocity") if is_attribute_missing(limit, n)]
         if limit is not None and missing:
             yield rule.finding(
-                "missing", at=limit, severity=Severity.ERROR, joint=joint.name, names=" and ".join(missing)
+                "missing",
+                at=limit,
+                severity=Severity.ERROR,
+                joint=joint.name,
+                names=" and ".join(missing),
+                wanted=" and ".join(_WANTED[name] for name in missing),
             )
     driven = [joint for joint in model.joints if joint.is_driven]
     yield from _check_zeros(model, rule, driven)
@@ -111,7 +120,7 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
 
 def _is_odd(joint: Joint, powerless: Sequence[Joint], driven: Sequence[Joint]) -> bool:
     """Whether a joint without effort is like others that have one: those of its name elsewhere (``front_hip``, ``joint_3``), or
-    all of a robot.
+    all of its type in a robot.
 
     Joints with springs and casters come in pairs at least, and all of them have none.
     """
@@ -121,7 +130,8 @@ def _is_odd(joint: Joint, powerless: Sequence[Joint], driven: Sequence[Joint]) -
     ]
     if like:
         return not any(other in powerless for other in like)
-    return len(driven) >= _MANY and len(powerless) == 1 and joint.type != "continuous"
+    of_type = [other for other in driven if other.type == joint.type]
+    return len(of_type) >= _MANY and len(powerless) == 1 and joint.type != "continuous"
 
 
 def _strip_place(joint: Joint) -> tuple[str, ...]:

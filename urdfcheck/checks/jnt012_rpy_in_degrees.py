@@ -50,15 +50,18 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
     words = [
         word for a in wrong.values() for word in tokenize_attribute(a, model.source.files) if parse_number(word.text)
     ]
+    # A little more than a turn with decimals may be a sum of angles in radians.
+    are_sure = all(v == round(v) or abs(v) > 2 * math.tau for v in angles)
     finding = rule.finding(
         "degrees",
         at=attributes[0],
         related=list(wrong.values())[1:],
-        edits=[word.build_edit(_format_radians(word, in_xacro=model.source.is_xacro)) for word in words],
+        edits=[word.build_edit(_format_radians(word, in_xacro=model.source.is_xacro)) for word in words if are_sure],
         where=where,
         worst=worst,
         turns=abs(worst) / math.tau,
         radians=math.radians(worst),
+        same=math.remainder(worst, math.tau),
     )
     yield replace(finding, subjects=tuple(dict.fromkeys(a.location.subject for a in attributes)))
 

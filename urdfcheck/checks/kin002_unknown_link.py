@@ -14,6 +14,11 @@ from urdfcheck.model.repairs.edits import edit_values
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
 
+_ADDING = 'add `<link name="{called}"/>`, or name an existing link'
+_ATTACHING = (
+    "include the file from the robot that has {called}: without a name, its <robot> is a part; otherwise " + _ADDING
+)
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     graph = KinematicGraph.from_model(model)
@@ -29,7 +34,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield fragment
         return
     for places in unknown.values():
-        yield _build_finding(rule, graph, places)
+        yield _build_finding(rule, model, graph, places)
 
 
 def _build_fragment_finding(
@@ -59,7 +64,7 @@ def _build_fragment_finding(
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 
 
-def _build_finding(rule: Rule, graph: KinematicGraph, places: list[tuple[Joint, Attribute]]) -> Finding:
+def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list[tuple[Joint, Attribute]]) -> Finding:
     """Report all places that name one unknown link."""
     attributes = [attribute for _, attribute in places]
     called = attributes[0].value
@@ -73,6 +78,9 @@ def _build_finding(rule: Rule, graph: KinematicGraph, places: list[tuple[Joint, 
     near = graph.guess_link(attributes[0].owner.tag, called)
     if near is None:
         links = join_names(graph.links) or "none"
+        # A xacro file without a name is no robot by itself: what it hangs on is in the file that includes it.
+        is_part = model.source.is_xacro and not is_child and "name" not in model.robot.attributes
+        data["repair"] = (_ATTACHING if is_part else _ADDING).format(called=data["called"])
         finding = rule.finding("unknown", at=attributes[0], related=related, links=links, **data)
     else:
         edits = edit_values((attribute, near) for attribute in attributes)

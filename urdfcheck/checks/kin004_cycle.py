@@ -10,6 +10,11 @@ from urdfcheck.model import Model
 from urdfcheck.model.link_graph import KinematicGraph
 
 _SHOWN = 12
+# urdfdom makes the links of a loop each other's children, however the tree leads to them: what walks the tree never ends.
+_ENTERED = {
+    "urdfdom": "loads it with links that are their own ancestors",
+    "pinocchio": "refuses the file, or crashes",
+}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -20,12 +25,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for loop in KinematicGraph.from_model(model).find_loops():
         closing = loop[-1]
         links = [joint.parent for joint in loop]
+        is_entered = any(joint.child in links and joint not in loop for joint in model.joints)
         shown = [*links[:_SHOWN], "…"] if len(links) > _SHOWN else links
         yield rule.finding(
             "loop",
             at=closing.child_attribute or closing,
             related=loop[:-1][:_SHOWN],
-            consequences={"urdfdom": loss, "bullet": loss},
+            consequences=_ENTERED if rooted and is_entered else {"urdfdom": loss, "bullet": loss},
             joint=closing.name,
             loop=" → ".join([*shown, links[0]]),
             links=links,

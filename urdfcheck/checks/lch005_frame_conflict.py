@@ -33,11 +33,29 @@ def _check_model_link(rule: Rule, transform: StaticTransform, model: Model) -> I
     joint = next((j for j in model.joints if j.child == transform.child), None)
     data: dict[str, Any] = {"parent": transform.parent, "child": transform.child}
     if joint is not None:
+        repeats = joint.parent == transform.parent
         yield rule.finding(
-            "second-parent", at=transform.at, related=[joint], joint=joint.name, other=joint.parent, **data
+            "repeated" if repeats else "second-parent",
+            at=transform.at,
+            related=[joint],
+            joint=joint.name,
+            other=joint.parent,
+            root=_describe_root(model, transform),
+            **data,
         )
     elif transform.parent in model.link_by_name:
         yield rule.finding("loop", at=transform.at, **data)
+
+
+def _describe_root(model: Model, transform: StaticTransform) -> str:
+    """Return the repair for a transform from a frame outside the robot, which may be meant to place the whole robot."""
+    children = {joint.child for joint in model.joints}
+    roots = [name for name in model.link_by_name if name not in children]
+    if transform.parent in model.link_by_name or len(roots) != 1:
+        return ""
+    return (
+        f"; or write the root {roots[0]} for {transform.child} if the node is to place the robot in {transform.parent}"
+    )
 
 
 def _is_footprint(transform: StaticTransform, model: Model | None) -> bool:

@@ -10,6 +10,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.facts.mesh.measure import MeshFacts
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
+from urdfcheck.source.text.engine_reactions import has_mujoco_option
 
 # The formats of programs that do not load meshes by Assimp. Those that do (RViz, MoveIt, Pinocchio) read every format that
 # we read.
@@ -62,15 +63,11 @@ def _build_untargeted_finding(rule: Rule, unable: Mapping[str, list[tuple[MeshUs
 
 def _collect_loaded_meshes(model: Model, target: str) -> list[tuple[MeshUse, MeshFacts]]:
     """Return the first use of each file that a program loads."""
-    collision_only = target in COLLISION_ONLY and not (target == "mujoco" and _has_discardvisual_off(model))
+    collision_only = target in COLLISION_ONLY and not (
+        target == "mujoco" and has_mujoco_option(model.robot, "discardvisual", "false")
+    )
     first_uses = [(uses[0], facts) for uses, facts in model.meshes.list_measured()]
     return [(use, facts) for use, facts in first_uses if use.shape.role == "collision" or not collision_only]
-
-
-def _has_discardvisual_off(model: Model) -> bool:
-    """Whether the model keeps its visuals in MuJoCo, which discards them by default."""
-    compilers = [c for extension in model.robot.find_children("mujoco") for c in extension.find_children("compiler")]
-    return any(compiler.get("discardvisual") == "false" for compiler in compilers)
 
 
 def _get_file_format(facts: MeshFacts) -> str:

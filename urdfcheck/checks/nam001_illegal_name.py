@@ -44,8 +44,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             severity = Severity.INFO  # no program commands a fixed joint by its name
         yield from _build_findings(rule, message, severity=severity, parts=wrong)
     roots = {link.name for link in model.links} - {joint.child for joint in model.joints}
-    worlds = [p for p in named if p.name == "world" and (isinstance(p, Joint) or p.name not in roots)]
-    yield from _build_findings(rule, "world", severity=Severity.WARNING, parts=worlds)
+    worlds = [part for part in named if part.name == "world"]
+    links = [part for part in worlds if isinstance(part, Link) and part.name not in roots]
+    # The conversion to SDF merges the links of a fixed joint, and its name disappears, unless one is the world.
+    joints = [part for part in worlds if isinstance(part, Joint) and (part.type != "fixed" or part.parent == "world")]
+    yield from _build_findings(rule, "world", severity=Severity.WARNING, parts=links)
+    yield from _build_findings(rule, "world-joint", severity=Severity.WARNING, parts=joints)
     name = model.name.strip()
     if name and not _IDENTIFIER.fullmatch(name):
         yield rule.finding(

@@ -64,6 +64,8 @@ def _is_misspelt_name(name: str, stem: str) -> bool:
     a, b = "".join(_extract_name_words(name)), "".join(_extract_name_words(stem))
     if min(len(a), len(b)) < _MIN_LETTERS or _is_related_name(name, stem) or sorted(a) == sorted(b):
         return False
+    if all(len(word) == 1 for word in {*_extract_name_words(name)} ^ {*_extract_name_words(stem)}):
+        return False  # gripper_l and gripper_r, arm_a and arm_b: two parts
     same_digits = re.findall(r"\d", a) == re.findall(r"\d", b)
     return same_digits and _are_letters_apart(a, b)
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import join_numbers
+from urdfcheck.core.text import join_names, join_numbers
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import CAMERA_TYPE, GazeboSensor, list_sensors
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
@@ -129,12 +129,16 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
             wrong.setdefault(key, (rotation, []))[1].append(joint)
     for rotation, joints in wrong.values():
         places = [locate_origin_attribute(joint, "rpy") for joint in joints]
+        names = list(dict.fromkeys(joint.child for joint in joints))
         finding = rule.finding(
             "optical-unturned" if _measure_rotation_angle(rotation) <= tol else "optical",
             at=places[0],
             related=places[1:],
-            names=" and ".join(dict.fromkeys(joint.child for joint in joints[:3])),
-            parent=joints[0].parent,
+            names=join_names(names, 3),
+            parents=join_names(dict.fromkeys(joint.parent for joint in joints), 3),
+            frame="frame" if len(names) == 1 else "frames",
+            verb="has" if len(names) == 1 else "have",
+            looks="looks" if len(names) == 1 else "look",
             look=_describe_direction(rotation[:, 2]),
             top=_describe_direction(-rotation[:, 1]),
             first=_describe_sensor_move(model, joints),

@@ -103,7 +103,7 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
             return f"package://{package.name}/{path.resolve().relative_to(package.path.resolve()).as_posix()}"
         except ValueError:
             return None
-    inside = find_in_package(path, source)
+    inside = find_in_package(path, source.package, source.finder)
     return None if inside is None else f"package://{package.name}/{inside}"
 
 

@@ -18,6 +18,8 @@ POINTER = b"version https://git-lfs.github.com/spec/"
 _SIZE = re.compile(rb"^size (\d+)$", re.MULTILINE)
 # A pointer of the format's first version has 130 bytes; its specification allows up to 1024.
 _MAX_POINTER_BYTES = 1024
+# What tells git to fetch files from LFS, and how much of the file that says it is read.
+_TRACKED, _MAX_ATTRIBUTE_BYTES = b"filter=lfs", 65_536
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -34,11 +36,13 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             by_repository.setdefault(_find_repository(path), []).append(use)
     for repository, uses in by_repository.items():
         paths = list(dict.fromkeys(use.resource.path for use in uses if use.resource.path is not None))
+        is_copied = repository is not None and not any(_is_tracked(path, repository) for path in paths)
+        where = "a clone of the repository" if repository is None else format_path(repository)
         yield rule.finding(
             "pointer" if len(paths) == 1 else "pointers",
             at=uses[0],
             related=uses[1:],
-            cause="archive" if repository is None else "clone",
+            cause="archive" if repository is None else "copy" if is_copied else "clone",
             path=format_path(paths[0]),
             count=len(paths),
             listed=join_names((path.name for path in paths), 4),
@@ -46,7 +50,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             consequences=describe_unreadable_mesh(use.attribute.owner for use in uses),
             bytes=sum(sizes[path] or 0 for path in paths),
             repository=None if repository is None else format_path(repository),
-            where="a clone of the repository" if repository is None else format_path(repository),
+            repair="copy the mesh itself from the repository that has it"
+            if is_copied
+            else f"run `git lfs install`, then `git lfs pull`, in {where}",
         )
 
 
@@ -60,6 +66,18 @@ def _read_pointer_size(path: Path) -> int | None:
         return None
     size = _SIZE.search(start.replace(b"\r", b""))
     return int(size[1]) if size else 0
+
+
+def _is_tracked(path: Path, repository: Path) -> bool:
+    """Whether a ``.gitattributes`` between a file and the root of its clone mentions LFS, or cannot be read."""
+    folders = (repository, *(folder for folder in path.parents if repository in folder.parents))
+    for attributes in (folder / ".gitattributes" for folder in folders):
+        try:
+            if attributes.exists() and _TRACKED in read_start(attributes, _MAX_ATTRIBUTE_BYTES):
+                return True
+        except OSError:
+            return True
+    return False
 
 
 def _find_repository(path: Path) -> Path | None:

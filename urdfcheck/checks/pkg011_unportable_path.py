@@ -59,7 +59,10 @@ def _classify_path_problem(use: ResourceUse) -> _PathProblem | None:
         near = find_nearest_name(name, _SCHEMES)
         return _PathProblem("scheme", name, None if near is None else near + text.strip()[len(name) :])
     if _ONE_SLASH.match(text.strip().replace("\\", "/")):  # of package:\\car no slash is missing
-        return _PathProblem("slashes", "", normalize_spelling(text))
+        plain = normalize_spelling(text)
+        # Behind file:// a path is absolute: what is meant is one from the model's file.
+        relative = plain.removeprefix("file://")
+        return _PathProblem("slashes", "", plain if relative == plain or relative.startswith("/") else relative)
     if "\\" in text:
         return _PathProblem("backslash", "", normalize_spelling(text))
     if re.search(r"\s", text):
@@ -96,6 +99,9 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         scheme=problem.part,
         letters="".join(sorted({c for c in problem.part if not c.isascii()})[:10]),
         plain=problem.suggestion or "",
+        repair=f"write `{problem.suggestion}`"
+        if problem.suggestion
+        else "rename the file or folder, with `_` instead of blanks, and its paths",
         hint=f" (did you mean {problem.suggestion!r}?)" if problem.suggestion and problem.message == "scheme" else "",
         more=f", and {join_names(files[1:], 2)}" if len(files) > 1 else "",
         lost="; the file exists but is not found under this name" if exists else "",

@@ -69,17 +69,27 @@ def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule
     path = problem.data["path"]
     folder = _name_folder(Path(path))
     if not isinstance(subject, Source):
-        return rule.finding("launch", at=problem.location, path=path, folder=folder)
+        repair = _describe_launch_repair(Path(path), subject, folder)
+        return rule.finding("launch", at=problem.location, path=path, repair=repair)
     at = locate_expression(subject, problem, "load_yaml")  # xacro evaluates a property where it is first read
     others = [] if at is problem.location else [problem.location]
     related = [*others, *(r for r in problem.related if r.span != at.span)]
     remedy = f"--allow-read {shlex.quote(folder)}"
-    inside = find_in_package(Path(path), subject)
+    inside = find_in_package(Path(path), subject.package, subject.finder)
     if subject.package is None or inside is None:
         repair = _MOVE.format(folder=folder)
     else:
         repair = f"write `$(find {subject.package.name})/{inside}`: the package has the file"
     return rule.finding("read", at=at, related=related, path=path, repair=repair, remedy=remedy)
+
+
+def _describe_launch_repair(path: Path, launch: Launch, folder: str) -> str:
+    """Say to name the file by the package where it is the package's own, typed as a path of its author's machine."""
+    inside = find_in_package(path, launch.package, launch.finder)
+    if launch.package is None or inside is None or launch.python is not None:
+        return _MOVE.format(folder=folder)
+    find = "find-pkg-share" if launch.dialect == "ros2" else "find"
+    return f"write `$({find} {launch.package.name})/{inside}`: the package has the file"
 
 
 def _name_folder(path: Path | None) -> str:

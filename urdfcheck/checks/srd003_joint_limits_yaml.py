@@ -44,12 +44,15 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
             )
         limits = load_joint_limits(model, srdf)
         yield from _check_unknown_joints(model, rule, srdf=srdf, limits=limits, elsewhere=elsewhere)
-        yield from _check_integer_values(rule, limits, model.source.finder.find_package_of(srdf.path.absolute()))
+        is_ros2 = _is_for_ros2(model.source.finder.find_package_of(srdf.path.absolute()))
+        if is_ros2:
+            yield from _check_integer_values(rule, limits)
         for entry in limits:
             joint = model.joint_by_name.get(entry.joint.text)
             if joint is not None and joint.mimic is None:
                 yield from _check_position_limits(rule, entry, joint, rel_tol=rel_tol)
-                yield from _check_velocity_limit(rule, entry, joint, rel_tol=rel_tol)
+                if not is_ros2 or entry.is_on("has_velocity_limits"):  # MoveIt 2 reads the number only beside the flag
+                    yield from _check_velocity_limit(rule, entry, joint, rel_tol=rel_tol)
 
 
 def _check_unknown_joints(
@@ -69,10 +72,12 @@ def _check_unknown_joints(
         yield rule.finding("unknown", at=entry.joint, edits=edits, joint=name, near=format_name_hint(name, unused))
 
 
-def _check_integer_values(rule: Rule, limits: tuple[JointLimits, ...], package: Package | None) -> Iterator[Finding]:
+def _is_for_ros2(package: Package | None) -> bool:
+    return package is not None and any(name.startswith("ament_") for name in package.dependencies)
+
+
+def _check_integer_values(rule: Rule, limits: tuple[JointLimits, ...]) -> Iterator[Finding]:
     """Report all numbers without a decimal point, which a node of ROS 2 rejects, together."""
-    if package is None or package.root is None or not any(name.startswith("ament_") for name in package.dependencies):
-        return
     typed = [
         value
         for entry in limits

@@ -155,6 +155,8 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         near = _find_built_in_name(name) or find_nearest_name(name, known)
         why = f" (did you mean {near!r}?)" if near else ""
         define = f'define it before this line: `<xacro:property name="{name}" value="…"/>`'
+        macro = _find_macro_around(failure)
+        define += f", or add it to the params of macro {macro}" if macro else ""
         repair = f"write `{near}`, or {define}" if near else define
     return _build_report_at_expression(
         failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options
@@ -486,6 +488,14 @@ def _find_failing_element(failure: _ExpansionFailure) -> Element | None:
         return None
     around = [e for e in tree.walk() if e.span is not None and e.span.start <= span.start and span.end <= e.span.end]
     return around[-1] if around else None
+
+
+def _find_macro_around(failure: _ExpansionFailure) -> str:
+    """Return the name of the macro in whose definition the problem is, or nothing."""
+    element = _find_failing_element(failure)
+    while element is not None and element.tag != "xacro:macro":
+        element = element.parent
+    return "" if element is None else element.get("name")
 
 
 def _locate_in_call(failure: _ExpansionFailure, location: Location) -> Location:

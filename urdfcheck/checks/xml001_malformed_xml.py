@@ -9,6 +9,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.package.finder import Package
+from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.ros.srdf import find_broken_srdfs
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import SourceFile
@@ -22,6 +23,11 @@ _KINDS = (
 _MISREAD = ("misdeclared", "undecoded")
 _REPAIR_OF_COMPANION = "fix the XML here or just before it, and save the file as UTF-8"
 _REPAIR_OF_EMPTY = "write its content, or delete the file"
+_REPAIR_OF_UNREADABLE = "check the file name and its read permission"
+_REPAIR_OF_UNREACHABLE = (
+    "where the file is named, write its place in a package (`$(find PACKAGE)/…`); if the place is right and you trust it, "
+    "allow its folder: --allow-read DIR"
+)
 # How a file that was never XML begins, and the cause.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
 # We reject this, and ROS may read it.
@@ -56,7 +62,8 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
             if message == "malformed" and problem.data.get("forgiven") and not source.is_xacro:
                 message = "forgiven"
-            repair = problem.data.get("repair", "")
+            unread = _REPAIR_OF_UNREACHABLE if problem.message == OUT_OF_REACH else _REPAIR_OF_UNREADABLE
+            repair = problem.data.get("repair", unread)
             yield rule.finding(message, at=location, cause=cause, error=problem.message, repair=repair)
     for problem in source.find_problems(*_MISREAD):
         data = {**problem.data, "count": len(problem.data["places"])}

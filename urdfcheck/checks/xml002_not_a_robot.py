@@ -26,7 +26,9 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
     if root is None:
         return
     if root.tag != "robot":
-        known = FORMATS_BY_ROOT.get(root.tag)
+        # In a xacro, <gazebo> is a block of a robot; the root of old SDF files has the same name.
+        is_block = root.tag == "gazebo" and source.is_xacro
+        known = None if is_block else FORMATS_BY_ROOT.get(root.tag)
         if known is None:
             yield rule.finding("root", at=root, tag=root.tag)
         else:

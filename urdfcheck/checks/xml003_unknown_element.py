@@ -56,6 +56,11 @@ _SDF = frozenset({
 })  # fmt: skip
 # Those of a shape: sdformat hands them to it only inside <collision> or <visual>.
 _SDF_OF_SHAPES = frozenset({"surface", "max_contacts", "laser_retro"})
+# Those of a whole model: sdformat hands them to it only from a <gazebo> without a reference.
+_SDF_OF_MODELS = {
+    "plugin": "move it into a `<gazebo>` without reference; the plugin of a sensor belongs inside its <sensor>",
+    "static": "move it into a `<gazebo>` without reference: it is about the whole model",
+}
 # The texts of SDF that are nearly all defaults, besides that of gravity.
 _DEFAULT_TEXTS = frozenset({"", "0", "false"})
 _GRAVITY_TEXTS = frozenset({"", "1", "true"})
@@ -272,6 +277,8 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
             repair = "delete it: the joint that places the link has the same"
         elif parent == "link" and child.tag in _NAMING and all(_list_joint_elements(place, model) for place in places):
             repair = f"delete it: the joint that places the link has its own <{child.tag}>"
+        elif len(homes) == 1 and all(_is_around(place, homes[0]) for place in places):
+            repair = f"delete it: the {listed} has its own <{child.tag}>"
         else:
             repair = f"move it into {listed}"
         return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
@@ -297,6 +304,19 @@ def _has_in_all(around: Element | None, homes: list[str], tag: str) -> bool:
     """Whether an element holds each of these homes, and each has a child of this tag."""
     found = [[] if around is None else around.find_children(home) for home in homes]
     return all(inner and all(one.find_child(tag) is not None for one in inner) for inner in found)
+
+
+def _is_around(place: Element, home: str) -> bool:
+    """Whether what is around the parent of an element is or holds the home of its tag, and that has its one child of the tag."""
+    if place.tag in _REPEATED.get(home, frozenset()):
+        return False
+    around = None if place.parent is None else place.parent.parent
+    while around is not None:
+        homes = [around] if around.tag == home else around.find_children(home)
+        if homes:
+            return all(one.find_child(place.tag) is not None for one in homes)
+        around = around.parent
+    return False
 
 
 def _repeats_joint(place: Element, model: Model) -> bool:
@@ -325,6 +345,8 @@ def _describe_sdf_repair(parent: str, places: list[Element]) -> str:
     child = places[0]
     if child.tag == "pose":
         return "delete it: in URDF `<origin>` gives the place"
+    if child.tag in _SDF_OF_MODELS:
+        return _SDF_OF_MODELS[child.tag]
     around = parent if parent == "visual" else "collision"
     owner = _find_around(child, "link", "joint")
     name = "LINK" if owner is None else owner.get("name")

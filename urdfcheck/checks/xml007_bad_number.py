@@ -22,6 +22,8 @@ _HEXADECIMAL = re.compile(r"[+-]?0x[0-9a-f.]+(p[+-]?\d+)?", re.IGNORECASE)
 _UNIT = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?) ?([A-Za-zµμ°%\"'][A-Za-z0-9µμ°%·*^/²³]*)")
 _EXPRESSION = re.compile(r"(?=[\w.\s()*/+-]*\Z)[\w.\s()]*(?:[*/()]|\bpi\b|\bM_PI\b).*", re.IGNORECASE | re.DOTALL)
 _BRACED = re.compile(r"\$\{([^{}]*)\}")
+# One number of an attribute: blanks inside ${…} do not separate.
+_TYPED_WORD = re.compile(r"(?:\$\{[^{}]*\}|\S)+")
 _UNITS = frozenset({
     "m", "mm", "cm", "dm", "um", "µm", "km", "in", "inch", "inches", "ft", "g", "kg", "t", "lb", "lbs", "oz", "rad",
     "deg", "degree", "degrees", "°", "%", "n", "nm", "mnm", "n*m", "n·m", "nmm", "s", "ms", "rpm", "rad/s", "deg/s",
@@ -43,8 +45,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             verdict = _classify_value(attribute.value, count)
             if verdict is not None:
                 message, word, better = verdict
-                if message == "expression" and "${" in attribute.typed:
-                    yield _build_outside_finding(rule, element, attribute)
+                if message == "expression" and _has_text_outside(attribute.typed, count):
+                    yield _build_outside_finding(rule, element, attribute, count)
                     continue
                 edits = _propose_edits(attribute, word, better)
                 reactions = describe_empty_number(element, name) if message == "empty" else {}
@@ -59,6 +61,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                         **reactions,
                     },
                     **_collect_data(attribute, word),
+                    repair=_describe_repair(attribute.value, word, count, in_xacro=model.source.is_xacro),
                 )
             elif (extreme := _find_extreme_number(attribute)) is not None:
                 yield rule.finding(
@@ -76,7 +79,23 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 )
 
 
-def _build_outside_finding(rule: Rule, element: Element, attribute: Attribute) -> Finding:
+def _has_text_outside(typed: str, count: int) -> bool:
+    """Whether one of the numbers of an attribute is typed partly inside ``${…}`` and partly outside."""
+    words = _TYPED_WORD.findall(typed)
+    return any("${" in word and not _BRACED.fullmatch(word) for word in words) or (
+        "${" in typed and len(words) != count
+    )
+
+
+def _describe_repair(value: str, word: str, count: int, *, in_xacro: bool) -> str:
+    """Say how an expression is computed: in a xacro file it lacks only the braces, around the whole value of one number."""
+    if not in_xacro:
+        return "write the result, or make the file a xacro and write `${…}`"
+    whole = value.strip() if count == 1 else word if len(value.split()) == count else "…"
+    return f"write `${{{whole.strip('{}')}}}`: xacro computes only what is inside"
+
+
+def _build_outside_finding(rule: Rule, element: Element, attribute: Attribute, count: int) -> Finding:
     """Report an expression of which xacro computes only parts."""
     return rule.finding(
         "outside",
@@ -89,14 +108,22 @@ def _build_outside_finding(rule: Rule, element: Element, attribute: Attribute) -
         where=f"{attribute.owner.subject}@{attribute.name}",
         attribute=attribute.name,
         value=truncate_text(attribute.value, 60),
-        joined=_join_expressions(attribute.typed),
+        joined=_join_expressions(attribute.typed, count),
     )
 
 
-def _join_expressions(typed: str) -> str:
-    """Return ``${a + b} * ${c}`` as ``${(a + b) * c}``."""
-    inner = _BRACED.sub(lambda m: m[1] if re.fullmatch(r"[\w.]+", m[1]) else f"({m[1]})", typed)
-    return f"${{{inner.strip()}}}"
+def _join_expressions(typed: str, count: int) -> str:
+    """Return ``${a + b} * ${c}`` as ``: `${(a + b) * c}```, or nothing if it is open where each number of an attribute ends."""
+    words = _TYPED_WORD.findall(typed) if count > 1 else [typed.strip()]
+    if len(words) != count:
+        return ""
+    joined = (word if "${" not in word or _BRACED.fullmatch(word) else _join_expression(word) for word in words)
+    return f": `{' '.join(joined)}`"
+
+
+def _join_expression(word: str) -> str:
+    inner = _BRACED.sub(lambda m: m[1] if re.fullmatch(r"[\w.]+", m[1]) else f"({m[1]})", word)
+    return f"${{{inner}}}"
 
 
 def _is_spare_shape(element: Element) -> bool:
@@ -166,7 +193,7 @@ def _classify_word(word: str) -> tuple[str, str, str | None]:
         return "comma", word, None if thousands else word.replace(",", ".")
     if DECIMAL.fullmatch(word):  # a decimal number that is not finite
         return "overflow", word, None
-    if _EXPRESSION.fullmatch(word):
+    if _EXPRESSION.fullmatch(re.sub(r"^\{(.*)\}$", r"\1", word)):
         return "expression", word, None
     return "other", word, None
 

@@ -24,6 +24,10 @@ CONSEQUENCES = {
 }
 
 
+_RUNNING_XACRO = (
+    'declare `xmlns:xacro` in the root element and let the launch file run xacro (ROS 1: `command="xacro …"` instead of '
+    "`textfile`; ROS 2: `Command(['xacro ', path])`), or load what `xacro` makes of the file"
+)
 _ARGUMENT = re.compile(r"\$\(arg ([\w.-]+)\)")
 # What xacro reads and writes nothing for.
 _DEFINITIONS = frozenset({"<xacro:arg>", "<xacro:macro>", "<xacro:property>"})
@@ -75,7 +79,7 @@ def _build_plain_finding(
         return rule.finding("leftover", at=where, severity=Severity.INFO, text=text, held=held)
     if remaining and not has_read:
         text = _shorten_expression(text)
-        return rule.finding("gazebo", at=where, severity=Severity.WARNING, text=text, held=held)
+        return rule.finding("gazebo", at=where, severity=Severity.WARNING, text=text, held=held, repair=_RUNNING_XACRO)
     if remaining and (names := _list_handed_arguments(texts)):
         return rule.finding(
             "part",
@@ -138,10 +142,7 @@ def _describe_repair(source: Source, texts: Sequence[str]) -> str:
     if source.is_output_of_xacro and all(text.startswith("<xacro:") for text in texts):
         call = next(text for text in texts if text not in _DEFINITIONS)
         return f"include the file that defines {call} in the xacro of which this file was made, and run xacro again"
-    return (
-        'load it with `command="xacro …"` instead of `textfile` and declare `xmlns:xacro` in the root element, or run '
-        "`xacro model.urdf.xacro > model.urdf`"
-    )
+    return _RUNNING_XACRO
 
 
 def _predict_consequences(elements: Iterable[Element], *, is_number_missing: bool) -> dict[str, str]:

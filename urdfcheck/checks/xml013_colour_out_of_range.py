@@ -14,6 +14,10 @@ from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
 
 _SCALE = 255
+# A smaller number may be a slip of one from 0 to 1 (`2`, `1 0` without its point): of 255 it would be black.
+_LEAST = 16
+# An alpha in per cent is opaque.
+_PER_CENT = 100
 
 
 def check(model: Model, rule: Rule, *, rounding: float) -> Iterator[Finding]:
@@ -48,7 +52,7 @@ def _scale_to_unit_range(rgba: tuple[float, ...]) -> tuple[float, ...] | None:
     """Scale whole numbers up to 255 to the range of 0 to 1, or return None; their alpha may be a fraction already."""
     colour, alpha = rgba[:3], rgba[3]
     whole = all(part == round(part) and 0 <= part <= _SCALE for part in colour)
-    if not whole or max(colour) < 2 or not 0 <= alpha <= _SCALE:
+    if not whole or max(colour) < _LEAST or not 0 <= alpha <= _SCALE or alpha == _PER_CENT:
         return None
     return (*(part / _SCALE for part in colour), alpha if alpha <= 1 else alpha / _SCALE)
 

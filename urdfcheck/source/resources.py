@@ -11,7 +11,7 @@ from pathlib import Path
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.finder import Resource
+from urdfcheck.source.package.finder import Package, PackageFinder, Resource
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.grammar import is_unexpanded
 from urdfcheck.source.text.xml import Attribute, Definition, Element
@@ -91,19 +91,18 @@ def find_machine_path(use: ResourceUse, source: Source) -> Attribute | Definitio
     return use.attribute
 
 
-def find_in_package(path: Path, source: Source) -> str | None:
-    """Return the file of the model's package that a path of another machine means, relative to the package, if any.
+def find_in_package(path: Path, package: Package | None, finder: PackageFinder) -> str | None:
+    """Return the file of a package that a path of another machine means, relative to the package, if any.
 
     What follows the name of the package in the path must be a file of the package here.
     """
-    package = source.package
     if package is None:
         return None
     parts = path.as_posix().replace("\\", "/").split("/")
     for index, part in enumerate(parts[:-1]):
         inside = "/".join(parts[index + 1 :])
         place = package.path / inside
-        if part in {package.name, package.path.name} and source.finder.can_open(place) and os.path.isfile(place):
+        if part in {package.name, package.path.name} and finder.can_open(place) and os.path.isfile(place):
             return inside
     return None
 

@@ -139,9 +139,14 @@ def _keeps_visuals(element: Element) -> bool:
     root = element
     while root.parent is not None:
         root = root.parent
-    sections = (child for child in root.children if child.tag == "mujoco")
+    return has_mujoco_option(root, "discardvisual", "false")
+
+
+def has_mujoco_option(robot: Element, name: str, value: str) -> bool:
+    """Whether a ``<mujoco><compiler>`` of a ``<robot>`` gives an option this value."""
+    sections = (child for child in robot.children if child.tag == "mujoco")
     compilers = (child for section in sections for child in section.children if child.tag == "compiler")
-    return any(compiler.get("discardvisual") == "false" for compiler in compilers)
+    return any(compiler.get(name) == value for compiler in compilers)
 
 
 def describe_unreadable_mesh(parts: Iterable[Element]) -> dict[str, str]:
