@@ -44,7 +44,7 @@ def run_drive_test(model: Model) -> DriveTest:
     plan = find_drive_plan(model)
     if plan is None:
         raise FactUnavailableError(
-            "neither a controller, nor a plugin, nor names show the wheels of a differential drive"
+            "neither a controller, nor a plugin, nor one pair of wheels shows a differential drive"
         )
     names = (*plan.left, *plan.right)
     if any(is_suspended(model, model.joint_by_name[name].child) for name in names):
