@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import NotChecked, Run, UrdfcheckError
+from urdfcheck.core import NotChecked, Run, SkippedCheck, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.core.records import dataclass
 from urdfcheck.policy import baseline
@@ -29,7 +29,7 @@ from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, Uni
 from urdfcheck.run.replay.reports import KnownReports, enable_replay
 from urdfcheck.run.report_sizes import ReportSizes
 from urdfcheck.run.source_texts import SourceTexts
-from urdfcheck.run.unit_audit import audit_unit
+from urdfcheck.run.unit_audit import audit_unit, choose_simulation, list_simulated_rules
 from urdfcheck.run.units.included_parts import (
     assign_parts,
     find_read_spares,
@@ -532,6 +532,7 @@ def stream_reports(
     longest = limits.seconds + sandbox.PATIENCE if limits.seconds else None
     rights = settings.visible_folders, settings.cache, limits.memory
     spare = None if execution.spare_workers is None else execution.spare_workers.get_list(rights)
+    died: dict[int, WorkerDiedError] = {}
     for place, answer in map_in_processes(
         _audit_in_worker,
         work,
@@ -542,7 +543,36 @@ def stream_reports(
         timeout=longest,
         is_spent=_is_stopped,
     ):
-        yield order[place], _report_answer(units[order[place]], answer, settings)
+        index = order[place]
+        if _may_be_due_to_simulator(units[index], answer, settings):
+            died[index] = answer
+        else:
+            yield index, _report_answer(units[index], answer, settings)
+    if died:
+        yield from _audit_without_simulator({index: units[index] for index in died}, died, settings, jobs=jobs)
+
+
+def _may_be_due_to_simulator(unit: Unit, answer: UnitReport | WorkerDiedError, settings: AuditSettings) -> bool:
+    """Whether a worker died, in which native code of the simulator ran for a target of the model."""
+    is_dead = isinstance(answer, WorkerDiedError) and not isinstance(answer, WorkerTimeoutError)
+    return is_dead and choose_simulation(unit.policy or settings.policy, settings.options) == "brief"
+
+
+def _audit_without_simulator(
+    units: Mapping[int, Unit], died: Mapping[int, WorkerDiedError], settings: AuditSettings, *, jobs: int
+) -> Iterator[tuple[int, UnitReport]]:
+    """Audit units again whose workers died; yield the index of each and its report, which says that it was not dropped.
+
+    Such reports are not kept: the next run tries again.
+    """
+    settings = replace(settings, options=replace(settings.options, simulate=False), replay_key="")
+    for place, report in stream_reports(list(units.values()), settings, jobs=jobs):
+        index = list(units)[place]
+        unit = units[index]
+        reason = f"the process in which MuJoCo simulated the model {_describe_exit(died[index].exit_code)}"
+        codes = [code for code in list_simulated_rules() if code in (unit.policy or settings.policy).codes]
+        kept = [skip for skip in report.skipped if skip.code not in codes]
+        yield index, replace(report, skipped=(*kept, *(SkippedCheck(code, unit.id, reason) for code in codes)))
 
 
 def _report_answer(unit: Unit, answer: UnitReport | WorkerDiedError, settings: AuditSettings) -> UnitReport:
