@@ -894,7 +894,7 @@ def test_all_joints_without_an_axis_are_one_finding(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("dynamics", "kind", "messages"),
     [
-        ('damping="-0.1" friction="-1"', "continuous", ["damping", "friction"]),
+        ('damping="-0.1" friction="-2"', "continuous", ["damping", "friction"]),
         ('damping="0" friction="-0.0"', "continuous", []),
         ('damping="-0.1"', "fixed", []),
     ],
@@ -903,6 +903,13 @@ def test_negative_dynamics(tmp_path: Path, dynamics: str, kind: str, messages: l
     findings = find(tmp_path, make_three_links(make_joint(f"<dynamics {dynamics}/>", kind)), "JNT011")
     assert [f.message_id for f in findings] == messages
     assert all(f.fix is not None and f.fix.edits[0].replacement == f.fix.edits[0].expected[1:] for f in findings)
+
+
+def test_a_damping_of_minus_one_may_stand_for_none(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_three_links(make_joint('<dynamics damping="-1"/>', "continuous")), "JNT011")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write 0 if -1 stands for none")
+    assert not finding.fix.edits
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
-from urdfcheck.model import Model
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import (
     SetupAssistantPair,
@@ -31,14 +31,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     always: list[tuple[SetupAssistantPair, float | None]] = []
     by_default: list[tuple[SetupAssistantPair, float | None]] = []
     for j in classify_link_pairs(model):
-        meets = j.is_always_for_moveit or j.meets_at_default
+        is_always = j.is_always_for_moveit and _are_joints_moved(model, j.pair)
+        meets = is_always or j.meets_at_default
         if not meets or moved.isdisjoint(j.pair.links) or any(s.is_pair_disabled(*j.pair.links) for s in srdfs):
             continue
         depth = measure_default_depth(model, j.pair) if j.meets_at_default else None
-        if not j.is_always_for_moveit and _overlaps_at_rest(j.pair):
+        if not is_always and _overlaps_at_rest(j.pair):
             continue  # COL001 warns of the pair, and says what MoveIt does with it
         if depth != 0.0:  # collision checkers disagree about faces in one plane
-            (always if j.is_always_for_moveit else by_default).append((j, depth))
+            (always if is_always else by_default).append((j, depth))
     for message, pairs in (("always", always), ("default", by_default)):
         if pairs:
             yield rule.finding(
@@ -52,6 +53,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 samples=f"{len(pairs[0][0].pair.hits):,}",
             )
     ensure_all_shapes_read(self_collisions(model))
+
+
+def _are_joints_moved(model: Model, pair: CollisionPair) -> bool:
+    """Whether all joints between two links were moved: those whose limits are inverted (JNT005) stay where they are."""
+    first, second = ({joint.name: joint for joint in model.tree.find_path_to(link)} for link in pair.links)
+    between = [{**first, **second}[name] for name in first.keys() ^ second.keys()]
+    return not any(joint.is_movable and _is_inverted(joint) for joint in between)
+
+
+def _is_inverted(joint: Joint) -> bool:
+    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
+    return joint.type != "continuous" and lower is not None and upper is not None and lower > upper
 
 
 def _overlaps_at_rest(pair: CollisionPair) -> bool:

@@ -75,14 +75,17 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if _is_meant_to_be_kept(model, unknown.sensor.reference, reduction):
             continue  # GZB001 and GZB003 report the block that does not keep the link
         element, names, files = unknown.element, unknown.candidates, model.source.files
+        other = _find_other_link(model, unknown)
         yield rule.finding(
             "collision",
             at=locate_content(element, files),
-            edits=edit_content(element, names[0], files) if len(names) == 1 else (),
+            edits=edit_content(element, names[0], files) if len(names) == 1 and other is None else (),
             sensor=unknown.sensor.name,
             collision=unknown.name,
             body=unknown.body,
-            repair=f"write the SDF name of this link's collision: {' or '.join(names)}"
+            repair=f"move the sensor into the block of {other}, and write the SDF name of its collision there"
+            if other is not None
+            else f"write the SDF name of this link's collision: {' or '.join(names)}"
             if names
             else f"give {unknown.sensor.reference} a collision, or move the sensor to the link that has it",
         )
@@ -226,6 +229,14 @@ def _is_meant_to_be_kept(model: Model, link: str, reduction: FixedJointReduction
             return True
         link = joint.parent
     return False
+
+
+def _find_other_link(model: Model, unknown: _UnknownCollision) -> str | None:
+    """Find the link, not the sensor's own, that the name of a collision mentions: the sensor may be meant for it."""
+    if unknown.sensor.reference in unknown.name:
+        return None
+    mentioned = [name for name in model.link_by_name if name != unknown.sensor.reference and name in unknown.name]
+    return max(mentioned, key=len, default=None)
 
 
 def _iter_unknown_collisions(
