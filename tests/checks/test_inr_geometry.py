@@ -800,13 +800,14 @@ def test_a_moment_that_is_too_small_is_not_called_too_large(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(("spread", "severity"), [(0.22, Severity.INFO), (0.3, Severity.WARNING)])
-def test_possible_moments_that_barely_fit_together_are_a_note(tmp_path: Path, spread: float, severity: Severity) -> None:
+def test_possible_moments_that_barely_fit_together_are_a_note(
+    tmp_path: Path, spread: float, severity: Severity
+) -> None:
     # Nearly all variance along one axis: each moment is possible while the others have none of it.
     largest = spread**2 + 1e-4
     part = link("p", inertial(1, ixx=2e-4, iyy=largest, izz=largest), visual(box("0.3 0.3 0.3")))
     (finding,) = find(tmp_path, robot(part), "INR005")
     assert (finding.message_id == "uneven", finding.severity) == (spread < 0.25, severity)
-
 
 
 @pytest.mark.parametrize("rpy", ["0 1.5708 0", "0 0 0"])
