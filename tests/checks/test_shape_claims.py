@@ -50,3 +50,25 @@ def test_contacts_with_a_shape_of_another_size_may_be_inside_of_what_is_drawn(
     assert "elsewhere" not in finding.consequences["moveit"]
     assert finding.cause is not None
     assert "mesh" not in finding.cause.text
+
+
+def test_a_mass_too_great_for_its_size_may_be_that_of_parts_that_are_not_drawn(tmp_path: Path) -> None:
+    turns = joint("j", "base", "arm", kind="continuous")
+    small = visual(box("0.01 0.01 0.02"))
+    computed = inertial(0.5, ixx=0.5 * 5e-4 / 12, iyy=0.5 * 5e-4 / 12, izz=0.5 * 2e-4 / 12)
+    (drawn,) = find(tmp_path, robot(link("base"), link("arm", computed, small), turns), "INR010")
+    (other,) = find(tmp_path, robot(link("base"), link("arm", inertial(0.5, 1e-7), small), turns), "INR010")
+    assert drawn.fix is not None
+    assert other.fix is not None
+    assert "if the mass is right, correct the size of what is drawn" in drawn.fix.title
+    assert other.fix.title.endswith("or draw the parts that are missing")
+
+
+def test_an_arm_that_is_bolted_to_the_world_does_not_lean(tmp_path: Path) -> None:
+    turns = joint("j", "base", "arm", kind="continuous", axis="0 0 1")
+    bolted = joint("w", "world", "base")
+    arm = link("arm", inertial(1, 0.01, com="1 0 0"), visual(box("0.1 0.1 0.1")))
+    (finding,) = find(tmp_path, robot(link("world"), bolted, link("base"), arm, turns), "INR006")
+    assert "not fixed to the world may lean" in finding.consequences["gazebo"]
+    assert finding.fix is not None
+    assert "<origin> of what is drawn" in finding.fix.title
