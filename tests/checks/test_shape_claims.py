@@ -72,3 +72,11 @@ def test_an_arm_that_is_bolted_to_the_world_does_not_lean(tmp_path: Path) -> Non
     assert "not fixed to the world may lean" in finding.consequences["gazebo"]
     assert finding.fix is not None
     assert "<origin> of what is drawn" in finding.fix.title
+
+
+@pytest.mark.parametrize(("friction", "count"), [(0, 1), (40, 0)])
+def test_friction_holds_what_the_drive_cannot(tmp_path: Path, friction: float, count: int) -> None:
+    arm = link("arm", inertial(4, 0.1, com="0 0 0.3"), visual(box("0.05 0.05 0.6"), xyz="0 0 0.3"))
+    rubs = f'<dynamics damping="1" friction="{friction}"/>'
+    turns = joint("j", "base", "arm", limit(-1, 1, effort=3), rubs, kind="revolute", axis="0 1 0")
+    assert len(find(tmp_path, robot(link("base", inertial(5, 0.1)), arm, turns), "DYN002")) == count
