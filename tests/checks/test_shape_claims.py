@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import box, collision, find, inertial, joint, limit, link, robot, visual
+from builders import box, collision, cylinder, find, inertial, joint, limit, link, robot, sphere, visual
 
 from urdfcheck.core import Finding
 
@@ -80,3 +80,33 @@ def test_friction_holds_what_the_drive_cannot(tmp_path: Path, friction: float, c
     rubs = f'<dynamics damping="1" friction="{friction}"/>'
     turns = joint("j", "base", "arm", limit(-1, 1, effort=3), rubs, kind="revolute", axis="0 1 0")
     assert len(find(tmp_path, robot(link("base", inertial(5, 0.1)), arm, turns), "DYN002")) == count
+
+
+def make_cart(*parts: str) -> str:
+    """Return a cart on two driven wheels that reach 80 mm below its root."""
+    body = [link("base", inertial(20, 0.3, com="0.05 0 0"), collision(box("0.4 0.2 0.1")))]
+    for side, y in (("left", 0.15), ("right", -0.15)):
+        tyre = collision(cylinder(0.08, 0.03), rpy="1.5707963 0 0")
+        body.append(link(f"{side}_wheel", inertial(1, 0.002), tyre))
+        body.append(
+            joint(f"{side}_wheel_joint", "base", f"{side}_wheel", kind="continuous", xyz=f"0.1 {y} 0", axis="0 1 0")
+        )
+    return robot(*body, *parts)
+
+
+@pytest.mark.parametrize(("axis", "count"), [("0 0 1", 0), ("1 0 0", 1)])
+def test_a_sprung_caster_does_not_tilt_the_robot(tmp_path: Path, axis: str, count: int) -> None:
+    slide = joint("spring", "base", "mount", limit(-0.02, 0.05), kind="prismatic", xyz="-0.15 0 -0.07", axis=axis)
+    caster = joint("c", "mount", "caster")
+    ball = link("caster", collision(sphere(0.03)))
+    text = make_cart(link("mount", inertial(0.1, 0.001)), slide, ball, caster)
+    assert len(find(tmp_path, text, "DYN006")) == count
+
+
+@pytest.mark.parametrize(("axis", "count"), [("0 0 1", 0), ("0 1 0", 1)])
+def test_the_ground_lifts_a_fork_that_slides_up(tmp_path: Path, axis: str, count: int) -> None:
+    caster = joint("c", "base", "caster", xyz="-0.15 0 -0.05")
+    ball = link("caster", collision(sphere(0.03)))
+    lifts = joint("lift", "base", "fork", limit(0, 0.05), kind="prismatic", xyz="0 0 -0.05", axis=axis)
+    fork = link("fork", inertial(0.1, 0.001), collision(box("0.02 0.02 0.1")))
+    assert len(find(tmp_path, make_cart(ball, caster, fork, lifts), "DYN006")) == count
