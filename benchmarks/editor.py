@@ -1,14 +1,16 @@
 """Measure how soon an editor shows a finding after a key, against the command and against plain xacro.
 
-``python benchmarks/editor.py MODEL [repeats]`` starts ``urdfcheck server``, opens the model, and toggles a link without a joint
+``python benchmarks/editor.py MODEL…`` starts ``urdfcheck server``, opens the model, and toggles a link without a joint
 in its buffer: each change makes the server send other diagnostics. The time is from the notification to the diagnostics, with the
-pause of 0.05 to 0.1 s in which the server waits for more typing. All rows are medians of one run that takes turns. The processor
+pause of 0.05 or 0.1 s in which the server waits for more typing. All rows are medians of one run that takes turns. The processor
 time of the server's processes (Linux) is about what an edit takes where nothing else runs, without the pause: one process after
-the other uses nearly all of it.
+the other uses nearly all of it. Of several models each has a line with the times of an edit, and the last line says how many are
+within the budget. ``--arg NAME:=VALUE`` is an argument of the models.
 """
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import contextlib
 import io
@@ -17,7 +19,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from lsprotocol import types
@@ -25,6 +27,10 @@ from pygls.lsp.client import LanguageClient
 
 from urdfcheck.source.package.finder import PackageFinder
 
+# Seconds from a key to the findings, of a xacro with 30 links on a free machine.
+BUDGET = 0.15
+# Seconds in which the server has loaded what it needs.
+LOADING = 10.0
 LOOSE = '<link name="of_the_benchmark"/>'
 
 
@@ -59,8 +65,9 @@ def expand_plainly(model: Path) -> None:
 class Editor:
     """A client that toggles the loose link and waits for what it is sent."""
 
-    def __init__(self, model: Path) -> None:
+    def __init__(self, model: Path, arguments: Sequence[str] = ()) -> None:
         self.model = model
+        self.options = [word for argument in arguments for word in ("--arg", argument)]
         self.text = model.read_text(encoding="utf-8")
         self.version = 1
         self.sent = asyncio.Event()
@@ -69,7 +76,7 @@ class Editor:
 
     async def start(self) -> None:
         """Start the server and wait until everything is checked, and its process has loaded what it needs."""
-        await self.client.start_io(sys.executable, "-m", "urdfcheck", "server")
+        await self.client.start_io(sys.executable, "-m", "urdfcheck", "server", *self.options)
         root = self.model.parent.as_uri()
         parameters = types.InitializeParams(capabilities=types.ClientCapabilities(), root_uri=root)
         await self.client.initialize_async(parameters)
@@ -77,7 +84,7 @@ class Editor:
         item = types.TextDocumentItem(self.model.as_uri(), "xml", 1, self.text)
         self.client.text_document_did_open(types.DidOpenTextDocumentParams(item))
         await self.rest()
-        await asyncio.sleep(10)
+        await asyncio.sleep(LOADING)
 
     async def rest(self) -> None:
         """Wait until everything is checked."""
@@ -102,9 +109,9 @@ class Editor:
         await self.client.stop()
 
 
-async def measure(model: Path, repeats: int) -> dict[str, list[float]]:
+async def measure(model: Path, repeats: int, arguments: Sequence[str]) -> dict[str, list[float]]:
     """Return the times of each row."""
-    editor = Editor(model)
+    editor = Editor(model, arguments)
     await editor.start()
     times: dict[str, list[float]] = {"edit": [], "cpu": [], "check": [], "xacro": []}
     check = [sys.executable, "-m", "urdfcheck", "check", "--tier", "source", str(model)]
@@ -120,10 +127,47 @@ async def measure(model: Path, repeats: int) -> dict[str, list[float]]:
     return times
 
 
+async def measure_edits(model: Path, repeats: int, arguments: Sequence[str]) -> list[tuple[float, float]]:
+    """Return the time and the processor time of some edits, after one that counts for nothing."""
+    editor = Editor(model, arguments)
+    await editor.start()
+    times = []
+    for _ in range(repeats + 1):
+        times.append(await editor.measure_edit())
+        await editor.rest()
+    await editor.end()
+    return times[1:]
+
+
+def print_edits(models: Sequence[Path], repeats: int, arguments: Sequence[str]) -> None:
+    """Print the times of an edit of each model, and how many are within the budget."""
+    middles = []
+    for model in models:
+        try:
+            times = asyncio.run(measure_edits(model, repeats, arguments))
+        except (asyncio.TimeoutError, OSError) as error:
+            print(f"{'not measured':28} {model} ({type(error).__name__})")
+            continue
+        wall, processor = (statistics.median(column) for column in zip(*times, strict=True))
+        middles.append(wall)
+        print(f"{wall:6.3f} s, least {min(times)[0]:6.3f} s, processor time {processor:6.3f} s   {model}", flush=True)
+    if middles:
+        within = sum(middle <= BUDGET for middle in middles)
+        print(f"{within} of {len(middles)} within {BUDGET} s; the median is {statistics.median(middles):.3f} s")
+
+
 def main() -> None:
     """Print the medians and their ratios."""
-    repeats = int(sys.argv[2]) if len(sys.argv) > 2 else 11
-    times = asyncio.run(measure(Path(sys.argv[1]).resolve(), repeats))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("models", nargs="+", type=Path)
+    parser.add_argument("--repeats", type=int, default=11)
+    parser.add_argument("--arg", action="append", default=[])
+    options = parser.parse_args()
+    models = [model.resolve() for model in options.models]
+    if len(models) > 1:
+        print_edits(models, options.repeats, options.arg)
+        return
+    times = asyncio.run(measure(models[0], options.repeats, options.arg))
     edit = statistics.median(times["edit"])
     for name, label in (
         ("edit", "edit to diagnostics, source tier, with the pause"),

@@ -15,6 +15,7 @@ from urdfcheck.core.text import (
     format_repetition,
     format_share,
     join_numbers,
+    round_decimals,
     truncate_text,
 )
 
@@ -29,6 +30,11 @@ def test_lengths_have_the_unit_of_their_size(metres: float, shown: str, fine: st
 
 def test_lengths_have_as_many_digits_as_asked_for() -> None:
     assert format_length(1.23456, digits=4) == "1.235 m"
+
+
+def test_a_text_has_no_digits_that_come_from_the_computation() -> None:
+    typed = "0.32000000000000006 -1.5707963267948966 1e-3 0.5 arm_0.12345678901 3.141592653589793e-05 0.123456789…"
+    assert round_decimals(typed) == "0.32 -1.570796327 1e-3 0.5 arm_0.12345678901 3.141592654e-05 0.123456789…"
 
 
 def test_a_count_agrees_with_its_noun_and_verb() -> None:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -80,3 +84,24 @@ def test_a_guide_is_run_as_it_is_written(tmp_path: Path) -> None:
 def test_what_a_guide_says_wrongly_is_noticed(tmp_path: Path, shown: str, wrong: str, complaint: str) -> None:
     with pytest.raises(AssertionError, match=complaint):
         run_guide(GUIDE.replace(shown, wrong), tmp_path)
+
+
+@pytest.mark.skipif(
+    shutil.which("jq") is None, reason="JQ IS NOT INSTALLED: the commands that read an audit are not tried"
+)
+def test_the_commands_that_read_an_audit_give_a_line_for_a_model(tmp_path: Path) -> None:
+    """Also for one with two findings of the rule."""
+    found = {"code": "INR003", "severity": "error", "suppressed": None}
+    known = found | {"suppressed": {"kind": "baseline"}}
+    model = {"links": 2, "joints": 1, "mass": 0.5}
+    lines = [
+        {"unit": {"id": "a.urdf"}, "model": model, "findings": [found, found, known]},
+        {"unit": {"id": "b"}, "model": None, "findings": []},
+    ]
+    (tmp_path / "urdfcheck-audit").mkdir()
+    (tmp_path / "urdfcheck-audit/audit.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    guide = (REPOSITORY / "docs/guides/thousands-of-models.md").read_text(encoding="utf-8")
+    rule, table = re.findall(r"jq -r '[^']+' [^\s`]+(?: > models\.csv)?", guide)
+    assert subprocess.check_output(["sh", "-c", rule], cwd=tmp_path, text=True) == "a.urdf\n"
+    subprocess.run(["sh", "-c", table], cwd=tmp_path, check=True)
+    assert (tmp_path / "models.csv").read_text() == '"a.urdf",2,1,0.5,2,0\n'

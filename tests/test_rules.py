@@ -1,7 +1,6 @@
 """Each rule page is its rule's first test: every Bad block gives the finding on the marked line, no Good block does.
 
-A fenced block is a robot of its own. Fences with ``file=`` form one tree of files that is checked as a folder; a text line
-between two fences ``---`` begins the next tree.
+The files of a tree are checked as a folder.
 """
 
 from __future__ import annotations
@@ -15,23 +14,22 @@ from pathlib import Path
 from string import Formatter
 
 import pytest
-from conftest import check, list_machine_paths
+from conftest import REPOSITORY, check, list_machine_paths
 
 from urdfcheck import rules
 from urdfcheck.core import Applicability, Finding, Rule
 from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.core.headlines import LONGEST_HEADLINE
 from urdfcheck.dev.new_rule import TO_DO
+from urdfcheck.dev.rule_examples import list_examples
 from urdfcheck.policy import config, config_resolver
 from urdfcheck.rules import NEEDS, SCOPES, has_check, load_check, load_rules
 
-FENCE = re.compile(r"^```(\w+)(?: file=(\S+))?[ ]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 # `expect: NAM008` marks a line, `expect: NAM008 "base_"` the text on it that the finding points at as well.
 EXPECT = re.compile(r'expect: ([A-Z]{3}\d{3})(?: "([^"]*)")?')
 HEADINGS = ["What it checks", "Why it matters", "How to fix", "Bad", "Good", "When to ignore", "References"]
 # Room that the words of a headline leave for each of its values.
 LEAST_VALUE = 6
-SUFFIX = {"urdf": ".urdf", "xacro": ".urdf.xacro", "launch": ".launch"}
 
 
 # What no headline says: the subject comes first, and it is one clause in plain words.
@@ -51,24 +49,8 @@ class Case:
         return f"{self.rule}-{self.section.lower()}-{self.number}"
 
 
-def section(page: str, heading: str) -> str:
-    match = re.search(rf"^## {heading}\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL)
-    return match.group(1) if match else ""
-
-
 def cases(rule: Rule, heading: str) -> list[Case]:
-    found: list[tuple[tuple[str, str], ...]] = []
-    for part in re.split(r"^---$", section(rule.page, heading), flags=re.MULTILINE):
-        tree: list[tuple[str, str]] = []
-        for language, name, text in FENCE.findall(part):
-            if name:
-                tree.append((name, text))
-            elif language in SUFFIX:
-                xacro = language == "urdf" and "xmlns:xacro" in text
-                found.append((("robot" + (".urdf.xacro" if xacro else SUFFIX[language]), text),))
-        if tree:
-            found.append(tuple(tree))
-    return [Case(rule.code, heading, i + 1, files) for i, files in enumerate(found)]
+    return [Case(rule.code, heading, i + 1, files) for i, files in enumerate(list_examples(rule.page, heading))]
 
 
 RULES = list(load_rules().values())
@@ -210,6 +192,14 @@ def test_page_is_complete(rule: Rule) -> None:
     if has_check(rule):
         assert cases(rule, "Bad"), "no Bad block"
         assert cases(rule, "Good"), "no Good block"
+
+
+def test_every_rule_is_there_since_a_release() -> None:
+    """What a user can install: 0.1 was never released."""
+    changelog = (REPOSITORY / "CHANGELOG.md").read_text(encoding="utf-8")
+    releases = {*re.findall(r"^## (\d+\.\d+\.\d+) ", changelog, re.MULTILINE)}
+    assert releases
+    assert {rule.code: rule.since for rule in RULES if rule.since not in releases} == {}
 
 
 @pytest.mark.parametrize("rule", CHECKED, ids=lambda rule: rule.code)

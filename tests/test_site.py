@@ -5,16 +5,20 @@ from __future__ import annotations
 import re
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from conftest import REPOSITORY
-from website import rule_index, rule_pages
+from output.test_png import decoded
+from website import rule_index, rule_pages, rule_pictures
 from website.markdown import convert_markdown
 from website.navigation import iter_pages
 from website.reference_pages import render_exit_codes, render_python_api, render_schemas
-from website.source_tree import list_addresses
+from website.source_tree import list_addresses, render_pages
 from website.terminal_recording import DARK, LIGHT, Recorded, render_recording
 
 import urdfcheck
+from urdfcheck.output.html.sections.appendix import render_rule_pages as render_report_pages
+from urdfcheck.output.shared.rule_page import find_rule_address
 from urdfcheck.rules import load_rules
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -109,6 +113,44 @@ def test_the_page_of_a_rule_says_in_words_what_its_toml_says() -> None:
     assert sections[2:7] == ["How to fix", "What it reports", "What each program does", "Options", "Bad"]
 
 
+def test_the_page_of_a_rule_names_each_finding_by_words() -> None:
+    """Also where every word of the headline depends on the robot."""
+    page = rule_pages.render_rule(load_rules()["SYM008"])
+    assert "\n* <var>wheel</var> and <var>twin</var> are not mirror images" in page
+    assert "For “<var>wheel</var> and <var>twin</var> are not mirror images" in page
+    assert "\n* endless\n" in rule_pages.render_rule(load_rules()["XAC001"])
+
+
+def test_the_page_of_a_rule_shows_what_can_be_seen_of_it() -> None:
+    """The odd wheel is red; a text, what is a dot in its robot and examples that look alike have no picture."""
+    rules = load_rules()
+    pictures = rule_pictures.draw_rule(rules["SYM001"])
+    assert pictures is not None
+    assert pictures.headline.startswith("front_left: zero is")
+    red, quiet = (count_marked(picture) for picture in (pictures.bad, pictures.good))
+    assert red > quiet
+    for code in ("XML004", "INR017", "LCH001", "MSH008"):
+        assert rule_pictures.draw_rule(rules[code]) is None, code
+    page = rule_pages.render_rule(rules["SYM001"], 'a "b" is off')
+    assert '<img src="../../assets/rules/SYM001-bad.png" alt="Bad: a &quot;b&quot; is off"' in page
+    assert "What it looks like" not in rule_pages.render_rule(rules["SYM001"])
+
+
+def count_marked(picture: bytes) -> int:
+    """Count the pixels in the red of what a finding is about, which is darker than that of an x axis."""
+    pixels = decoded(picture).astype(int)
+    assert pixels.shape == (rule_pictures.HEIGHT, rule_pictures.WIDTH, 4)
+    red, green, _, opacity = np.moveaxis(pixels, -1, 0)
+    return int(((red > 3 * green) & (opacity > 0)).sum())
+
+
+def test_reports_link_a_rule_where_the_site_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("urdfcheck.version.SITE", "https://example.org/docs/")
+    rule = load_rules()["INR003"]
+    assert find_rule_address("INR003") == f"https://example.org/docs/{rule_pages.place_rule(rule).removesuffix('.md')}/"
+    assert f'<a href="{find_rule_address("INR003")}">page of INR003</a>' in render_report_pages([rule])
+
+
 def test_every_rule_has_all_of_its_page_and_a_row_in_the_index() -> None:
     index = rule_index.render_index()
     for code, rule in load_rules().items():
@@ -127,6 +169,12 @@ def test_the_index_of_the_rules_names_every_program_that_minds() -> None:
     affected = rule_pages.list_outcomes(load_rules()["LCH001"])
     assert affected == {"rviz": "affected", "roslaunch": "refuses"}
     assert "pinocchio" not in rule_pages.list_outcomes(load_rules()["SYM001"])  # it loads what was typed
+
+
+def test_every_column_of_a_table_has_a_name() -> None:
+    for address, text in render_pages({}).items():
+        heads = re.findall(r"^(\|.*\|)\n\|[-:| ]+\|$", text, re.MULTILINE)
+        assert not [head for head in heads if "" in map(str.strip, head[1:-1].split("|"))], address
 
 
 def test_the_reference_names_the_whole_interface() -> None:

@@ -1,4 +1,4 @@
-"""JNT021's third evidence about a range: limits that drive a part into the one that holds it."""
+"""JNT021's third evidence about a range: limits that drive a part into the ones that hold it."""
 
 from __future__ import annotations
 
@@ -66,6 +66,22 @@ def test_limits_that_fit_are_not_reported(axis: str, limits: tuple[float, float]
     assert find_contradicted_axes(read_model(tmp_path, write_hinge(axis, limits=limits))).sunken == ()
 
 
+@pytest.mark.parametrize(("limit", "into"), [("-1", ["block"]), ("0.2", None)], ids=["zero allowed", "zero outside"])
+def test_parts_before_the_parent_count_where_all_between_may_be_at_zero(
+    limit: str, into: list[str] | None, tmp_path: Path
+) -> None:
+    """A small post turns on the block and holds the lever, which sinks into the block."""
+    post = (
+        '<joint name="turn" type="revolute"><origin xyz="-0.1 0 0.11"/><parent link="block"/><child link="post"/>'
+        f'<axis xyz="0 0 1"/><limit lower="{limit}" upper="1" effort="1" velocity="1"/></joint>'
+        f'<link name="post">{_MESH.format("0 0 0.1", "lever")}</link>'
+    )
+    hinge = write_hinge("0 1 0").replace('<origin xyz="-0.1 0.0 0.11"/><parent link="block"/>', '<parent link="post"/>')
+    assert hinge != write_hinge("0 1 0")
+    found = find_contradicted_axes(read_model(tmp_path, post, hinge)).sunken
+    assert [list(one.into) for one in found if one.joint == "hinge"] == ([] if into is None else [into])
+
+
 def test_primitives_and_heavy_meshes_are_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     box = '<visual><geometry><box size="0.2 0.6 0.2"/></geometry></visual>'
     assert find_contradicted_axes(read_model(tmp_path, write_hinge("0 1 0"), block=box)).sunken == ()
@@ -78,7 +94,13 @@ def test_the_result_is_the_same_from_the_cache(tmp_path: Path) -> None:
     (first,), (second,) = (
         find_contradicted_axes(read_model(tmp_path, write_hinge("0 1 0"), cache=cache)).sunken for _ in range(2)
     )
-    assert (first.joint, first.declared, first.shares) == (second.joint, second.declared, second.shares)
+    assert first.into == ("block",)
+    assert (first.joint, first.declared, first.shares, first.into) == (
+        second.joint,
+        second.declared,
+        second.shares,
+        second.into,
+    )
 
 
 @pytest.mark.parametrize(
@@ -100,5 +122,6 @@ def test_the_result_is_the_same_from_the_cache(tmp_path: Path) -> None:
 def test_one_joint_without_a_free_twin_is_reported(hinges: tuple[str, ...], reported: bool, tmp_path: Path) -> None:
     write_meshes(tmp_path)
     text = f'<robot name="press"><link name="block">{BLOCK}</link>{"".join(hinges)}</robot>'
-    found = [(f.message_id, f.severity) for f in check_text(tmp_path, text, codes={"JNT021"}).findings]
-    assert found == ([("sunken", Severity.WARNING)] if reported else [])
+    findings = check_text(tmp_path, text, codes={"JNT021"}).findings
+    assert [(f.message_id, f.severity) for f in findings] == ([("sunken", Severity.WARNING)] if reported else [])
+    assert all(f.fix is not None and f.fix.title.endswith("(0 -1 0), or write the limits -1.5 to 0") for f in findings)

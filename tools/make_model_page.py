@@ -63,7 +63,7 @@ def render_page() -> str:
 
 def _render_functions(path: Path, rows: list[str]) -> str:
     doc = read_summary(ast.parse(path.read_text(encoding="utf-8")))
-    return f"\n## `{name_module(path)}`\n\n{doc}\n\n| function | returns | |\n|---|---|---|\n{''.join(rows)}"
+    return f"\n## `{name_module(path)}`\n\n{doc}\n\n| function | returns | meaning |\n|---|---|---|\n{''.join(rows)}"
 
 
 if __name__ == "__main__":

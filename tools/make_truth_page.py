@@ -78,6 +78,7 @@ def render_page() -> str:
         published=copy_table(accuracy, "published robots"),
         shares=copy_table(accuracy, "published robots, shares"),
         made=copy_table(accuracy, "made parts"),
+        mobile=copy_table("benchmarks/mobile/README.md", "mobile robots"),
         engines=render_engines(),
         cases=copy_summary("benchmarks/published_cases.md"),
         speed=copy_table("benchmarks/README.md", "speed"),

@@ -47,6 +47,8 @@ _KEYS = {
     "on_request",
     "pedantic",
     "dynamics",
+    "explained_by",
+    "repeats",
     "options",
     "messages",
     "headlines",
@@ -165,8 +167,10 @@ def load_page(path: Path) -> Rule:
             page=text,
             excess=str(meta.get("excess", "")),
             on_request=_parse_messages("on_request", meta.get("on_request", ()), meta["messages"]),
-            pedantic=_parse_pedantic(meta.get("pedantic", {}), meta["messages"]),
+            pedantic=_parse_words("pedantic", meta.get("pedantic", {}), meta["messages"]),
             dynamics=_parse_messages("dynamics", meta.get("dynamics", ()), meta["messages"]),
+            explained_by=_parse_words("explained_by", meta.get("explained_by", {}), meta["messages"]),
+            repeats=_parse_words("repeats", meta.get("repeats", {}), meta["messages"]),
             layers=tuple(meta.get("layers", family.layers)),
         )
     except (KeyError, ValueError, TypeError) as error:
@@ -184,13 +188,13 @@ def _parse_messages(key: str, value: Any, messages: Iterable[str]) -> frozenset[
     return ids
 
 
-def _parse_pedantic(value: Mapping[str, Any], messages: Iterable[str]) -> Mapping[str, tuple[str, ...]]:
-    """Read ``[pedantic]``: for each message that the check may lower to an info, the targets for which it is a warning.
+def _parse_words(key: str, value: Mapping[str, Any], messages: Iterable[str]) -> Mapping[str, tuple[str, ...]]:
+    """Read a table with words for each message: targets or codes.
 
     :raises ValueError: for an id of no message.
     """
-    _parse_messages("pedantic", value, messages)
-    return {message: tuple(targets) for message, targets in value.items()}
+    _parse_messages(key, value, messages)
+    return {message: tuple(words) for message, words in value.items()}
 
 
 def describe_on_request(rule: Rule) -> str:

@@ -161,7 +161,7 @@ def _table(drawn: Iterable[Claim], labels: Mapping[Key, Label]) -> str:
         column = labels[claim.key].verdict if claim.key in labels else "no label"
         for row in (str(claim.finding.confidence), claim.finding.code, "all"):
             counts.setdefault(row, Counter()).update(("drawn", column))
-    lines = [f"| | {' | '.join(COLUMNS)} | precision |", "|---|" + "---|" * (len(COLUMNS) + 1)]
+    lines = [f"| kind | {' | '.join(COLUMNS)} | precision |", "|---|" + "---|" * (len(COLUMNS) + 1)]
     groups = [row for row in ("proof", "strong", "heuristic") if row in counts]
     for row in (*groups, *sorted(row for row in counts if row.startswith(FAMILIES)), "all"):
         numbers = counts.get(row, Counter())

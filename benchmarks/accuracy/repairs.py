@@ -325,7 +325,7 @@ def format_table(found: Iterable[Outcome]) -> str:
     for outcome in found:
         kinds.setdefault(outcome.kind, []).append(outcome)
         kinds.setdefault("~all", []).append(outcome)
-    lines = [f"| | {' | '.join(COLUMNS)} |", "|---|" + "---|" * len(COLUMNS)]
+    lines = [f"| repair | {' | '.join(COLUMNS)} |", "|---|" + "---|" * len(COLUMNS)]
     for kind in sorted(kinds):
         some = kinds[kind]
         numbers = [outcome.numbers for outcome in some]

@@ -48,7 +48,7 @@ def _summary(asked: Sequence[Outcome], shown: set[str], hidden: set[str], namele
         ("recall, lumped, all kinds", of("lumped", shown | hidden), None),
         ("recall, lumped, with a twin, all kinds", of("twin", shown | hidden), 0.92),
     ]
-    lines = ["", "## Summary", "", "| | cases | name | name or numbers | repaired | target |"]
+    lines = ["", "## Summary", "", "| measure | cases | name | name or numbers | repaired | target |"]
     lines += ["|---|---|---|---|---|---|"]
     for name, cases, target in rows:
         lines.append(f"| {name} | {len(cases)} | {_three(cases, ' | ')} | {_against(_right(cases), target)} |")

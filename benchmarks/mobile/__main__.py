@@ -22,6 +22,7 @@ sys.path.append(str(Path(__file__).parents[1] / "accuracy"))
 
 from defects import DEFECTS
 from made import MobileRobot, make_robots
+from neutral import rename_wheels
 from published import list_published
 from real.robots import RealRobot, check_robot
 
@@ -36,12 +37,20 @@ def main() -> None:
     """Plant the defects, and print what was found."""
     parser = argparse.ArgumentParser(prog="python benchmarks/mobile", description=__doc__.partition(":")[0])
     parser.add_argument("--made", action="store_true", help="only the robots that are made")
+    parser.add_argument(
+        "--neutral",
+        action="store_true",
+        help="only robots with two driven wheels, under names that say neither wheel nor side",
+    )
     parser.add_argument("--list", action="store_true", help="list every case with the rules that reported it")
     options = parser.parse_args()
     results: dict[str, list[str]] = defaultdict(list)
     sound: list[str] = []
     with tempfile.TemporaryDirectory() as folder:
-        for robot, check in _iter_robots(Path(folder), made_only=options.made):
+        for original, check in _iter_robots(Path(folder), made_only=options.made):
+            robot = rename_wheels(original) if options.neutral else original
+            if robot is None:
+                continue
             before = check(robot)
             sound.append(f"{robot.name}: {', '.join(sorted({f.code for f in before})) or 'none'}")
             known = {_make_key(finding) for finding in before}

@@ -32,7 +32,7 @@ _PLACES: dict[str, tuple[str, str, tuple[str, ...], str]] = {
     ),
     "ros/urdf_tutorial:07-physics": ("left_front_wheel_joint", "right_front_wheel_joint", (), "base_link"),
     "linorobot/linorobot2:mecanum": ("front_left_wheel_joint", "front_right_wheel_joint", (), "base_link"),
-    "Ekumen-OS/andino:andino": ("left_wheel_joint", "right_wheel_joint", ("caster_base_link",), "base_link"),
+    "Ekumen-OS/andino:andino": ("left_wheel_joint", "right_wheel_joint", ("caster_wheel_link",), "base_link"),
     "Ausaurus/ranger_1s_urdf:2wv3": (
         "left_wheel_joint",
         "right_wheel_joint",

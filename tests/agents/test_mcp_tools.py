@@ -67,6 +67,45 @@ def test_a_robot_is_told_on_a_page(workspace: Workspace) -> None:
     assert page[2].startswith("  wheel_1_to_base_link: continuous, axis 0 1 0 → wheel_1 (")
 
 
+def test_a_robot_tells_how_far_its_chains_reach(workspace: Workspace, tmp_path: Path) -> None:
+    """The elbow is a right angle at least, the slide is half a metre long, and the finger follows it."""
+    parts = [
+        ("shoulder", "continuous", "base", "upper", "0 0 5", "", ""),
+        (
+            "elbow",
+            "revolute",
+            "upper",
+            "lower",
+            "1 0 0",
+            '<limit lower="1.5707963" upper="2" effort="1" velocity="1"/>',
+            "",
+        ),
+        (
+            "slide",
+            "prismatic",
+            "lower",
+            "tool",
+            "1 0 0",
+            '<limit lower="-0.1" upper="0.5" effort="1" velocity="1"/>',
+            "",
+        ),
+        ("wrist", "fixed", "tool", "tip", "0 0 0", "", ""),
+        ("claw", "prismatic", "lower", "finger", "1 0 0", "", '<mimic joint="slide" multiplier="2" offset="-1"/>'),
+        ("loose", "revolute", "base", "flap", "0 0 0", "", ""),
+    ]
+    joints = "".join(
+        f'<link name="{child}"/><joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{xyz}"/><axis xyz="{"0 0 1" if kind[0] in "cr" else "1 0 0"}"/>{limit}{mimic}</joint>'
+        for name, kind, parent, child, xyz, limit, mimic in parts
+    )
+    (tmp_path / "arm.urdf").write_text(f'<robot name="r"><link name="base"/>{joints}</robot>')
+    reaches = [line for line in workspace.describe("arm.urdf").splitlines() if line.startswith("reach")]
+    assert reaches == [
+        "reach: tip comes 1.8 m away from shoulder, and never more than 2.5 m",
+        "reach: finger comes 1.41 m away from shoulder, and never more than 3.2 m",
+    ]
+
+
 XACRO = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <xacro:property name="heavy" value="2.5"/>
 <xacro:macro name="part" params="name mass">

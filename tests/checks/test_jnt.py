@@ -777,6 +777,23 @@ def test_most_joints_of_a_limb_turn_through_their_stops(
     assert finding.fix.title.startswith("make" if severity == Severity.WARNING else "delete")
 
 
+def test_the_wheels_of_a_mobile_arm_are_not_joints_of_its_limb(tmp_path: Path) -> None:
+    """Three of seven joints have stops: all those of the arm. The limits of a wheel stay a note."""
+    limit = '<limit lower="{}" upper="{}" effort="1" velocity="1"/>'
+    parents = ("b", "l0", "l1", "b", "b", "b", "b")
+    limits = [("-1", "1.5")] * 3 + [("-3.14", "3.14")] + [("0", "0")] * 3
+    joints = [
+        joint(f"j{i}", parent, f"l{i}", limit.format(*ends), kind="continuous")
+        for i, (parent, ends) in enumerate(zip(parents, limits, strict=True))
+    ]
+    text = robot(link("b"), *(link(f"l{i}") for i in range(len(parents))), *joints)
+    found = {f.severity: f.location.subject for f in find(tmp_path, text, "JNT008")}
+    assert {severity: subject.partition("]")[0] for severity, subject in found.items()} == {
+        Severity.WARNING: "joint[j0",
+        Severity.INFO: "joint[j3",
+    }
+
+
 @pytest.mark.parametrize(
     ("angle", "degrees"),
     [

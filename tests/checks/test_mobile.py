@@ -11,6 +11,8 @@ from urdfcheck.core import Severity
 
 RULES = {"SYM008", "DYN006", "GEO003"}
 TURN = "1.5707963267948966 0 0"
+# The links of both wheels: by side, by number, and without a word that says wheel.
+NAMES = ("left_wheel", "right_wheel"), ("wheel_1", "wheel_2"), ("rad_a", "rad_b")
 
 
 def cart(
@@ -20,13 +22,13 @@ def cart(
     casters: tuple[str, ...] = ("0.12 0 0.01", "-0.12 0 0.01"),
     collides: float = 0.05,
     body: str = "0 0 0.1",
-    names: tuple[str, str] = ("left", "right"),
+    names: tuple[str, str] = ("left_wheel", "right_wheel"),
     axis: str = "0 1 0",
 ) -> str:
     """Return a robot on two wheels with a radius of 50 mm and balls with one of 10 mm."""
     shape = cylinder(0.05, 0.02), cylinder(collides, 0.02)
     wheel = visual(shape[0], rpy=TURN) + collision(shape[1], rpy=TURN)
-    one, other = (f"{name}_wheel" for name in names)
+    one, other = names
     return robot(
         link("base_link", inertial(3, 0.03, com="0 0 0.1"), collision(box("0.3 0.2 0.08"), xyz=body)),
         link(one, wheel),
@@ -38,23 +40,36 @@ def cart(
     )
 
 
-def test_a_sound_cart_gives_nothing(tmp_path: Path) -> None:
-    assert not find(tmp_path, cart(), RULES)
+@pytest.mark.parametrize("names", NAMES)
+def test_a_sound_cart_gives_nothing(tmp_path: Path, names: tuple[str, str]) -> None:
+    assert not find(tmp_path, cart(names=names), RULES)
 
 
+@pytest.mark.parametrize("names", NAMES)
 @pytest.mark.parametrize(
     ("left", "rpy", "words"),
     [
-        ("0 0.15 0.06", "", "the axle of left_wheel is 10 mm higher"),
-        ("-0.02 0.15 0.05", "", "left_wheel is 20 mm behind"),
-        ("0 0.17 0.05", "", "left_wheel is 20 mm farther out"),
-        ("0 0.15 0.05", "0.1 0 0", "one axis is 5.73° off the mirror image of the other"),
+        ("0 0.15 0.06", "", "the axle of {} is 10 mm higher"),
+        ("-0.02 0.15 0.05", "", "{} is 20 mm behind"),
+        ("0 0.17 0.05", "", "{} is 20 mm farther out"),
+        ("0 0.15 0.05", "0.09 0 0", "one axis is 5.16° off the mirror image of the other"),
     ],
 )
-def test_one_wheel_of_a_pair_is_off(tmp_path: Path, left: str, rpy: str, words: str) -> None:
-    (finding,) = find(tmp_path, cart(left=left, left_rpy=rpy), RULES)
+def test_one_wheel_of_a_pair_is_off(tmp_path: Path, left: str, rpy: str, words: str, names: tuple[str, str]) -> None:
+    (finding,) = find(tmp_path, cart(left=left, left_rpy=rpy, names=names), RULES)
     assert finding.code == "SYM008"
-    assert words in finding.message
+    assert words.format(names[0]) in finding.message
+
+
+def test_a_wheel_that_is_named_one_may_be_far_off_level(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, cart(left_rpy="0.2 0 0"), RULES)
+    assert "one axis is 11.5° off" in finding.message
+    assert not find(tmp_path, cart(left_rpy="0.2 0 0", names=("rad_a", "rad_b")), "SYM008")
+
+
+def test_the_note_that_two_like_joints_differ_does_not_hide_the_warning(tmp_path: Path) -> None:
+    found = find(tmp_path, cart(left_rpy="0.09 0 0", names=("rad_a", "rad_b")), {"SYM001", "SYM008"})
+    assert [(finding.code, finding.severity) for finding in found] == [("SYM008", Severity.WARNING)]
 
 
 def test_parallel_axes_do_not_differ_however_they_are_tilted(tmp_path: Path) -> None:
@@ -63,10 +78,19 @@ def test_parallel_axes_do_not_differ_however_they_are_tilted(tmp_path: Path) -> 
     assert "are parallel, and 1.09° off the root's y" in finding.message
 
 
-def test_wheels_whose_names_are_no_pair_are_not_compared(tmp_path: Path) -> None:
-    assert not find(tmp_path, cart(left="-0.02 0.15 0.05", names=("drive", "idle")), "SYM008")
+def test_wheels_of_two_roles_are_not_compared(tmp_path: Path) -> None:
+    assert not find(tmp_path, cart(left="-0.02 0.15 0.05", names=("drive_wheel", "idle_wheel")), "SYM008")
 
 
+def test_wheels_that_differ_in_two_ways_are_no_pair_without_names(tmp_path: Path) -> None:
+    place = "-0.02 0.15 0.06"
+    assert not find(tmp_path, cart(left=place, names=("wheel_1", "wheel_2")), "SYM008")
+    (finding,) = find(tmp_path, cart(left=place), "SYM008")
+    assert "10 mm higher" in finding.message
+    assert "20 mm behind" in finding.message
+
+
+@pytest.mark.parametrize("names", NAMES)
 @pytest.mark.parametrize(
     ("casters", "message", "words"),
     [
@@ -75,9 +99,9 @@ def test_wheels_whose_names_are_no_pair_are_not_compared(tmp_path: Path) -> None
     ],
 )
 def test_casters_do_not_end_at_the_height_of_the_wheels(
-    tmp_path: Path, casters: tuple[str, ...], message: str, words: str
+    tmp_path: Path, casters: tuple[str, ...], message: str, words: str, names: tuple[str, str]
 ) -> None:
-    (finding,) = find(tmp_path, cart(casters=casters), RULES)
+    (finding,) = find(tmp_path, cart(casters=casters, names=names), RULES)
     assert (finding.code, finding.message_id) == ("DYN006", message)
     assert words in finding.message
     assert finding.location.subject.startswith("joint[caster_0_joint]")

@@ -202,6 +202,18 @@ def test_of_a_pair_one_ten_times_as_heavy_is_a_slip(tmp_path: Path, factor: floa
     assert (finding.message_id, finding.severity) == ("pair", severity)
 
 
+@pytest.mark.parametrize(
+    ("factor", "mass", "severity"),
+    [(10, MASS, Severity.WARNING), (8, MASS, Severity.INFO), (10, 1.5 * MASS, Severity.INFO)],
+)
+def test_of_a_pair_one_with_ten_times_the_moments_is_a_slip_if_it_is_as_heavy(
+    tmp_path: Path, factor: float, mass: float, severity: Severity
+) -> None:
+    text = make_parts_on_base("rl", "mid", mid=drawn() + make_lump_inertial(mass, tensor=factor * TENSOR))
+    (finding,) = find_odd_inertia(tmp_path, text)
+    assert finding.severity == severity
+
+
 def test_of_a_pair_the_one_that_does_not_fit_the_drawn_part_is_wrong(tmp_path: Path) -> None:
     corners = np.array(LUMP)
     com = corners.mean(axis=0)

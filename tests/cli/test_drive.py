@@ -40,6 +40,7 @@ PLUGIN = (
     "<leftJoint>right_wheel_joint</leftJoint><rightJoint>left_wheel_joint</rightJoint>{mode}"
     "<wheelSeparation>0.3</wheelSeparation><wheelDiameter>0.1</wheelDiameter></plugin></gazebo></robot>"
 )
+NEUTRAL = CART.replace("left_wheel", "wheel_1").replace("right_wheel", "wheel_2")
 REVERSED = CART.replace('xyz="0 1 0"', 'xyz="0 -1 0"')
 
 
@@ -109,6 +110,15 @@ def test_without_a_controller_no_direction_is_wrong(tmp_path: Path) -> None:
     assert not run.findings
 
 
+def test_symmetry_shows_the_wheels_whose_names_have_no_side(tmp_path: Path) -> None:
+    """Either axis may point outwards: both wheels roll the same way."""
+    run = drive(tmp_path, NEUTRAL.replace('-0.15 0.05"/><axis xyz="0 1 0"', '-0.15 0.05"/><axis xyz="0 -1 0"'))
+    found = get_drive(run)
+    assert (found.source, found.left) == ("the symmetry of two wheels", ("wheel_1_joint",))
+    assert found.forward.ahead == pytest.approx(math.pi * 0.05, rel=0.01)
+    assert not run.findings
+
+
 @pytest.mark.parametrize(("mode", "found"), [("", []), ("<legacyMode>false</legacyMode>", ["swapped"])])
 def test_the_legacy_mode_takes_left_for_right(mode: str, found: list[str], tmp_path: Path) -> None:
     run = drive(tmp_path, CART.replace("</robot>", PLUGIN.format(mode=mode)))
@@ -145,7 +155,7 @@ def test_a_wheel_of_coarse_triangles_rolls_as_a_disc(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("model", "why"),
     [
-        (CART.replace("left_wheel", "wheel_1").replace("right_wheel", "wheel_2"), "neither a controller, nor a plugin"),
+        (NEUTRAL.replace("wheel_1", "idler"), "neither a controller, nor a plugin"),
         (CART.replace('0.1 0 0.01"', '-0.1 0 0.01"'), "it does not stand"),
         (
             CART.replace(

@@ -311,7 +311,7 @@ def test_what_no_motor_holds_need_not_come_to_rest(kind: str, tmp_path: Path) ->
         (robot(SOUND.replace('"0.001"', '"0"')), "no inertia (INR004)"),
         (robot(SOUND.replace(BOX, "")), "no shape that could touch the ground"),
         (robot(f'<link name="world">{BOX}</link>'), "nothing of the robot can move"),
-        (robot(SOUND.replace("0.2 0.2 0.1", "0 1 1")), "could not be read"),
+        (robot(SOUND.replace("0.2 0.2 0.1", "0 1 1")), "no collision shape of the robot could be read"),
         (robot(SOUND.replace('"1"', '"-1"')), "negative (INR002)"),
         (robot(SOUND.replace('"1"', '"one"')), "is not known (XML005, XML007)"),
         (robot(SOUND, LOOSE.replace("floating", "welded")), "is not known (KIN009)"),
@@ -451,7 +451,9 @@ def test_what_cannot_be_dropped_is_an_error(tmp_path: Path, capsys: pytest.Captu
 
 def test_a_check_tells_that_it_needs_the_command() -> None:
     run = check(CAR_3, codes={"DYN005"})
-    assert [(skip.code, skip.reason) for skip in run.skipped] == [("DYN005", "needs a simulator: urdfcheck drop")]
+    assert [(skip.code, skip.reason) for skip in run.skipped] == [
+        ("DYN005", "needs a simulator: --target mujoco, or urdfcheck drop")
+    ]
 
 
 # -- the reports -------------------------------------------------------------------------------------------------------

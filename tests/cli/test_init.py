@@ -63,6 +63,25 @@ def test_what_launch_files_pass_is_written_down(repository: Path, capsys: pytest
     assert cli.main([".", "--tier", "source"]) == cli.OK
 
 
+def test_a_model_that_cannot_be_expanded_has_a_step_of_its_own(
+    repository: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It fails the hook that was written, with a baseline too."""
+    include = '<xacro:include filename="$(find elsewhere)/arm.xacro"/>'
+    (repository / "urdf/arm.urdf.xacro").write_text(
+        f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>'
+    )
+    assert cli.main(["init"]) == cli.OK
+    assert "unchecked = [PATTERNS]       in urdfcheck.toml accepts models" in capsys.readouterr().out
+    with (repository / "urdfcheck.toml").open("a", encoding="utf-8") as configuration:
+        configuration.write('unchecked = ["urdf/arm.urdf.xacro"]\n')
+    assert cli.main(["."]) == cli.OK
+    capsys.readouterr()
+    (repository / "urdf/arm.urdf.xacro").unlink()
+    assert cli.main(["init"]) == cli.OK
+    assert "unchecked" not in capsys.readouterr().out
+
+
 def test_a_repository_is_set_up(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["init"]) == cli.OK
     said = capsys.readouterr().out

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import struct
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +71,13 @@ def test_it_says_all_without_a_script(text: str) -> None:
         assert said in body
     assert body.count("stopped.urdf") == 3  # where it is named, in its row, and for its command
     assert "<button" not in body
+
+
+def test_it_counts_what_is_known_and_accepted(text: str) -> None:
+    rows = (*ROWS, replace(ROWS[0], id="c", suppressed=("baseline", "source", "baseline")))
+    page = "".join(iter_audit_page(AuditSummary.from_rows(rows), rows, rules=load_rules(), version="1.2.3"))
+    assert "<dt>Known findings</dt><dd>3: 1 in the source, 2 in the baseline</dd>" in page
+    assert "Known findings" not in text
 
 
 def test_its_policy_allows_the_one_style_and_the_one_script(text: str) -> None:

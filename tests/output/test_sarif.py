@@ -170,6 +170,13 @@ def test_a_rule_has_its_page_as_help() -> None:
     }
 
 
+def test_a_rule_has_the_address_of_its_page_once_there_is_a_site(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert not any("helpUri" in entry for entry in sarif_of(a_run(finding()))["tool"]["driver"]["rules"])
+    monkeypatch.setattr("urdfcheck.version.SITE", "https://example.org/")
+    for entry in sarif_of(a_run(finding()))["tool"]["driver"]["rules"]:
+        assert entry["helpUri"] == f"https://example.org/rules/{entry['id']}/"
+
+
 def test_a_page_without_text_and_one_with_too_much_are_no_reason_to_refuse_the_rest() -> None:
     long = "## What it checks\n\n" + "long " * 500
     sarif_of(a_run(rules={"A": rule("A", page=""), "B": rule("B", page=long, tags=tuple(map(str, range(50))))}))

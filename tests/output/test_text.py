@@ -91,6 +91,17 @@ def test_no_colour_unless_asked_for() -> None:
     assert "\x1b[" in render(a_run(), color=True)
 
 
+def test_in_a_terminal_the_code_of_a_rule_is_a_link_to_its_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "\x1b]8;" not in render(a_run(), color=True)  # there is no page yet
+    monkeypatch.setattr("urdfcheck.version.SITE", "https://example.org/")
+    linked = re.findall(
+        r"\x1b\]8;[^;]*;(.+?)\x1b\\\x1b\[[\d;]*m(.+?)\x1b\[0m\x1b\]8;;\x1b", render(a_run(), color=True)
+    )
+    assert ("https://example.org/rules/INR003/", "INR003") in linked
+    assert all(address.split("/")[-2] == code for address, code in linked)
+    assert "example.org" not in render(a_run())
+
+
 @pytest.mark.parametrize("width", [40, 100])
 def test_colour_changes_nothing_but_the_colour(width: int) -> None:
     colored = render(a_run(), width=width, color=True)

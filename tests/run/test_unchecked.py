@@ -167,7 +167,8 @@ def test_each_cause_names_the_option_that_helps(body: str, remedy: str, tmp_path
 
 ENDLESS = XACRO.format(
     "".join(f'<xacro:macro name="m{i}"><xacro:m{i + 1}/><xacro:m{i + 1}/></xacro:macro>' for i in range(40))
-    + '<xacro:macro name="m40"/><xacro:m0/>'
+    # Slow, so that time runs out long before a robot would be too large.
+    + '<xacro:macro name="m40"><xacro:property name="n" value="${sum(range(100000))}"/></xacro:macro><xacro:m0/>'
 )
 
 

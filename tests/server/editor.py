@@ -27,7 +27,8 @@ class Editor:
         self.folder = folder
         self.loop = asyncio.new_event_loop()
         self.client = pytest_lsp.make_test_lsp_client()
-        self.client.feature(types.CLIENT_REGISTER_CAPABILITY)(lambda params: None)
+        for asked in (types.CLIENT_REGISTER_CAPABILITY, types.WORKSPACE_CODE_LENS_REFRESH):
+            self.client.feature(asked)(lambda params: None)
         self.texts: dict[Path, str] = {}
         self.versions: dict[Path, int] = {}
         self.result = self.wait(self._start(options, like))

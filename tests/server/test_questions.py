@@ -92,12 +92,15 @@ def read_places(editor: Editor, found: object) -> set[tuple[str, str]]:
 def test_an_expression_shows_its_value_and_what_it_was_computed_from(editor: Editor, robot: tuple[Path, Path]) -> None:
     user, macros = robot
     text = hover(editor, macros, editor.find(macros, "${length / 2}", part="length"))
-    assert "`${length / 2}` = `0.25` in `link[left_arm]/inertial/origin@xyz`" in text
-    assert "`${length / 2}` = `0.2` in `link[right_arm]/inertial/origin@xyz`" in text
-    text = hover(editor, user, editor.find(user, "$(arg reach)"))
+    assert "`${length / 2}` = `0.25` m in `link[left_arm]/inertial/origin@xyz`" in text
+    assert "`${length / 2}` = `0.2` m in `link[right_arm]/inertial/origin@xyz`" in text
+    text = hover(editor, macros, editor.find(macros, "${pi/4}"))
+    assert text.startswith("`${pi/4}` = `0.7853981634` rad (45°)")
+    text = hover(editor, user, editor.find(user, "$(arg reach)", part="reach"))
+    assert text.count("argument `reach`") == 1
     assert "argument `reach` = `0.5`" in text
     text = hover(editor, user, editor.find(user, "sizes.base.width", part="width"))
-    assert "`${sizes.base.width}` = `0.75`" in text
+    assert "`${sizes.base.width}` = `0.75` m" in text
     assert "yaml `base.width` = `0.75`, sizes.yaml:2" in text
     text = hover(editor, macros, editor.find(macros, "${density * length"))
     assert "`5.0`" in text
@@ -266,3 +269,25 @@ def test_what_the_model_knows_can_be_completed(editor: Editor, robot: tuple[Path
     assert ask('<xacro:arm prefix="x" |') == {"parent": 'parent=""', "length": 'length=""'}
     assert set(ask("<limit lower='1' |/>")) >= {"upper", "effort"}
     assert ask("<!-- <|") == {}
+
+
+def test_packages_and_files_can_be_completed(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, _ = robot
+    (user.parent.parent / "meshes/visual").mkdir(parents=True)
+    for name in ("meshes/base.stl", "meshes/notes.txt", "meshes/.hidden.stl", "meshes/visual/arm.DAE"):
+        (user.parent.parent / name).write_text("")
+
+    def ask(typed: str) -> dict[str, str]:
+        return complete(editor, user, ROBOT.replace("</robot>", f"{typed}\n</robot>"), at="|")
+
+    assert ask('<mesh filename="package://|')["robot"] == "robot/"
+    assert ask('<mesh filename="package://robot/|') == {"meshes": "meshes/", "urdf": "urdf/"}
+    assert ask('<mesh filename="package://robot/meshes/ba|') == {"base.stl": "base.stl", "visual": "visual/"}
+    assert ask('<mesh filename="file://$(find robot)/meshes/visual/|') == {"arm.DAE": "arm.DAE"}
+    assert ask('<xacro:include filename="$(find rob|')["robot"] == "robot)"
+    assert set(ask('<xacro:include filename="|')) == {"arm.xacro", user.name}
+    assert ask('<mesh filename="pack|')["package://"] == "package://"
+    assert "notes.txt" in ask('<xacro:property name="p" value="$(find robot)/meshes/|')
+    assert ask('<mesh filename="package://robot/../../|') == {}, "what may not be read is not listed"
+    assert ask('<mesh filename="${prefix}/|') == {}
+    assert ask('<link name="|') == {}

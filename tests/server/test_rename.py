@@ -49,7 +49,8 @@ CONTROLLERS = """arm_controller:
 """
 LAUNCH = """<launch>
   <param name="robot_description" command="xacro $(find robot)/urdf/two_arms.urdf.xacro reach:=0.6"/>
-  <node pkg="tf2_ros" type="static_transform_publisher" name="tf" args="0 0 0 0 0 0 map base"/>
+  <node pkg="tf2_ros" type="static_transform_publisher" name="tf" args="0 0 0 0 0 0 /map /base"/>
+  <node pkg="amcl" type="amcl" name="base"><param name="base_frame_id" value="base"/><param name="title" value="base"/></node>
 </launch>
 """
 PYTHON_LAUNCH = """import os
@@ -60,10 +61,44 @@ def generate_launch_description():
     path = os.path.join(get_package_share_directory("robot"), "urdf", "two_arms.urdf.xacro")
     return xacro.process_file(path, mappings={"reach": "0.7"})
 """
+START = """from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, ExecuteProcess
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+
+MODEL = "urdf/two_arms.urdf.xacro"
+FRAME = "base"
+NAME = "base"
+BODY = 'base'
+
+def generate_launch_description():
+    \"""Start the base.\"""
+    return LaunchDescription([
+        DeclareLaunchArgument("frame", default_value="base"),
+        Node(package="tf2_ros", executable="static_transform_publisher", name="base",
+             arguments=["0", "0", "0", "0", "0", "0", "map", "base"]),
+        Node(package="tf2_ros", executable="static_transform_publisher",
+             arguments=["--x", "1", "--frame-id", FRAME, "--child-frame-id", "left_arm"]),
+        Node(package="tf2_ros", executable="static_transform_publisher", arguments="0 0 0 0 0 0 /base é".split()),
+        ExecuteProcess(cmd=["ros2", "run", "tf2_ros", "static_transform_publisher", *[], "--frame-id", 'base',
+                            "--child-frame-id", "cam"]),
+        Node(package="base", executable="base", parameters=[{
+            "robot_base_frame": ParameterValue("base", value_type=str), "frame_id": NAME, "title": "base",
+            "costmap": {"frames.base_frame": FRAME, "joints": ["left_joint", "right_joint"], "map_frame": "ba" "se"},
+            "tool_frame": LaunchConfiguration("frame"), "frame_name": f"{BODY}", "note": "the base"}]),
+        Node(package="gazebo_ros", executable="spawn_entity.py", name=NAME,
+             arguments=["-entity", "left_joint", "-J", "left_joint", "0.5"]),
+    ])
+"""
+OTHER_START = """from launch_ros.actions import Node
+
+NODE = Node(package="nav2_amcl", executable="amcl", name="base", parameters=[{"base_frame_id": "base"}])
+"""
 
 
 @pytest.fixture
-def files(editor: Editor, project: Path) -> dict[str, Path]:
+def files(editor: Editor, project: Path, request: pytest.FixtureRequest) -> dict[str, Path]:
     """The robot and all that names its parts, by the beginning of their names; the first two are open."""
     texts = {
         "urdf/two_arms.urdf.xacro": ROBOT,
@@ -73,6 +108,7 @@ def files(editor: Editor, project: Path) -> dict[str, Path]:
         "config/controllers.yaml": CONTROLLERS,
         "launch/show.launch": LAUNCH,
         "launch/show.launch.py": PYTHON_LAUNCH,
+        **getattr(request, "param", {}),
     }
     for name, text in texts.items():
         (project / name).parent.mkdir(exist_ok=True)
@@ -146,7 +182,9 @@ def test_a_link_gets_another_name_wherever_it_is_named(editor: Editor, files: di
             '<disable_collisions link1="chassis" link2="left_arm" reason="Adjacent"/>',
         ],
         "show.launch": [
-            '<node pkg="tf2_ros" type="static_transform_publisher" name="tf" args="0 0 0 0 0 0 map chassis"/>'
+            '<node pkg="tf2_ros" type="static_transform_publisher" name="tf" args="0 0 0 0 0 0 /map /chassis"/>',
+            '<node pkg="amcl" type="amcl" name="base"><param name="base_frame_id" value="chassis"/>'
+            '<param name="title" value="base"/></node>',
         ],
     }
 
@@ -246,3 +284,45 @@ def test_what_would_change_more_than_the_name_is_refused(editor: Editor, files: 
     )
     editor.type(robot, editor.texts[robot].replace("$(arg reach)", "$(arg raech)"))
     assert "cannot be expanded" in refuse(editor, robot, at, "front")
+
+
+@pytest.mark.parametrize(
+    "files", [{"launch/start.launch.py": START, "launch/nav.launch.py": OTHER_START}], indirect=True, ids=["python"]
+)
+def test_names_in_python_launch_files_where_the_call_says_that_they_are_names(
+    editor: Editor, files: dict[str, Path]
+) -> None:
+    """What may be something else is left as it is, and told; one finds the names from there, too."""
+    robot, start = files["two_arms.urdf.xacro"], files["start.launch.py"]
+    told = editor.client.messages
+    told.clear()
+    changed = rename(editor, robot, editor.find(robot, 'link name="base"', part="base"), "chassis")
+    assert changed["start.launch.py"] == [
+        'FRAME = "chassis"',
+        'arguments=["0", "0", "0", "0", "0", "0", "map", "chassis"]),',
+        'Node(package="tf2_ros", executable="static_transform_publisher", arguments="0 0 0 0 0 0 /chassis é".split()),',
+        """ExecuteProcess(cmd=["ros2", "run", "tf2_ros", "static_transform_publisher", *[], "--frame-id", 'chassis',""",
+        '"robot_base_frame": ParameterValue("chassis", value_type=str), "frame_id": NAME, "title": "base",',
+    ]
+    assert "nav.launch.py" not in changed
+    editor.rest()
+    (message,) = [message.message for message in told]
+    assert message == (
+        "Not renamed: `base` in nav.launch.py:3 (the launch file does not load the robot), "
+        "`base` in start.launch.py:9 (the variable may be used for something else), "
+        "`base` in start.launch.py:15 (it is the default of a launch argument, which other files may read), "
+        "`base` in start.launch.py:10 (nothing says that it names a part of the robot), "
+        "`base` in start.launch.py:16 (nothing says that it names a part of the robot), "
+        "`base` in start.launch.py:23 (nothing says that it names a part of the robot) and 2 more."
+    )
+    at = editor.find(start, '["left_joint"', part="left_joint")
+    client, document = editor.client, editor.identify(start)
+    found = editor.wait(client.text_document_definition_async(types.DefinitionParams(document, at)))
+    assert isinstance(found, list)
+    assert [place.uri for place in found] == [files["arm.xacro"].as_uri()]
+    params = types.ReferenceParams(types.ReferenceContext(include_declaration=False), document, at)
+    uses = editor.wait(client.text_document_references_async(params)) or []
+    assert [place.range.start.line for place in uses if place.uri == start.as_uri()] == [24, 27]
+    at = editor.find(start, 'FRAME = "chassis"', part="chassis")
+    assert prepare(editor, start, at) == "chassis"
+    assert sorted(rename(editor, start, at, "trunk")) == ["show.launch", "start.launch.py", "two_arms.srdf", robot.name]

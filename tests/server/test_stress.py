@@ -12,7 +12,7 @@ import random
 import re
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -98,13 +98,20 @@ def list_reported(folder: Path, paths: list[Path]) -> list[tuple[str, str, str, 
         if finding["suppressed"] or finding["location"] is None:
             continue
         for one in finding.get("occurrences") or [finding]:
-            place = one["location"]
-            path = folder / place["file"]
-            line = path.read_bytes().decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
-            before = line.split("\n")[place["line"] - 1][: place["column"] - 1]
-            units = len(before.encode("utf-16-le")) // 2
-            found.append((place["file"], finding["code"], one["headline"], place["line"] - 1, units))
+            subjects = {subject["path"] for subject in one["subjects"]}
+            # An editor shows it at each of the elements that it is about.
+            others = [place["location"] for place in one.get("related", ()) if place["subject"] in subjects]
+            for place in (one["location"], *others):
+                line, units = _find_units(folder / place["file"], place)
+                found.append((place["file"], finding["code"], one["headline"], line, units))
     return sorted(set(found))
+
+
+def _find_units(path: Path, place: Mapping[str, int]) -> tuple[int, int]:
+    """The line of a place, from 0, and the column in units of UTF-16."""
+    text = path.read_bytes().decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
+    before = text.split("\n")[place["line"] - 1][: place["column"] - 1]
+    return place["line"] - 1, len(before.encode("utf-16-le")) // 2
 
 
 def list_shown(editor: Editor) -> list[tuple[str, str, str, int, int]]:

@@ -10,6 +10,7 @@ from typing import Any
 from urdfcheck.core import Applicability, Confidence, Rule, Severity, Verdict
 from urdfcheck.policy.consumers import CONSUMERS, is_news
 from urdfcheck.rules import describe_dynamics, describe_on_request, describe_pedantic, split_page
+from website.rule_pictures import HEIGHT, WIDTH
 
 SEVERITIES = {
     Severity.ERROR: "the reference parser rejects the file or drops a part of it, or it is physically impossible",
@@ -45,8 +46,16 @@ def place_rule(rule: Rule) -> str:
     return f"rules/{rule.code}.md"
 
 
-def render_rule(rule: Rule) -> str:
-    """Return the page of a rule as Markdown, with its links as they are in the repository."""
+def place_pictures(rule: Rule) -> tuple[str, str]:
+    """Return the files of the pictures of a Bad and a Good example in the folder of the site."""
+    return f"assets/rules/{rule.code}-bad.png", f"assets/rules/{rule.code}-good.png"
+
+
+def render_rule(rule: Rule, pictured: str = "") -> str:
+    """Return the page of a rule as Markdown, with its links as they are in the repository.
+
+    :param pictured: what is reported about the Bad example of which there is a picture; empty if there is none.
+    """
     body = split_page(rule.page)[1].partition("\n")[2]
     before, after = _split_examples(body)
     parts = [
@@ -56,6 +65,7 @@ def render_rule(rule: Rule) -> str:
         _render_headlines(rule),
         _render_programs(rule),
         _render_options(rule),
+        _render_pictures(rule, pictured) if pictured else "",
         after,
     ]
     return "\n\n".join(part.strip("\n") for part in parts if part.strip()) + "\n"
@@ -111,16 +121,38 @@ def _render_facts(rule: Rule) -> str:
         "tags": " ".join(f"`{tag}`" for tag in rule.tags),
         "status": f"{rule.status}, since {rule.since}",
     }
-    table = _render_table(("", ""), [(f"**{name}**", text) for name, text in rows.items() if text])
+    table = _render_table(("about", "value"), [(f"**{name}**", text) for name, text in rows.items() if text])
     return f'<div class="facts" data-search-exclude markdown>\n\n{table}\n\n</div>'
+
+
+def _render_pictures(rule: Rule, pictured: str) -> str:
+    bad, good = (f"../../{address}" for address in place_pictures(rule))
+    said = html.escape(pictured)
+    return (
+        "## What it looks like\n\n"
+        '<div class="pair">'
+        f'<figure><img src="{bad}" alt="Bad: {said}" loading="lazy" width="{WIDTH}" height="{HEIGHT}">'
+        f"<figcaption><b>Bad</b>: {said}</figcaption></figure>"
+        f'<figure><img src="{good}" alt="Good: nothing is reported" loading="lazy" width="{WIDTH}" height="{HEIGHT}">'
+        "<figcaption><b>Good</b>: nothing is reported</figcaption></figure>"
+        "</div>"
+    )
 
 
 def _render_headlines(rule: Rule) -> str:
     """The titles of the findings with their placeholders, which a reader of a report searches for."""
     if not rule.headlines:
         return ""
-    items = "\n".join(f"* {_format_template(headline)}" for headline in rule.headlines.values())
+    items = "\n".join(f"* {_format_title(rule, message)}" for message in rule.headlines)
     return f"## What it reports\n\n{items}"
+
+
+def _format_title(rule: Rule, message: str) -> str:
+    """Return the headline of a message, or the message itself where all words of its headline depend on the robot."""
+    templates = (rule.headlines[message], rule.messages[message], message.replace("_", " "))
+    return _format_template(
+        next(text for text in templates if re.search(r"[A-Za-z]{2}", re.sub(r"\{[^{}]*\}", "", text)))
+    )
 
 
 def _format_template(template: str) -> str:
@@ -145,7 +177,7 @@ def _render_programs(rule: Rule) -> str:
     tables = []
     for message, sentences in _iter_tables(rule):
         rows = [(f"**{name}**", _render_sentence(sentence)) for name, sentence in sentences.items()]
-        heading = f"For “{_format_template(rule.headlines[message])}”:\n\n" if message else ""
+        heading = f"For “{_format_title(rule, message)}”:\n\n" if message else ""
         tables.append(heading + _render_table(("program", "what happens"), rows))
     return "## What each program does\n\n" + "\n\n".join(tables) if tables else ""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ from website.navigation import (
     iter_pages,
     list_copied_files,
 )
+from website.rule_pictures import draw_rule
 
 # Pages that functions make, and the file of the repository whose links they have.
 _MADE: dict[str, tuple[Callable[[], str], str]] = {
@@ -50,7 +51,8 @@ _RANKED_LAST = "---\nsearch:\n  boost: 0.3\n---\n\n"
 def write_source_tree(folder: Path) -> Path:
     """Write all that the site is made of into a new folder; return the configuration of the generator."""
     pages = folder / "pages"
-    for address, text in render_pages().items():
+    pictured = _write_pictures(pages)
+    for address, text in render_pages(pictured).items():
         _write(pages / address, text)
     for path, address in list_copied_files().items():
         _copy(REPOSITORY / path, pages / address)
@@ -67,8 +69,22 @@ def write_source_tree(folder: Path) -> Path:
     return _write(folder / "mkdocs.yml", (start_page.ASSETS / "mkdocs.yml").read_text(encoding="utf-8") + navigation)
 
 
-def render_pages() -> dict[str, str]:
-    """Return the Markdown of all pages by their addresses."""
+def _write_pictures(pages: Path) -> dict[str, str]:
+    """Write the pictures of examples; return what is reported about the bad one, by the code of the rule."""
+    pictured = {}
+    for code, rule in load_rules().items():
+        if pictures := draw_rule(rule):
+            pictured[code] = pictures.headline
+            for address, content in zip(rule_pages.place_pictures(rule), (pictures.bad, pictures.good), strict=True):
+                _make_room(pages / address).write_bytes(content)
+    return pictured
+
+
+def render_pages(pictured: Mapping[str, str]) -> dict[str, str]:
+    """Return the Markdown of all pages by their addresses.
+
+    :param pictured: of each rule whose page shows pictures what is reported about the bad example, by its code.
+    """
     addresses = list_addresses()
     codes = {code: rule_pages.place_rule(rule) for code, rule in load_rules().items()}
 
@@ -88,7 +104,9 @@ def render_pages() -> dict[str, str]:
                 text, page.source, page.address
             )
     for code, rule in load_rules().items():
-        rendered[codes[code]] = convert(rule_pages.render_rule(rule), _name_source(code), codes[code])
+        rendered[codes[code]] = convert(
+            rule_pages.render_rule(rule, pictured.get(code, "")), _name_source(code), codes[code]
+        )
     return rendered
 
 

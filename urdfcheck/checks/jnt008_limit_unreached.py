@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from collections.abc import Set as AbstractSet
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
@@ -32,9 +33,11 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
         elif joint.type == "revolute" and upper - lower > turns * math.tau and not _is_all_endless(joint):
             joints_by_message["wide"].append(joint)
     for message, joints in joints_by_message.items():
-        if joints:
-            is_limb = message == "continuous" and _are_stops(model, joints)
-            yield _build_limits_finding(rule, message, joints, is_limb=is_limb)
+        stops = _find_stops(model, joints) if message == "continuous" else []
+        if stops:
+            yield _build_limits_finding(rule, message, stops, is_limb=True)
+        if others := [joint for joint in joints if joint not in stops]:
+            yield _build_limits_finding(rule, message, others, is_limb=False)
 
 
 def _is_all_endless(joint: Joint) -> bool:
@@ -43,13 +46,36 @@ def _is_all_endless(joint: Joint) -> bool:
     return min(sizes) >= _ENDLESS
 
 
-def _are_stops(model: Model, joints: Sequence[Joint]) -> bool:
-    """Whether these continuous joints are an arm's or a leg's: most rotating joints of the robot have such limits, and most of
-    the limits span less than a turn, like stops; a wheel's are the exporter's ±π."""
-    rotating = [joint for joint in model.joints if joint.type in {"revolute", "continuous"} and joint.mimic is None]
-    spans = [(j.get_limit_value("upper") or 0) - (j.get_limit_value("lower") or 0) for j in joints]
-    stops = sum(0 < span < _TURN for span in spans)
-    return stops >= _LEAST_STOPS and 2 * stops > len(rotating)
+def _find_stops(model: Model, joints: Sequence[Joint]) -> list[Joint]:
+    """Find the continuous joints that are an arm's or a leg's, and not a wheel's, to which exporters give ±π.
+
+    All of them if most rotating joints of the robot have limits of less than a turn, like stops; or else those of the limbs of
+    which that holds.
+    """
+    spans = {joint: (joint.get_limit_value("upper") or 0) - (joint.get_limit_value("lower") or 0) for joint in joints}
+    stops = {joint.name for joint, span in spans.items() if 0 < span < _TURN}
+    if len(stops) < _LEAST_STOPS:
+        return []
+    if _are_most(stops, model.joints):
+        return list(joints)
+    limbs = [limb for limb in _list_limbs(model) if _are_most(stops, limb)]
+    return [joint for joint in joints if joint.name in stops and any(joint in limb for limb in limbs)]
+
+
+def _are_most(stops: AbstractSet[str], joints: Sequence[Joint]) -> bool:
+    """Whether most rotating ones of some joints have stops, and enough for a limb."""
+    rotating = [joint for joint in joints if joint.type in {"revolute", "continuous"} and joint.mimic is None]
+    count = sum(joint.name in stops for joint in rotating)
+    return count >= _LEAST_STOPS and 2 * count > len(rotating)
+
+
+def _list_limbs(model: Model) -> list[Sequence[Joint]]:
+    """List the joints from the root to each last link; none where the links are not one tree."""
+    try:
+        tree = model.tree
+    except FactUnavailableError:
+        return []
+    return [tree.find_path_to(name) for name in tree.order if not tree.child_joints[name]]
 
 
 def _build_limits_finding(rule: Rule, message: str, joints: list[Joint], *, is_limb: bool) -> Finding:

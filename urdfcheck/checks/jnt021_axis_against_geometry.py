@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import format_length, format_point
+from urdfcheck.core.text import format_length, format_point, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.motion.axes.apart import do_collisions_touch
 from urdfcheck.model.motion.axes.contradicted import find_contradicted_axes
@@ -115,7 +115,8 @@ def _report_sunken(model: Model, rule: Rule, found: SunkenSide) -> Finding:
         "sunken",
         at=joint.axis_location,
         related=[joint.location if joint.limit is None else joint.limit.location],
-        parent=joint.parent,
+        part=found.into[0] if len(found.into) == 1 else "other parts",
+        parts=join_names(found.into),
         share=declared,
         other_share=other,
         **_describe_reversal(joint, found.declared),
@@ -131,8 +132,8 @@ def _describe_reversal(joint: Joint, declared: float) -> dict[str, Any]:
         "limit": f"{declared:.3g}",
         "other": f"{-declared:.3g}",
         "axis": _format_direction(-np.array(joint.axis, dtype=float)),
-        "lower": f"{-upper:.6g}",
-        "upper": f"{-lower:.6g}",
+        "lower": f"{-upper + 0.0:.6g}",
+        "upper": f"{-lower + 0.0:.6g}",
     }
 
 

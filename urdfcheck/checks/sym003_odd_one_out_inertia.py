@@ -31,8 +31,9 @@ MAX_FIT_DEVIATION, MIN_DEVIATION_RATIO = 0.1, 3.0
 MIN_CERTAIN_MISS = 0.5
 # A COM so far from the drawn part's, as a share of its size, is not that of the part alone.
 _COM_APART = 0.05
-# No motor makes one of two copies ten times as heavy; a decimal point does. Slightly less, for rounded numbers.
-SLIPPED_POINT = 9.9
+# No motor makes one of two copies ten times as heavy; a decimal point does. Slightly less, for rounded numbers. Nor does it make
+# a moment ten times as large where the masses are equal to this share.
+SLIPPED_POINT, _SAME_MASS = 9.9, 0.01
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
@@ -102,7 +103,7 @@ def _build_pair_finding(
         "neither" if are_off else "neither_com" if is_com_off else "pair",
         at=locate_difference(here, one.deviation, note),
         related=[locate_difference(there, other.deviation, note)],
-        severity=Severity.WARNING if is_slipped else Severity.INFO,
+        severity=Severity.WARNING if is_slipped or _has_slipped_moment(one.actual, other.actual) else Severity.INFO,
         confidence=Confidence.HEURISTIC,
         sibling=other.link.name,
         there=build_inertial_repair(there, other.expected).text,
@@ -110,6 +111,14 @@ def _build_pair_finding(
         drawn="" if drawn is None else format_millimetres(drawn.solid.com),
         **_collect_data(one, note),
     )
+
+
+def _has_slipped_moment(one: DeclaredInertial, other: DeclaredInertial) -> bool:
+    """Whether one of two inertials of one mass has a principal moment that is ten times the other's."""
+    if abs(one.mass - other.mass) > _SAME_MASS * other.mass:
+        return False
+    moments = np.array([np.linalg.eigvalsh(declared.tensor) for declared in (one, other)])
+    return bool(moments.min() > 0.0 and (moments.max(axis=0) >= SLIPPED_POINT * moments.min(axis=0)).any())
 
 
 def _has_com_apart(model: Model, comparison: CopyComparison) -> bool:

@@ -61,7 +61,7 @@ class DriveTest:
     """A drive test."""
 
     source: str
-    """What says which wheels drive: the controller, the plugin or the names of the wheels."""
+    """What says which wheels drive: the controller, the plugin, the names or the symmetry of the wheels."""
     frame: str
     """The link whose x axis is ahead."""
     left: tuple[str, ...]

@@ -93,6 +93,11 @@ class ReleaseResult:
         return self.tilt is None or self.tilt > TIPPED_ANGLE
 
 
+def is_upset(release: ReleaseResult) -> bool:
+    """Whether the simulator gave up, or the robot gained energy from nowhere."""
+    return release.burst is not None or (release.gain or 0.0) > MAX_ENERGY_GAIN
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StabilityCurve:
     """The stability of the simulation over its time step."""
@@ -136,7 +141,7 @@ class DropTest:
     drawn: bool
     """Whether the robot rests on its visual geometry, because it has no collision geometry."""
     unread: tuple[str, ...]
-    """Links of which a shape could not be read and does not touch; only where the root cannot move."""
+    """Links of which a shape could not be read and does not touch: a robot that is not fixed may stand on something else."""
     shapes: int
     """Number of shapes that can touch the plane."""
     ground: float
@@ -157,7 +162,10 @@ class DropTest:
     """With the joints held by their motors."""
     later: ReleaseResult | None
     """Held for ten seconds, where the robot did not settle in two."""
+    finer: ReleaseResult | None
+    """Without motors at a quarter of the time step, where it burst or gained energy at the whole one."""
     curves: tuple[StabilityCurve, ...]
+    """Empty where only a check wanted to know how the robot stands."""
     drive: DriveTest | None
     """How the robot drives with its differential drive; None where it was not driven."""
     undriven: str
@@ -167,3 +175,16 @@ class DropTest:
     def weight(self) -> float:
         """N."""
         return self.mass * GRAVITY
+
+    @property
+    def is_marginal(self) -> bool:
+        """Whether the simulation fails only with motors, which are those of this test, or only without them and not at a quarter
+        of the time step: then parts are light, and not necessarily wrong."""
+        if not is_upset(self.free):
+            return self.held.burst is not None
+        return self.held.burst is None and self.finer is not None and not is_upset(self.finer)
+
+    @property
+    def knows_ground(self) -> bool:
+        """Whether all is known that could touch the ground, or nothing has to."""
+        return bool(self.fixed) or not self.unread

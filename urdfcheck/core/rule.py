@@ -92,6 +92,10 @@ class Rule:
     warnings too."""
     dynamics: frozenset[str] = frozenset()
     """Ids of the messages about masses, inertias and forces alone: nothing for a program that only displays and plans."""
+    explained_by: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Message id → codes of the rules that may be the cause of what a simulation shows, the likeliest first."""
+    repeats: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Message id → codes of the rules that derive from the file what a simulation shows: how bad it is is theirs to say."""
     layers: tuple[str, ...] = ("visual",)
     """What the 3D view of the report shows for a finding: layers of its viewer."""
 

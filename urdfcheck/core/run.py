@@ -95,6 +95,8 @@ class EngineAnswer:
     """None if it was not asked."""
     reasons: tuple[str, ...]
     """What it did, in its own words where it refused; how to install it, or why it was not asked."""
+    stopped: bool = False
+    """Whether its process died or was stopped, so that it may do something else the next time."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

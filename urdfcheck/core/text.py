@@ -16,6 +16,7 @@ _SIDES = frozenset({"l", "left", "r", "right"})
 # From so many times on, a share is told as a factor.
 _MANY_TIMES = 10
 _DIGITS = re.compile(r"\d")
+_LONG_DECIMAL = re.compile(r"(?<![\w.])-?\d+\.\d{8,}(?:[eE][+-]?\d+)?(?![\w.…])")
 # Names that are looked at for a spelling, and the share of letters that two spellings of one word have in common: `lite` and
 # `light` 0.67, `whl` and `wheel` 0.75; of other words, `camera` and `camera optical` 0.63.
 _MOST_ALIKE = 5
@@ -140,6 +141,11 @@ def format_large_count(count: int, one: str) -> str:
 def truncate_text(text: str, most: int) -> str:
     """Return a text, or its beginning and ``...`` if it has more than ``most`` characters."""
     return text if len(text) <= most else text[: most - 3] + "..."
+
+
+def round_decimals(text: str) -> str:
+    """Return a text in which numbers have at most ten significant digits: 0.32 for 0.32000000000000006."""
+    return _LONG_DECIMAL.sub(lambda number: f"{float(number[0]):.10g}", text)
 
 
 def format_choices(values: Collection[str], most: int = 6) -> str:

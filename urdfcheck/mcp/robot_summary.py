@@ -1,4 +1,4 @@
-"""A robot on one page: its tree with masses, joints and limits."""
+"""A robot on one page: its tree with masses, joints and limits, and how far it reaches."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import math
 from collections.abc import Iterator
 
 from urdfcheck.core.scene import Scene, SceneJoint, SceneLink
+from urdfcheck.mcp.chain_reach import ChainReach, measure_reaches
 from urdfcheck.output.shared.kinematic_forest import LINK, REPEATED, TreeNode, build_forest
 
 # Lines of the tree; the rest is counted.
 MOST_LINES = 150
+# Chains whose reach is told; the rest is counted.
+MOST_REACHES = 4
 _ROTARY = frozenset({"revolute", "continuous"})
 
 
@@ -25,11 +28,19 @@ def summarize_robot(scene: Scene) -> str:
         f"{scene.model}: {len(links)} links, {len(moving)} moving joints"
         f" ({sum(joint.mimic is not None for joint in moving)} mimic), {sum(masses):.4g} kg in {len(masses)} links"
     ]
+    reaches = measure_reaches(scene)
+    lines += map(_format_reach, reaches[:MOST_REACHES])
+    if len(reaches) > MOST_REACHES:
+        lines.append(f"… and {len(reaches) - MOST_REACHES} shorter chains")
     nodes = build_forest(scene)
     lines += [_format_node(node, links, joints) for node in nodes[:MOST_LINES]]
     if len(nodes) > MOST_LINES:
         lines.append(f"… and {len(nodes) - MOST_LINES} more")
     return "\n".join(lines)
+
+
+def _format_reach(reach: ChainReach) -> str:
+    return f"reach: {reach.tip} comes {reach.found:.3g} m away from {reach.first_joint}, and never more than {reach.limit:.3g} m"
 
 
 def _format_node(node: TreeNode, links: dict[str, SceneLink], joints: dict[str, SceneJoint]) -> str:

@@ -70,7 +70,8 @@ def build_server(root: Path) -> MCPServer:
 
     @server.tool(annotations=_READS)
     def describe(path: str) -> str:
-        """Return a robot on one page: its kinematic tree with masses, densities, joint axes and limits."""
+        """Return a robot on one page: its kinematic tree with masses, densities, joint axes and limits, and how far its chains
+        reach."""
         with _explained():
             return workspace.describe(path)
 

@@ -93,7 +93,7 @@ class Workspace:
         return _cut(describe_computed(report.index, words), "name a place or an element")
 
     def describe(self, path: str) -> str:
-        """Return a robot on one page: the tree, masses, joints and limits."""
+        """Return a robot on one page: the tree, masses, joints, limits and reach."""
         run = check(self._list_inside([path]), scene=True)
         if not run.scenes:
             return render_findings(run, run.active_findings)

@@ -21,6 +21,9 @@ from urdfcheck.system.array_cache import ArrayCache
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
+# Why a check that needs a simulator did not run, where none may be started.
+NO_SIMULATOR = "needs a simulator: --target mujoco, or urdfcheck drop"
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Model:
@@ -38,8 +41,8 @@ class Model:
     """Number of joint configurations that facts about motion sample."""
     targets: tuple[str, ...] = ()
     """The programs that the model is declared to be for."""
-    may_simulate: bool = False
-    """Whether a simulator may be started."""
+    simulation: str = "none"
+    """How long a simulator may run: none | brief, as part of a check | full."""
     base: str = "auto"
     """How a simulator holds the base: auto | fixed | free."""
     memo: dict[Hashable, Any] = field(default_factory=dict, repr=False)

@@ -21,7 +21,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.output.shared.escaping import escape_for_json, escape_invisible, escape_one_line
 from urdfcheck.output.shared.json_objects import build_subject_object
 from urdfcheck.output.shared.positions import to_utf16_region
-from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, iter_inline_pieces, split_sections
+from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, find_rule_address, iter_inline_pieces, split_sections
 from urdfcheck.output.shared.verdict.effects import ToldEffects, list_new_effects
 from urdfcheck.output.shared.verdict.finding_details import BLOCK_LABEL, describe_other_places
 from urdfcheck.output.shared.verdict.not_checked import (
@@ -133,11 +133,13 @@ def _build_rule_descriptor(rule: Rule) -> Json:
     title = rule.name.replace("-", " ").capitalize()
     texts = split_sections(rule.page)
     shown = {name: _FENCE.sub("", texts[name]) for name in SHOWN_SECTIONS if texts.get(name, "").strip()}
+    address = find_rule_address(rule.code)
     return {
         "id": rule.code,
         "name": rule.name,
         "shortDescription": {"text": title},
         "fullDescription": {"text": _truncate_text(_strip_markdown(rule.summary) or title)},
+        **({"helpUri": address} if address else {}),
         "help": {
             "text": "\n\n".join(f"{name}\n{_strip_markdown(text.strip())}" for name, text in shown.items()) or title,
             "markdown": "\n\n".join(f"## {name}\n\n{texts[name].strip()}" for name in shown) or title,

@@ -28,6 +28,8 @@ OTHERS = (
 )
 # Those that are asked what they do with a model if they are targets and installed: the ones that answer in a second.
 ASKED_ENGINES = ("mujoco", "drake", "bullet")
+# The one of them in which models are also dropped and driven.
+SIMULATOR = "mujoco"
 # They read the file through another program: what it rejects or drops, they do not get.
 PARSERS = {**dict.fromkeys(("pinocchio", "gazebo", "kdl", "moveit", "rviz"), "urdfdom"), "isaac": "newton"}
 

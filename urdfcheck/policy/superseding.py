@@ -6,7 +6,8 @@ import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Finding, Rule, Severity, Verdict
+from urdfcheck.policy.consumers import SIMULATOR, get_verdict
 
 # `link[wheel]` of `link[wheel]/inertial/inertia@izz`, whatever the name contains.
 _ELEMENT = re.compile(r"[^/@\[]*\[.*?\](?=[/@]|$)", re.DOTALL)
@@ -61,6 +62,47 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
                 if finding.blocks_check:
                     inherited[other] = max(finding.severity, findings[other].severity)
     return [_take_place(f, hides.get(i), inherited.get(i)) for i, f in enumerate(findings) if i not in dropped]
+
+
+def join_explained(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+    """Join what a simulation shows to the finding that explains it, so that it is not reported twice.
+
+    That is the first of the rules under ``repeats`` and ``explained_by`` on the page which fired on an element of the finding's
+    subjects, or of those in its data (``between``); of its findings, rather one with a message of the same id. One that explains
+    must be as severe. It says what happened in the simulator, and lists the joined code in its data (``hides``). What is
+    suppressed joins nothing.
+    """
+    findings = list(findings)
+    joined: dict[int, int] = {}
+    for index, finding in enumerate(findings):
+        rule = rules.get(finding.code)
+        repeated = () if rule is None else rule.repeats.get(finding.message_id, ())
+        codes = () if rule is None else (*repeated, *rule.explained_by.get(finding.message_id, ()))
+        if not codes or finding.suppressed is not None:
+            continue
+        elements = {*map(_get_element, (*finding.subjects, *finding.data.get("between", ())))}
+        reasons = [
+            (codes.index(other.code), other.message_id != finding.message_id, place)
+            for place, other in enumerate(findings)
+            if other.code in codes
+            and (other.code in repeated or other.severity >= finding.severity)
+            and not elements.isdisjoint(map(_get_element, other.subjects))
+        ]
+        if reasons:
+            joined[index] = min(reasons)[-1]
+    for index, place in joined.items():
+        findings[place] = _tell_simulated(findings[place], findings[index])
+    return [finding for index, finding in enumerate(findings) if index not in joined]
+
+
+def _tell_simulated(finding: Finding, simulated: Finding) -> Finding:
+    """Return a finding that also says what the simulator did here, unless that does not load the model as typed."""
+    hidden = {*finding.data.get("hides", ()), simulated.code}
+    finding = replace(finding, data={**finding.data, "hides": sorted(hidden)})
+    if get_verdict(finding.consequences, SIMULATOR) is not Verdict.LOADS:
+        return finding
+    sentence = f"simulated it here: {simulated.headline}"
+    return replace(finding, consequences={**finding.consequences, SIMULATOR: sentence})
 
 
 def list_held_back(finding: Finding) -> list[str]:

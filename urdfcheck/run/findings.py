@@ -24,7 +24,7 @@ from urdfcheck.policy.fix_safety import mark_unsafe_across_models, mark_unsafe_i
 from urdfcheck.policy.on_request import leave_out_dynamics, split_unrequested
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.report_limits import MAX_FINDINGS_SIZE, limit_number, limit_size, truncate_texts
-from urdfcheck.policy.superseding import drop_superseded, list_held_back
+from urdfcheck.policy.superseding import drop_superseded, join_explained, list_held_back
 from urdfcheck.policy.suppression import mark_suppressed
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit, UnitReport
@@ -69,11 +69,12 @@ def finalize_unit_findings(
     comments: Iterable[IgnoreComment],
     root: Element | None,
     texts: Mapping[str, str] | None = None,
+    joins_simulated: bool = True,
 ) -> FinalFindings:
     """Turn the admitted findings of one unit into those of its report.
 
     ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any;
-    ``texts``: its files by name.
+    ``texts``: its files by name; ``joins_simulated``: whether what a simulation shows is joined to the finding that explains it.
     """
     located = locate_typed_values(list(findings), root, texts or {})
     # Before merging: of six links that one macro line makes, a single one may be suppressed.
@@ -84,6 +85,8 @@ def finalize_unit_findings(
         marked = leave_out_dynamics(marked, rules)
     merged = merge_macro_lines(merge_same_text(marked), root, texts or {})
     remaining = drop_superseded(merged, rules)
+    if joins_simulated:
+        remaining = join_explained(remaining, rules)
     unasked = frozenset() if policy.pedantic else policy.unrequested
     wanted, unrequested = split_unrequested(remaining, rules, unrequested=unasked, targets=policy.targets)
     safe = mark_unsafe_in_model(wanted, root)

@@ -60,9 +60,11 @@ class AuditOptions:
     pairs: bool = False
     """Whether reports classify all pairs of links for an SRDF."""
     drop: bool = False
-    """Whether models are dropped on a plane."""
+    """Whether models are dropped on a plane, at many time steps, whatever their targets."""
     mechanism: bool = False
     """Whether reports hold the model in plain values, to compare it with another version."""
+    simulate: bool = True
+    """Whether models may be dropped for the sake of their targets."""
     base: str = "auto"
     """How their base is held then: auto | fixed | free."""
     environment: tuple[str, ...] = ()

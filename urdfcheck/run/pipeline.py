@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import NotChecked, Run, UrdfcheckError
+from urdfcheck.core import NotChecked, Run, SkippedCheck, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.core.records import dataclass
 from urdfcheck.policy import baseline
@@ -29,13 +29,14 @@ from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, Uni
 from urdfcheck.run.replay.reports import KnownReports, enable_replay
 from urdfcheck.run.report_sizes import ReportSizes
 from urdfcheck.run.source_texts import SourceTexts
-from urdfcheck.run.unit_audit import audit_unit
+from urdfcheck.run.unit_audit import audit_unit, choose_simulation, list_simulated_rules
 from urdfcheck.run.units.included_parts import (
     assign_parts,
     find_read_spares,
     leave_out_blamed_parts,
     list_next_units,
 )
+from urdfcheck.run.units.outlines import compare_outlines_bounded, have_same_outlines, may_compare_outlines
 from urdfcheck.run.units.unchecked import build_stopped_report
 from urdfcheck.run.units.variants import format_arguments, propose_other_environments, propose_smaller_variants
 from urdfcheck.source.discover import discover_targets
@@ -48,7 +49,7 @@ from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_stamp
 from urdfcheck.system.installation import list_own_files
 from urdfcheck.system.observing.observations import Observations, observe
-from urdfcheck.system.observing.questions import add_observations, read_folders, read_variable
+from urdfcheck.system.observing.questions import add_observations, is_observing, read_folders, read_variable
 from urdfcheck.system.process_pool import SpareWorkers, Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 # The search for all models may take so many times longer than the check of one, and at least so many seconds: a model takes
@@ -84,6 +85,8 @@ class AuditedRun:
 
     request: Request
     plan: Plan
+    search: Plan
+    """The plan as the search for models returned it."""
     units: Sequence[Unit]
     reports: Mapping[int, UnitReport]
     """By index of the unit."""
@@ -101,19 +104,30 @@ def run(request: Request, execution: Execution = IN_WORKERS) -> Run:
     return run_audit(request, execution).outcome
 
 
-def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: AuditedRun | None = None) -> AuditedRun:
+def run_audit(
+    request: Request,
+    execution: Execution = IN_WORKERS,
+    *,
+    previous: AuditedRun | None = None,
+    only_texts_differ: bool = False,
+) -> AuditedRun:
     """Do the same as :func:`run`, for callers that go on with the units and reports.
 
     ``previous``: a run of the same request apart from its ``texts``; its reports are reused where no text that they depend on
-    differs.
+    differs. ``only_texts_differ``: whether the files on the disk are those of that run, as far as is known; then models are not
+    searched again where the search would read nothing new.
     """
     start = time.perf_counter()
-    plan, units = plan_units(
-        request,
-        in_process=execution.audit is not None,
-        spare_workers=execution.spare_workers,
-        warm_worker=execution.warm_worker,
-    )
+    if previous is not None and only_texts_differ and _leads_to_same_models(previous, request, execution):
+        search, units = previous.search, _build_units(previous.search, request)
+    else:
+        search, units = plan_units(
+            request,
+            in_process=execution.audit is not None,
+            spare_workers=execution.spare_workers,
+            warm_worker=execution.warm_worker,
+        )
+    plan = search
     reports = {} if previous is None else _reuse_reports(previous, units, request.options.texts)
     texts, sizes = SourceTexts(), ReportSizes()
 
@@ -158,7 +172,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
         reason = f"interrupted after {len(reports)} of {count} models and files: the rest was not checked"
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
     outcome = strip_volatile_values(outcome) if read_variable("SOURCE_DATE_EPOCH") is not None else outcome
-    return AuditedRun(request=request, plan=plan, units=units, reports=reports, outcome=outcome)
+    return AuditedRun(request=request, plan=plan, search=search, units=units, reports=reports, outcome=outcome)
 
 
 def keep_valid_reports(last: AuditedRun | None, request: Request) -> AuditedRun | None:
@@ -187,8 +201,7 @@ def _without_texts(request: Request) -> Request:
 
 def _reuse_reports(previous: AuditedRun, units: Sequence[Unit], texts: Mapping[str, bytes]) -> dict[int, UnitReport]:
     """Return the reports of the units that have not changed, nor any file that was read for them, by index."""
-    old_texts = previous.request.options.texts
-    changed = {path for path in (*old_texts, *texts) if old_texts.get(path) != texts.get(path)}
+    changed = _list_changed_texts(previous, texts)
     known = {(unit.kind, unit.id): (unit, previous.reports.get(index)) for index, unit in enumerate(previous.units)}
     resolve = functools.cache(os.path.realpath)  # most units read the same files
     reused = {}
@@ -197,6 +210,31 @@ def _reuse_reports(previous: AuditedRun, units: Sequence[Unit], texts: Mapping[s
         if same == unit and report is not None and report.reads and not changed & set(map(resolve, report.reads)):
             reused[index] = report
     return reused
+
+
+def _list_changed_texts(previous: AuditedRun, texts: Mapping[str, bytes]) -> set[str]:
+    """Return the real paths of the texts that differ from those of a run."""
+    old_texts = previous.request.options.texts
+    return {path for path in (*old_texts, *texts) if old_texts.get(path) != texts.get(path)}
+
+
+def _leads_to_same_models(previous: AuditedRun, request: Request, execution: Execution) -> bool:
+    """Whether the search for models would find what it found for a run of which only texts differ."""
+    changes = {
+        path: (previous.request.options.texts.get(path), request.options.texts.get(path))
+        for path in _list_changed_texts(previous, request.options.texts)
+    }
+    limits, spare_workers = request.options.limits, execution.spare_workers
+    if is_observing() or not may_compare_outlines(request, changes):
+        return False
+    if execution.audit is not None:
+        return have_same_outlines(changes)
+    spare = None if spare_workers is None else spare_workers.get_list(limits.memory)
+    work = limits.memory, changes
+    ((_, answer),) = map_in_processes(
+        compare_outlines_bounded, [work], 1, timeout=limits.seconds or None, spare_workers=spare
+    )
+    return answer is True
 
 
 def select_single_model(request: Request, plan: Plan, units: Sequence[Unit]) -> Unit:
@@ -494,6 +532,7 @@ def stream_reports(
     longest = limits.seconds + sandbox.PATIENCE if limits.seconds else None
     rights = settings.visible_folders, settings.cache, limits.memory
     spare = None if execution.spare_workers is None else execution.spare_workers.get_list(rights)
+    died: dict[int, WorkerDiedError] = {}
     for place, answer in map_in_processes(
         _audit_in_worker,
         work,
@@ -504,7 +543,36 @@ def stream_reports(
         timeout=longest,
         is_spent=_is_stopped,
     ):
-        yield order[place], _report_answer(units[order[place]], answer, settings)
+        index = order[place]
+        if _may_be_due_to_simulator(units[index], answer, settings):
+            died[index] = answer
+        else:
+            yield index, _report_answer(units[index], answer, settings)
+    if died:
+        yield from _audit_without_simulator({index: units[index] for index in died}, died, settings, jobs=jobs)
+
+
+def _may_be_due_to_simulator(unit: Unit, answer: UnitReport | WorkerDiedError, settings: AuditSettings) -> bool:
+    """Whether a worker died, in which native code of the simulator ran for a target of the model."""
+    is_dead = isinstance(answer, WorkerDiedError) and not isinstance(answer, WorkerTimeoutError)
+    return is_dead and choose_simulation(unit.policy or settings.policy, settings.options) == "brief"
+
+
+def _audit_without_simulator(
+    units: Mapping[int, Unit], died: Mapping[int, WorkerDiedError], settings: AuditSettings, *, jobs: int
+) -> Iterator[tuple[int, UnitReport]]:
+    """Audit units again whose workers died; yield the index of each and its report, which says that it was not dropped.
+
+    Such reports are not kept: the next run tries again.
+    """
+    settings = replace(settings, options=replace(settings.options, simulate=False), replay_key="")
+    for place, report in stream_reports(list(units.values()), settings, jobs=jobs):
+        index = list(units)[place]
+        unit = units[index]
+        reason = f"the process in which MuJoCo simulated the model {_describe_exit(died[index].exit_code)}"
+        codes = [code for code in list_simulated_rules() if code in (unit.policy or settings.policy).codes]
+        kept = [skip for skip in report.skipped if skip.code not in codes]
+        yield index, replace(report, skipped=(*kept, *(SkippedCheck(code, unit.id, reason) for code in codes)))
 
 
 def _report_answer(unit: Unit, answer: UnitReport | WorkerDiedError, settings: AuditSettings) -> UnitReport:

@@ -30,14 +30,15 @@ from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.export.outline import ModelOutline, build_outline
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.policy.consumers import SIMULATOR
 from urdfcheck.policy.fix_safety import withdraw_shared_edits
-from urdfcheck.policy.policy import TIERS
+from urdfcheck.policy.policy import TIERS, Policy
 from urdfcheck.policy.report_limits import truncate_texts
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.comment_usage import assess_comments
 from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
-from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.jobs import AuditOptions, AuditSettings, Unit, UnitReport
 from urdfcheck.run.replay.reports import keep_report
 from urdfcheck.run.report_sizes import limit_mechanism, limit_scene
 from urdfcheck.run.shown_paths import PathShortener
@@ -54,7 +55,7 @@ from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
-from urdfcheck.system.installation import describe_left_out, list_own_files
+from urdfcheck.system.installation import describe_left_out, find_library_origin, list_own_files
 from urdfcheck.system.observing.observations import Observations, observe
 from urdfcheck.system.observing.questions import read_folders
 
@@ -264,7 +265,7 @@ class _UnitAudit:
             cache=ArrayCache(self.cache_folder),
             samples=self.options.samples,
             targets=self.policy.targets,
-            may_simulate=self.options.drop,
+            simulation=choose_simulation(self.policy, self.options),
             base=self.options.base,
         )
 
@@ -305,7 +306,7 @@ class _UnitAudit:
 
             self.mechanism = self.run_guarded("diff", lambda: build_mechanism(model, self.unit.id))
             self.collect_seams(operator.methodcaller("list_model_seams", model))
-        if self.options.drop:
+        if model.simulation != "none":
             self.drop = self.run_guarded("drop", lambda: self.run_drop_test(model))
 
     def build_index(self) -> None:
@@ -319,10 +320,11 @@ class _UnitAudit:
 
     def run_drop_test(self, model: Model) -> DropTest | None:
         """Drop the model on a plane; None where that is impossible."""
-        from urdfcheck.model.motion.simulated_drop import run_drop_test  # loads numpy
+        from urdfcheck.model.motion.simulated_drop import measure_step_curves, run_drop_test  # loads numpy
 
         try:
-            return replace(run_drop_test(model), model=self.unit.id)
+            curves = measure_step_curves(model) if self.options.drop else ()
+            return replace(run_drop_test(model), model=self.unit.id, curves=curves)
         except FactUnavailableError:  # DYN005 reports why
             return None
 
@@ -457,6 +459,7 @@ class _UnitAudit:
             comments=comments,
             root=root,
             texts=self.texts,
+            joins_simulated=not self.options.drop,  # there it is what was asked for
         )
         usages = assess_comments(
             comments,
@@ -533,6 +536,25 @@ class _UnitAudit:
             return read_regular(path).decode("utf-8", "replace")
         except OSError:
             return None
+
+
+def choose_simulation(policy: Policy, options: AuditOptions) -> str:
+    """Return how long the simulator may run for a model: none | brief | full.
+
+    A command asks for it, or the model is for MuJoCo, which is installed, and one of the rules that need it is selected.
+    """
+    if options.drop:
+        return "full"
+    if not options.simulate or SIMULATOR not in policy.targets or policy.tier != TIERS[-1]:
+        return "none"
+    is_wanted = any(code in policy.codes for code in list_simulated_rules())
+    return "brief" if is_wanted and find_library_origin(SIMULATOR) is not None else "none"
+
+
+@cache
+def list_simulated_rules() -> tuple[str, ...]:
+    """List the codes of the rules about models that need a simulator."""
+    return tuple(c for c, rule in load_rules().items() if "simulator" in rule.needs and "model" in rule.scopes)
 
 
 def _find_undeclared_arguments(source: Source) -> dict[str, str] | None:

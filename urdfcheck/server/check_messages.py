@@ -11,7 +11,7 @@ from dataclasses import field
 
 from urdfcheck.core import Edit, Finding
 from urdfcheck.core.records import dataclass
-from urdfcheck.export.index.source_index import SourceIndex
+from urdfcheck.export.index.source_index import DoubtfulName, SourceIndex
 
 HEADER = struct.Struct("<Q")
 
@@ -45,6 +45,8 @@ class CheckJob:
     """Whether the indexes of the models are wanted, which takes a fifth of the time of the source tier."""
     forgets: bool = False
     """Whether files appeared or disappeared, so that nothing of earlier runs may be reused."""
+    only_texts_differ: bool = False
+    """Whether the editor has reported nothing but edits since the last job of this tier that looked for the models."""
     fixes: bool = False
     """Whether the safe fixes are wanted instead of the findings."""
     rename: RenameWish | None = None
@@ -95,6 +97,8 @@ class CheckAnswer:
     """Number of findings that these repair."""
     edits: tuple[Edit, ...] = ()
     """Those of the renaming."""
+    doubtful: tuple[DoubtfulName, ...] = ()
+    """Texts that the renaming leaves as they are, because they may be something else."""
     refusal: str = ""
     """Why there are none, in a sentence."""
     report: bytes = b""

@@ -160,7 +160,8 @@ class _CheckProcess:
         with overlay_files(job.texts):  # a baseline may be open too
             request = self._make_request(paths, job, tier=job.tier)
             last = keep_valid_reports(self.kept.pop((folder, job.tier), None), request)
-            audited = run_audit(request, Execution(spare_workers=self.spare_workers), previous=last)
+            execution = Execution(spare_workers=self.spare_workers)
+            audited = run_audit(request, execution, previous=last, only_texts_differ=job.only_texts_differ)
         outcome = audited.outcome
         if outcome.partial:
             raise KeyboardInterrupt
@@ -215,7 +216,8 @@ class _CheckProcess:
             return audited
 
         try:
-            return CheckAnswer(number=job.number, edits=compute_rename(wish, job.texts, audit))
+            plan = compute_rename(wish, job.texts, audit)
+            return CheckAnswer(number=job.number, edits=plan.edits, doubtful=plan.doubtful)
         except RenameRefusedError as refusal:
             return CheckAnswer(number=job.number, refusal=str(refusal))
         except UrdfcheckError as error:  # of the configuration

@@ -10,6 +10,7 @@ import contextlib
 import os
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.policy.policy import TIERS
@@ -20,9 +21,11 @@ from urdfcheck.server.documents import DocumentStore, OpenDocument
 from urdfcheck.server.index_store import IndexStore
 from urdfcheck.source.package.file_kinds import is_launch, is_model
 
-# Seconds after the last edit: until the source tier is computed, and until everything is. The first pause lasts as long as that
-# check took last time, within these limits: to check after each key is no use where the next key comes first.
+# Seconds after the last edit: until the source tier is computed, and until everything is. The first pause is the shorter one
+# where the last check of an edit was so quick that its findings come within 0.15 s of the key: to check after each key is no use
+# where another follows it.
 SHORTEST_PAUSE, LONGEST_PAUSE, RESTING = 0.05, 0.1, 1.0
+QUICK = 0.1
 # Seconds for which a question about a document that was not checked yet waits.
 PATIENCE = 20.0
 SOURCE = TIERS[0]
@@ -52,6 +55,7 @@ class CheckSchedule:
         self._waiting: set[str | None] = set()
         self._running: str | None = ""  # the tier; empty where nothing runs
         self._forgets = False
+        self._only_texts_differ = False
         self._reports = 0  # those that are made
         self._indexed: Mapping[str, str] = {}  # the texts of the indexes, by real path
         self._tasks: set[asyncio.Task[None]] = set()
@@ -77,6 +81,7 @@ class CheckSchedule:
         ``files_differ``: whether there are other files than before.
         """
         self._forgets = self._forgets or files_differ
+        self._only_texts_differ = False
         self._interrupt()
         for tier in self._delays:
             self._set_timer(tier, 0.0)
@@ -162,6 +167,10 @@ class CheckSchedule:
         # While one types, the places of the last index are moved with the text; a new document has none yet.
         has_index = tier is None or not self._indexed.keys() >= texts.keys()
         job = self._make_job(tier, list_checked_paths(self.documents), has_index=has_index)
+        if tier == SOURCE:
+            # The job that computes everything looks for the models in any case: not every editor tells what happens on the disk.
+            job = replace(job, only_texts_differ=self._only_texts_differ)
+            self._only_texts_differ = True
         began = time.monotonic()
         try:
             answer = await self.client.run_job(job)
@@ -169,13 +178,14 @@ class CheckSchedule:
             if self.client.is_ended:
                 return
             self.problem = str(error)
+            self._only_texts_differ = False
             self._note_answer()
             self.on_change()
             if self.client.can_start:
                 self._waiting.add(tier)
         else:
             self.problem = ""
-            if tier == SOURCE and not answer.is_cancelled:
+            if job.only_texts_differ and not answer.is_cancelled:  # others take longer
                 self._delays[SOURCE] = choose_pause(time.monotonic() - began)
             self._take_answer(answer, job, texts)
         finally:
@@ -184,6 +194,7 @@ class CheckSchedule:
 
     def _take_answer(self, answer: CheckAnswer, job: CheckJob, texts: Mapping[str, str]) -> None:
         if answer.is_cancelled:
+            self._only_texts_differ = False
             if job.tier not in self._timers:  # the interrupt was meant for the job before it
                 self._waiting.add(job.tier)
             return
@@ -234,7 +245,7 @@ class CheckSchedule:
 
 def choose_pause(seconds: float) -> float:
     """Return how long to wait for more typing, in s, where the last check after an edit took so many seconds."""
-    return min(max(seconds, SHORTEST_PAUSE), LONGEST_PAUSE)
+    return SHORTEST_PAUSE if seconds <= QUICK else LONGEST_PAUSE
 
 
 def list_checked_paths(documents: DocumentStore) -> list[str]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 
 from lsprotocol import types
 
@@ -14,6 +15,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, MACRO, MATERIAL, PARAMETER, PROPERTY
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.index_store import IndexStore, IndexView
+from urdfcheck.server.names.file_names import iter_path_parts
 from urdfcheck.source.text.grammar import CHILDREN, JOINT_TYPES, get_known_attributes
 
 # A tag, whose values hold no "<"; and what is no tag, with its end.
@@ -26,6 +28,8 @@ _OPEN_EXPRESSION = re.compile(r"\$\{[^{}]*\Z")
 _OPEN_ARGUMENT = re.compile(r"\$\(arg\s+[^()\s]*\Z")
 _OPEN_COMMAND = re.compile(r"\$\([a-z]*\Z")
 _TOKEN = re.compile(r"[\w:.-]*\Z")
+# A token that is all of the last part of a path: it is what an edit replaces.
+_PATH_PART = re.compile(r"(?:\A|[/\s])[\w:.-]*\Z")
 _COMMANDS = ("arg", "dirname", "env", "eval", "find", "optenv")
 # The attributes of xacro's own elements.
 _XACRO = {
@@ -97,6 +101,7 @@ def complete(
     start = offset if match is None else match.start()
     range_ = positions.make_range(start, offset)
     choices = {choice.text: choice for choice in _iter_choices(before, start, views)}
+    choices.update((choice.text, choice) for choice in _iter_paths(before, document, documents))
     return [
         types.CompletionItem(
             label=choice.text,
@@ -121,6 +126,17 @@ def _iter_choices(before: str, start: int, views: list[IndexView]) -> Iterator[_
         yield from _iter_elements(place, views)
     elif before.endswith("</", 0, start) and place.around:
         yield _Choice(place.around[-1], types.CompletionItemKind.Property, inserted=f"{place.around[-1]}>")
+
+
+def _iter_paths(before: str, document: OpenDocument, documents: DocumentStore) -> Iterator[_Choice]:
+    """Yield the packages, folders and files that may follow in the path that is being typed."""
+    place = _find_place(before)
+    value = None if place is None or not place.tag else _OPEN_VALUE.search(place.rest)
+    if place is None or value is None or not _PATH_PART.search(value[3]):
+        return
+    for part in iter_path_parts(place.tag, value[1], value[3], Path(document.path), documents.find_reach()):
+        kind = types.CompletionItemKind.Folder if part.is_folder else types.CompletionItemKind.File
+        yield _Choice(part.name, kind, inserted=part.inserted)
 
 
 def _find_place(before: str) -> _TagPlace | None:

@@ -191,12 +191,14 @@ class DocumentStore:
             known = self._files.get(real)
             if known is not None and known[0] == stamp:
                 return known[1]
-            reach = FileReach.from_paths([Path(open_one.path) for open_one in self.by_uri.values()], self._folders)
-            return (
-                self._keep(real, stamp, SourceFile.read(Path(real), name).text) if reach.can_open(Path(real)) else None
-            )
+            can_open = self.find_reach().can_open(Path(real))
+            return self._keep(real, stamp, SourceFile.read(Path(real), name).text) if can_open else None
         except (OSError, XmlError):
             return None
+
+    def find_reach(self) -> FileReach:
+        """Return which files may be read: those of the projects of the open documents, and of the folders that were named."""
+        return FileReach.from_paths([Path(document.path) for document in self.by_uri.values()], self._folders)
 
     def _keep(self, real: str, stamp: tuple[int, int] | None, text: str) -> TextPositions:
         known = self._files.get(real)

@@ -9,15 +9,19 @@ from pathlib import PurePath
 from lsprotocol import types
 
 from urdfcheck.core import Applicability, Finding
+from urdfcheck.core.text import format_angle, round_decimals
 from urdfcheck.export.index.source_index import JOINT, LINK, ComputedText, ComputedUse, ValueSource
+from urdfcheck.export.index.units import find_unit
 from urdfcheck.server.diagnostics import ShownFinding
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions, find_word
 from urdfcheck.server.index_store import IndexStore, IndexView
+from urdfcheck.source.text.values import parse_number
 
 # The elements in a link or joint that hold what its facts are about.
 _DESCRIBED = re.compile(r"<(?:link|joint|inertial|mass|inertia|axis|limit|mimic|dynamics)\b[^<>]*\Z", re.DOTALL)
 # The text in which the beginning of an element is looked for.
 _LONGEST_TAG = 2_000
+_JOINT_SUBJECT = re.compile(r"joint\[([^\[\]]*)\]")
 # Parts that are described where a macro makes several of one text.
 _MOST_PARTS = 4
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>()#+!|~-])")
@@ -36,7 +40,9 @@ def describe_position(
     views = list(indexes.view(document))
     for view in views:
         parts += [_describe_text(text, view, offset) for text in view.find_texts(offset)]
-    parts += [part for view in views for part in _iter_named_parts(view, document.text, offset)]
+    known = {line for part in parts for line in part.splitlines()}
+    named = (part for view in views for part in _iter_named_parts(view, document.text, offset))
+    parts += [part for part in named if not known.issuperset(part.splitlines())]
     sections = list(dict.fromkeys(filter(None, parts)))
     if not sections:
         return None
@@ -85,12 +91,23 @@ def _describe_text(text: ComputedText, view: IndexView, offset: int) -> str:
     for use in text.uses:
         typed, value = _select_word(text.text, use.value, word)
         where = f" in {quote(use.subject)}" if len(text.uses) > 1 else ""
-        lines.append(f"{quote(typed)} = {quote(value) if value else '(empty)'}{where}")
+        unit = _describe_unit(use.subject, value, view)
+        lines.append(f"{quote(typed)} = {quote(round_decimals(value)) if value else '(empty)'}{unit}{where}")
         if len(text.uses) == 1:
             lines += [_describe_source(source) for source in use.sources]
     if len(text.uses) > 1:
         lines += _list_varied_sources(text.uses)
     return "  \n".join(lines)
+
+
+def _describe_unit(subject: str, value: str, view: IndexView) -> str:
+    """Return the unit of a value, of one angle also its degrees: `` rad (90°)``."""
+    types_by_name = {part.name: part.detail for part in view.model.index.parts if part.kind == JOINT}
+    joint = _JOINT_SUBJECT.match(subject)
+    unit = find_unit(subject, types_by_name.get(joint[1], "") if joint else "")
+    number = parse_number(value)
+    degrees = f" ({format_angle(number)})" if unit == "rad" and number is not None else ""
+    return f" {unit}{degrees}" if unit and value else ""
 
 
 def _find_word(text: str, offset: int) -> int | None:
@@ -124,7 +141,7 @@ def _select_word(typed: str, value: str, word: int | None) -> tuple[str, str]:
 def _describe_source(source: ValueSource) -> str:
     """Return ``property base_mass = 116.0, base.urdf.xacro:26``."""
     typed = source.text and quote(source.text)
-    became = quote(source.value) if source.value else ""
+    became = quote(round_decimals(source.value)) if source.value else ""
     value = " = ".join(part for part in (typed, became) if part)
     place = "" if source.span is None else f", {escape(PurePath(source.span.file).name)}:{source.span.line}"
     return f"- {source.kind} {quote(source.name)}{f' = {value}' if value else ''}{place}"

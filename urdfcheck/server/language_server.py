@@ -31,7 +31,7 @@ from urdfcheck.server.diagnostics import SOURCE, ShownFinding, make_failure_diag
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.hover import describe_position
 from urdfcheck.server.names.navigation import find_definitions, find_references
-from urdfcheck.server.names.rename_answers import make_rename_edit, prepare_rename
+from urdfcheck.server.names.rename_answers import describe_doubtful_names, make_rename_edit, prepare_rename
 from urdfcheck.server.names.rename_plan import RenameRefusedError
 from urdfcheck.server.report.commands import add_report_commands
 from urdfcheck.server.symbols import list_folding_ranges, list_inlay_hints, list_symbols
@@ -207,7 +207,11 @@ def _add_renaming(server: UrdfcheckServer) -> None:
             answer = await schedule.find_rename(RenameWish(path=document.real, offset=offset, text=params.new_name))
             if answer.refusal or answer.is_cancelled:
                 raise RenameRefusedError(answer.refusal or "The text was changed meanwhile: try again.")
-            return make_rename_edit(answer.edits, documents)
+            edit = make_rename_edit(answer.edits, documents)
+            if answer.doubtful:
+                text = describe_doubtful_names(answer.doubtful)
+                server.window_show_message(types.ShowMessageParams(types.MessageType.Warning, text))
+            return edit
 
 
 @contextlib.contextmanager

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from lsprotocol import types
 
 from urdfcheck.core import Span
-from urdfcheck.core.text import truncate_text
+from urdfcheck.core.text import round_decimals, truncate_text
 from urdfcheck.export.index.source_index import ARGUMENT, LINK, MACRO, PROPERTY, RobotPart
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.index_store import IndexStore, IndexView
@@ -119,7 +119,7 @@ def list_inlay_hints(
         for text in view.model.index.texts:
             place = _find_place(view, text.span, first, last)
             if place is not None:
-                values.setdefault(place[1], {}).update(dict.fromkeys(use.value for use in text.uses))
+                values.setdefault(place[1], {}).update(dict.fromkeys(round_decimals(use.value) for use in text.uses))
     return [
         types.InlayHint(
             # Behind the quotation mark.

@@ -18,6 +18,8 @@ from urdfcheck.simulators.outcome import EngineInput, LoadOutcome
 from urdfcheck.simulators.processes import ENGINES, get_install_hint, iter_outcomes, list_versions
 from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.array_cache import ArrayCache
+from urdfcheck.system.installation import list_own_files
+from urdfcheck.system.observing.observations import Observations, observe
 from urdfcheck.system.process_pool import map_in_processes
 
 
@@ -62,7 +64,8 @@ def compare_engines(request: Request) -> EngineComparison:
     found, units = engine.plan_units(request)
     unit = next(unit for unit in units if unit.kind == "model")
     with engine.audit_session(request, [unit], found) as settings:
-        ((_, robot),) = map_in_processes(read_engine_input, [(unit, settings)], 1)
+        ((_, read),) = map_in_processes(read_engine_input, [(unit, settings)], 1)
+        robot = read[0] if isinstance(read, tuple) else None
         if not isinstance(robot, EngineInput) or report.info is None:
             raise ModelNotCheckedError(
                 f"{unit.id}: only readable files with a <robot> are given to engines (urdfcheck check says what is wrong)"
@@ -104,11 +107,20 @@ def _make_row(
     )
 
 
-def read_engine_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
-    """Read the model of a unit, in a worker process; None for a model that is not given to engines."""
+def read_engine_input(unit: Unit, settings: AuditSettings) -> tuple[EngineInput | None, Observations]:
+    """Read the model of a unit, in a worker process; None for a model that is not given to engines.
+
+    Also return all that it depends on, the content of the meshes included, which only the engines read.
+    """
     libraries.prefer_own_folders()
     cache = settings.cache  # holds what the check has just measured
     sandbox.confine(settings.visible_folders, [cache] if cache else [], settings.options.limits.memory)
+    with observe(apart=(*([cache] if cache else []), *list_own_files())) as observations:
+        robot = _read_observed(unit, settings)
+    return robot, observations
+
+
+def _read_observed(unit: Unit, settings: AuditSettings) -> EngineInput | None:
     from urdfcheck.model import Model
     from urdfcheck.simulators.engine_input import build_input
     from urdfcheck.source.load import load_source
@@ -116,7 +128,7 @@ def read_engine_input(unit: Unit, settings: AuditSettings) -> EngineInput | None
     from urdfcheck.source.reach import FileReach
 
     path = Path(unit.path)
-    packages = settings.packages
+    packages, cache = settings.packages, settings.cache
     reach = None if settings.reach is None else FileReach(settings.reach)
     known = {name: list(folders) for name, folders in settings.known_packages.items()}
     finder = PackageFinder(path.absolute(), packages.by_name, packages.search_path, reach=reach, known=known)
@@ -136,4 +148,6 @@ def read_engine_input(unit: Unit, settings: AuditSettings) -> EngineInput | None
                 tier="source" if settings.policy.tier == "source" else "mesh",
                 cache=ArrayCache(Path(cache) if cache else None),
             )
+            if model.tier != "source":
+                _ = model.meshes  # observed here; engines read them later
         return build_input(source, model)

@@ -100,3 +100,5 @@ class LoadOutcome:
     """The reason for the rejection, in the engine's words."""
     messages: tuple[str, ...] = ()
     """Lines that the engine printed."""
+    stopped: bool = False
+    """Whether its process died or was stopped, so that it may do something else the next time."""

@@ -82,10 +82,8 @@ def iter_outcomes(
         ):
             if isinstance(result, WorkerDiedError):
                 said = _read_output(Path(folder, str(place)))
-                yield (
-                    place,
-                    LoadOutcome(jobs[place][0], loaded=None, refused=_describe_ending(result, limits), messages=said),
-                )
+                ending = _describe_ending(result, limits)
+                yield place, LoadOutcome(jobs[place][0], loaded=None, refused=ending, messages=said, stopped=True)
             else:
                 yield place, result
 
@@ -109,7 +107,7 @@ def _load_in_engine(
     """Load a robot in the process of an engine; files that it needs go to the folder ``own``, in ``writable``."""
     libraries.prefer_own_folders()
     module = importlib.import_module(f"urdfcheck.simulators.{engine}")
-    loaded, refused = None, ""
+    loaded, refused, stopped = None, "", False
     faulthandler.disable()  # a crash is a result and must not be printed
     os.chdir(own)  # MuJoCo writes its warnings into a file of the working directory
     with _capture_output(own):
@@ -123,13 +121,14 @@ def _load_in_engine(
             with sandbox.enforce_deadline(limits.seconds):
                 loaded = module.load(robot, str(path))
         except ModelTimeout:
-            refused = f"does not end within {limits.seconds:g} s"
+            refused, stopped = f"does not end within {limits.seconds:g} s", True
         except (
             Exception,
             SystemExit,
         ) as error:  # each of them has its own kinds; Drake would leave at a failed assertion
             refused = next(iter(_split_lines(str(error))), type(error).__name__)
-    return LoadOutcome(engine, loaded=loaded, refused=refused, messages=_read_output(Path(own)))
+    said = _read_output(Path(own))
+    return LoadOutcome(engine, loaded=loaded, refused=refused, messages=said, stopped=stopped)
 
 
 @contextlib.contextmanager

@@ -14,10 +14,13 @@ from urdfcheck.policy.consumers import ASKED_ENGINES, apply_severity_policy, get
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit
 from urdfcheck.run.pipeline import AuditedRun, audit_session
+from urdfcheck.run.replay.answers import KnownAnswers
+from urdfcheck.run.replay.reports import enable_replay
 from urdfcheck.simulators.comparison import read_engine_input
 from urdfcheck.simulators.judgement import judge_outcome
-from urdfcheck.simulators.outcome import EngineInput
 from urdfcheck.simulators.processes import get_install_hint, iter_outcomes
+from urdfcheck.system.observing.observations import Observations, pause_observing
+from urdfcheck.system.observing.questions import add_observations
 from urdfcheck.system.process_pool import map_in_processes
 
 RULE = "XML015"
@@ -40,14 +43,19 @@ def ask_targets(audited: AuditedRun) -> Run:
     checked = {info.id for info in outcome.models if info.status == "checked"}
     units = [unit for unit in audited.units if unit.kind == "model" and unit.id in checked]
     wanted = [(unit, engine) for unit in units for engine in ASKED_ENGINES if engine in outcome.get_targets(unit.id)]
-    versions = {engine: _find_version(engine) for engine in dict.fromkeys(engine for _, engine in wanted)}
+    with pause_observing():
+        versions = {engine: _find_version(engine) for engine in dict.fromkeys(engine for _, engine in wanted)}
     answers = [
         EngineAnswer(model=unit.id, engine=engine, version="", verdict=None, reasons=(get_install_hint(engine),))
         for unit, engine in wanted
         if versions[engine] is None
     ]
     asked = [(unit, engine) for unit, engine in wanted if versions[engine] is not None]
-    answers += _iter_answers(audited, asked, versions)
+    with pause_observing():
+        given = list(_iter_answers(audited, asked, versions))
+    for answer, observations in given:
+        answers.append(answer)
+        add_observations(observations)
     order = {(unit.id, engine): place for place, (unit, engine) in enumerate(wanted)}
     answers.sort(key=lambda answer: order[answer.model, answer.engine])
     took = time.perf_counter() - start if outcome.seconds else 0.0  # a reproducible report has no duration
@@ -61,37 +69,58 @@ def _find_version(engine: str) -> str | None:
 
 def _iter_answers(
     audited: AuditedRun, asked: Sequence[tuple[Unit, str]], versions: Mapping[str, str | None]
-) -> Iterator[EngineAnswer]:
-    """Yield the answers of installed engines, in the order in which they come."""
+) -> Iterator[tuple[EngineAnswer, Observations | None]]:
+    """Yield the answers of installed engines, in the order in which they come, and what each depends on if that is known."""
     request = audited.request
-    units = list({unit.id: unit for unit, _ in asked}.values())
-    if not units:
+    if not asked:
         return
     at_once = max(1, request.jobs)
-    with audit_session(request, units, audited.plan) as settings:
-        read = map_in_processes(read_engine_input, [(unit, settings) for unit in units], at_once)
-        robots = {units[place].id: robot for place, robot in read if isinstance(robot, EngineInput)}
+    with audit_session(request, list({unit.id: unit for unit, _ in asked}.values()), audited.plan) as session:
+        settings = enable_replay(session) if request.cache is not None else session
+        known = KnownAnswers(settings)
+        missing = []
         for unit, engine in asked:
+            recalled = known.recall(unit, engine, versions[engine] or "")
+            if recalled is None:
+                missing.append((unit, engine))
+            else:
+                yield recalled
+        if not missing:
+            return
+        units = list({unit.id: unit for unit, _ in missing}.values())
+        read = map_in_processes(read_engine_input, [(unit, settings) for unit in units], at_once)
+        robots = {
+            units[place].id: result for place, result in read if isinstance(result, tuple) and result[0] is not None
+        }
+        for unit, engine in missing:
             if unit.id not in robots:
                 reason = ("the model cannot be handed over",)
                 version = versions[engine] or ""
-                yield EngineAnswer(model=unit.id, engine=engine, version=version, verdict=None, reasons=reason)
-        jobs = [(unit.id, engine, robots[unit.id]) for unit, engine in asked if unit.id in robots]
-        for place, answer in iter_outcomes(
-            [(engine, robot) for _, engine, robot in jobs],
+                kept = EngineAnswer(
+                    model=unit.id, engine=engine, version=version, verdict=None, reasons=reason, stopped=True
+                )
+                yield kept, None
+        jobs = [(unit, engine, *robots[unit.id]) for unit, engine in missing if unit.id in robots]
+        for place, outcome in iter_outcomes(
+            [(engine, robot) for _, engine, robot, _ in jobs],
             around=settings.visible_folders,
             limits=request.options.limits,
             at_once=at_once,
         ):
-            model, engine, robot = jobs[place]
-            judgement = judge_outcome(robot, answer)
-            yield EngineAnswer(
-                model=model,
+            unit, engine, robot, observations = jobs[place]
+            judgement = judge_outcome(robot, outcome)
+            answer = EngineAnswer(
+                model=unit.id,
                 engine=engine,
                 version=versions[engine] or "",
                 verdict=judgement.verdict,
                 reasons=tuple(map(_cut_folders, judgement.reasons)),
+                stopped=outcome.stopped,
             )
+            observations = observations if settings.policy.tier != "source" else None  # which reads no mesh
+            if observations is not None:
+                known.keep(unit, answer, observations)
+            yield answer, observations
 
 
 def _cut_folders(reason: str) -> str:

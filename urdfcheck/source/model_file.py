@@ -87,6 +87,15 @@ class ModelFile:
         return not set(_JOINT_END.findall(text)) <= set(_LINK.findall(text))
 
     @property
+    def outline(self) -> tuple[object, ...]:
+        """All that the search for models asks of a file that is a model or a part of one: it decides what is checked."""
+        return (
+            *(self.is_robot, self.is_empty, self.is_xacro, tuple(self.mentions), tuple(self.includes)),
+            *(self.only_macros, self.defines_macros, self.has_parts, self.stands_alone),
+            *(self.robot_name, self.names_links_elsewhere),
+        )
+
+    @property
     def text(self) -> str:
         """The text of the file, as far as it can be read."""
         source = self._source

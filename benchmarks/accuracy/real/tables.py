@@ -40,7 +40,7 @@ def build_tables(cases: Sequence[Case], kinds: Iterable[Kind]) -> str:
 
 def _build_summary(cases: Sequence[Case], families: dict[str, str], nameless: set[str]) -> str:
     lines = [
-        f"| {_COLUMNS}",
+        f"| defect {_COLUMNS}",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for family in dict.fromkeys(families.values()):
@@ -65,7 +65,7 @@ def _build_summary(cases: Sequence[Case], families: dict[str, str], nameless: se
         ("named of found", sum(case.verdict.named for case in nameable), len(nameable), NAMED, True),
         ("wrong cause of all", sum(case.verdict.wrong for case in cases), len(cases), WRONG, False),
     )
-    lines += ["", "| | share | bar |", "|---|---|---|"]
+    lines += ["", "| measure | share | bar |", "|---|---|---|"]
     for name, part, whole, bar, is_least in shares:
         share = part / whole if whole else float("nan")
         missed = "" if (share >= bar if is_least else share <= bar) else " MISSED"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from urdfcheck.export.index.computed_texts import list_computed_texts
 from urdfcheck.export.index.expanded_elements import iter_expanded_elements
 from urdfcheck.export.index.name_places import iter_xacro_names
-from urdfcheck.export.index.outside_names import iter_argument_names, iter_outside_names
+from urdfcheck.export.index.outside_names import iter_argument_names, iter_outside_names, list_python_names
 from urdfcheck.export.index.robot_names import iter_robot_names
 from urdfcheck.export.index.robot_parts import list_robot_parts
-from urdfcheck.export.index.source_index import SourceIndex
+from urdfcheck.export.index.source_index import DoubtfulName, SourceIndex
 from urdfcheck.model import Model
 from urdfcheck.source.launch.model_launches import find_model_launches
 from urdfcheck.source.load import Source
@@ -24,8 +24,11 @@ def build_index(source: Source, model: Model | None, model_id: str, *, with_expa
     names = dict.fromkeys(iter_robot_names(source))
     if source.is_xacro:
         names.update(dict.fromkeys((*iter_xacro_names(source), *iter_argument_names(source, launches))))
+    doubtful: tuple[DoubtfulName, ...] = ()
     if model is not None:
         names.update(dict.fromkeys(iter_outside_names(model, launches)))
+        certain, doubtful = list_python_names(model)
+        names.update(dict.fromkeys(certain))
     return SourceIndex(
         model=model_id,
         files=tuple(dict.fromkeys((*source.files, *(place.span.file for place in names)))),
@@ -33,5 +36,6 @@ def build_index(source: Source, model: Model | None, model_id: str, *, with_expa
         texts=list_computed_texts(source),
         parts=() if model is None else list_robot_parts(model),
         is_expanded=model is not None,
+        doubtful_names=doubtful,
         expansion=tuple(iter_expanded_elements(model.robot)) if with_expansion and model is not None else (),
     )

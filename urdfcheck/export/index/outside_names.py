@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, NamePlace
+from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, DoubtfulName, NamePlace
 from urdfcheck.model import Model
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.handed_values import find_typed_value
@@ -39,6 +40,34 @@ def iter_outside_names(model: Model, launches: Sequence[Launch]) -> Iterator[Nam
         for transform in launch.transforms:
             for frame in (transform.parent, transform.child):
                 yield from _iter_words(transform.at, frame, LINK, launch)
+        for parameter, kind in _iter_naming_parameters(launch):
+            yield from _iter_words(parameter, parameter.value.strip().lstrip("/"), kind, launch)
+
+
+def _iter_naming_parameters(launch: Launch) -> Iterator[tuple[Attribute, str]]:
+    """Yield the values of nodes' parameters that name a frame or a joint, where the launch file loads one model only."""
+    from urdfcheck.source.launch.python_names import PREFIX_KEYS, classify_parameter
+
+    parameters = [element for node in launch.nodes for element in node.children if element.tag == "param"]
+    models = {os.path.realpath(found.path) for found in launch.descriptions if found.path is not None}
+    if len(models) != 1 or any(element.get("name") in PREFIX_KEYS for element in parameters):
+        return
+    for element in parameters:
+        kind, value = classify_parameter(element.get("name")), element.attributes.get("value")
+        if kind and value is not None and "$" not in value.typed and value.value.strip():
+            yield value, kind
+
+
+def list_python_names(model: Model) -> tuple[tuple[NamePlace, ...], tuple[DoubtfulName, ...]]:
+    """Return the places of the model's links and joints in the Python launch files around it, and those that may be others."""
+    from urdfcheck.source.launch.model_launches import find_named_texts
+
+    names = {LINK: {link.name for link in model.links}, JOINT: {joint.name for joint in model.joints}}
+    found = list(find_named_texts(model.source.path, model.source.finder, names))
+    return (
+        tuple(NamePlace(text.kind, text.name, text.span, False) for text in found if not text.doubt),
+        tuple(DoubtfulName(text.kind, text.name, text.span, text.doubt) for text in found if text.doubt),
+    )
 
 
 def _iter_srdf_names(srdf: Srdf) -> Iterator[NamePlace]:
@@ -81,7 +110,10 @@ def _iter_words(attribute: Attribute, word: str, kind: str, launch: Launch) -> I
     file = None if span is None else launch.files.get(span.file)
     if span is None or file is None:
         return
-    for match in re.finditer(rf"(?<![\w/.$({{-]){re.escape(word)}(?![\w/.)}}-])", attribute.typed):
+    # tf drops the slash before a frame.
+    for match in re.finditer(
+        rf"(?:(?<![\w/.$({{-])|(?<=\s/)|(?<=\A/)){re.escape(word)}(?![\w/.)}}-])", attribute.typed
+    ):
         yield NamePlace(kind, word, file.make_span(span.start + match.start(), span.start + match.end()), False)
 
 

@@ -27,6 +27,18 @@ class NamePlace:
     """Whether the text only hands on a name that is typed elsewhere: ``${parent}``. That place is one of the names too."""
 
 
+@dataclass(frozen=True, slots=True)
+class DoubtfulName:
+    """A text outside the model that may be the name of one of its parts, or something else."""
+
+    kind: str
+    """link | joint."""
+    name: str
+    span: Span
+    doubt: str
+    """Why that is not known, as a clause."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExpandedElement:
     """An element of the expanded robot, as far as two expansions are compared."""
@@ -109,5 +121,7 @@ class SourceIndex:
     parts: tuple[RobotPart, ...]
     is_expanded: bool
     """Whether there is a robot; without one, names and parts are those as typed."""
+    doubtful_names: tuple[DoubtfulName, ...] = ()
+    """Texts that a renaming leaves as they are, and names."""
     expansion: tuple[ExpandedElement, ...] = ()
     """The expanded robot, where it was asked for."""

@@ -59,7 +59,7 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     driven = tuple(wheel for wheel in wheels.values() if not is_caster_joint(wheel.joint))
     if len(driven) < 2 or model.tree.root in GROUND_NAMES or any(is_suspended(model, name) for name in wheels):
         return None
-    if any(_carries_rollers(model, name) for name in wheels):
+    if any(carries_rollers(model, name) for name in wheels):
         return None
     tolerance = max(spread * min(wheel.radius for wheel in driven), least)
     if _are_uneven(model, tolerance):
@@ -147,7 +147,7 @@ def _are_uneven(model: Model, tolerance: float) -> bool:
     return find_uneven_wheels(model, rel_tol=0.01, abs_tol=1e-4) is not None
 
 
-def _carries_rollers(model: Model, wheel: str) -> bool:
+def carries_rollers(model: Model, wheel: str) -> bool:
     """Whether joints turn other parts on a wheel: an omnidirectional one stands on its rollers."""
     behind = (joint for name in model.tree.list_body_links(wheel) for joint in model.tree.child_joints[name])
     return any(joint.type in {"continuous", "revolute"} for joint in behind)

@@ -1,4 +1,4 @@
-"""A lone left/right pair of wheels, compared with its mirror image about the robot's own plane."""
+"""A lone pair of wheels, known by its names or its symmetry, compared with its mirror image about the robot's own plane."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
-from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
+from urdfcheck.model.ground.wheels import Wheel, are_beside_each_other, is_carried_by_one_body, rolling_wheels
 from urdfcheck.model.likeness.side_names import pair_by_name
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_body_corners
-from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME
+from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME, PASSIVE_NAME
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
-# Wheels of radii that differ by more are not one pair.
-_ONE_SIZE = 1.5
+# What is the same of two wheels within this share of the radius, this length (m) or this angle (rad) shows that they are a pair.
+_SAME_SHARE, _SAME_LENGTH, _SAME_ANGLE = 0.02, 5e-4, 0.01
 # The parts of the plane's evidence agree to a millimetre, or this share of the track.
 _MIDDLE, _MIDDLE_SHARE = 1e-3, 3e-3
 
@@ -30,6 +30,8 @@ class WheelPair:
 
     left: Wheel
     right: Wheel
+    is_named: bool
+    """Whether names say left and right; otherwise symmetry does."""
     lateral: Array
     """Unit vector (3,) to the left: the root's axis that is nearest to the wheels' own."""
     ahead: float
@@ -55,16 +57,18 @@ class WheelPair:
 def find_lone_wheel_pair(model: Model) -> WheelPair | None:
     """Find the one pair of wheels of a robot that has casters or nothing else; None where it has more wheels, or others.
 
+    Names that differ in nothing but the side make two wheels a pair, or symmetry: of height, distance ahead, radius, direction
+    of the axes and distance from the middle at most one differs from side to side.
+
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     import numpy as np
 
     wheels = [w for w in rolling_wheels(model) if not _is_caster(w)]
-    if len(wheels) != 2 or not _is_left_right_pair(model, wheels):
+    if len(wheels) != 2 or not is_carried_by_one_body(model, wheels) or not are_beside_each_other(*wheels):
         return None
     one, other = wheels
-    if max(one.radius, other.radius) > _ONE_SIZE * min(one.radius, other.radius):
-        return None
+    is_named = _are_named_left_and_right(wheels)
     mean = one.axis + (other.axis if one.axis @ other.axis > 0 else -other.axis)
     direction = int(np.abs(mean).argmax())
     lateral = np.eye(3)[direction]
@@ -73,16 +77,15 @@ def find_lone_wheel_pair(model: Model) -> WheelPair | None:
     # To the left of +x is +y; to the left of +y is -x.
     lateral = lateral if direction == 1 else -lateral
     apart = one.centre - other.centre
-    if abs(float(apart @ lateral)) < 0.7 * float(np.linalg.norm(apart)):
-        return None
     left, right = (one, other) if apart @ lateral > 0 else (other, one)
     apart = left.centre - right.centre
     ahead = np.cross(lateral, (0.0, 0.0, 1.0))
     tilts = tuple(math.acos(min(1.0, abs(float(w.axis @ lateral)))) for w in (left, right))
     mirrored = right.axis - 2 * float(right.axis @ lateral) * lateral
-    return WheelPair(
+    pair = WheelPair(
         left=left,
         right=right,
+        is_named=is_named,
         lateral=lateral,
         ahead=float(apart @ ahead),
         above=float(apart[2]),
@@ -91,6 +94,7 @@ def find_lone_wheel_pair(model: Model) -> WheelPair | None:
         larger=left.radius - right.radius,
         outside=_measure_outside(model, left, right, lateral),
     )
+    return pair if is_named or (_have_no_roles(wheels) and _is_symmetric_but_for_one(pair)) else None
 
 
 def _is_caster(wheel: Wheel) -> bool:
@@ -98,14 +102,23 @@ def _is_caster(wheel: Wheel) -> bool:
     return bool(CASTER_NAME.search(names) or NOT_DRIVEN_NAME.search(names))
 
 
-def _is_left_right_pair(model: Model, wheels: Sequence[Wheel]) -> bool:
-    """Whether names say left and right, and one body carries both without a joint that moves."""
+def _are_named_left_and_right(wheels: Sequence[Wheel]) -> bool:
+    """Whether names say left and right."""
     joints = [wheel.joint for wheel in wheels]
     names = [joint.name for joint in joints], [joint.child for joint in joints]
-    if not any(any(pair_by_name(two)) for two in names):
-        return False
-    bodies = {model.tree.list_body_links(joint.parent)[0] for joint in joints}
-    return len(bodies) == 1 and not any(is_suspended(model, joint.child) for joint in joints)
+    return any(any(pair_by_name(two)) for two in names)
+
+
+def _have_no_roles(wheels: Sequence[Wheel]) -> bool:
+    """Whether no name says that one of the wheels is not driven."""
+    return not any(PASSIVE_NAME.search(f"{wheel.joint.name} {wheel.joint.child}") for wheel in wheels)
+
+
+def _is_symmetric_but_for_one(pair: WheelPair) -> bool:
+    """Whether at most one quantity differs from side to side: more would not show that the wheels are a pair."""
+    same = max(_SAME_SHARE * pair.radius, _SAME_LENGTH)
+    lengths = [pair.above, pair.ahead, pair.larger] + ([] if pair.outside is None else [pair.outside / 2])
+    return sum(abs(length) > same for length in lengths) + (pair.angle > _SAME_ANGLE) <= 1
 
 
 def _measure_outside(model: Model, left: Wheel, right: Wheel, lateral: Array) -> float | None:

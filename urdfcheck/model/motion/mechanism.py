@@ -52,7 +52,7 @@ class StandingRobot:
     uses_visuals: bool
     """Whether the geoms are what the robot draws, because it has no collision shapes."""
     unread: tuple[str, ...]
-    """The links of which a shape could not be read and is left out; only where the root cannot move."""
+    """The links of which a shape could not be read and is left out: what is left may touch the ground elsewhere."""
     ground: float
     """Metres: the lowest point in the root's frame; of the frames of links where there is no geom."""
     size: float
@@ -62,10 +62,10 @@ class StandingRobot:
 def build_standing_robot(model: Model) -> StandingRobot:
     """Build the robot at its neutral pose (every joint at zero, or at the limit nearest to it).
 
-    A robot whose base is fixed needs no ground: shapes that cannot be read are left out, unless a body is loose.
+    Shapes that cannot be read are left out. A robot whose base is fixed needs no ground, unless a body is loose.
 
-    :raises FactUnavailableError: when the tree is broken, a body that moves has no mass or no inertia, a shape is not
-        known, or the robot is too large.
+    :raises FactUnavailableError: when the tree is broken, a body that moves has no mass or no inertia, nothing is left that could
+        touch the ground, or the robot is too large.
     """
     tree = model.tree
     neutral = poses.make_neutral_configuration(model)
@@ -209,14 +209,17 @@ def _collect_contact_shapes(model: Model, *, is_held: bool) -> tuple[list[tuple[
         raise FactUnavailableError(
             f"{len(shapes):,} shapes may touch the ground, and {MOST_SHAPES:,} are simulated at most"
         )
-    usable = [(link, shape) for link, shape in shapes if is_usable_shape(model, shape)]
-    unread = tuple(dict.fromkeys(link.name for link, shape in shapes if (link, shape) not in usable))
-    if unread and not is_held:
+    usable: list[tuple[Link, Shape]] = []
+    unread: dict[str, None] = {}
+    for link, shape in shapes:
+        if is_usable_shape(model, shape):
+            usable.append((link, shape))
+        else:
+            unread[link.name] = None
+    if not usable and not is_held:
         role = shapes[0][1].role
-        raise FactUnavailableError(
-            f"a {role} shape of link {unread[0]!r} could not be read, and nothing else would hold it up"
-        )
-    return usable, unread, uses_visuals and bool(usable)
+        raise FactUnavailableError(f"no {role} shape of the robot could be read, so nothing could touch the ground")
+    return usable, tuple(unread), uses_visuals and bool(usable)
 
 
 def _compute_hull_points(model: Model, shape: Shape) -> Array | None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +25,9 @@ from urdfcheck.model.motion.driving.simulated_drive import run_drive_test
 from urdfcheck.model.motion.mechanism import StandingRobot, build_standing_robot
 from urdfcheck.model.robot import Model
 
+# A check drops no robot with more joints: one of 50 that lies on the ground takes a second, one of 100 seven seconds. Published
+# robots have up to 58.
+MOST_JOINTS = 75
 # This many steps are tried between a stable and an unstable one: the largest stable step is then known to 4 %.
 _HALVINGS = 4
 _BODY = re.compile(r"\bb(\d+)\b")
@@ -30,25 +35,56 @@ _BODY = re.compile(r"\bb(\d+)\b")
 
 @fact
 def run_drop_test(model: Model) -> DropTest:
-    """Release the robot for two seconds, with zero and with holding torques, and with zero torques at other time steps.
+    """Release the robot for two seconds, with zero and with holding torques, and drive it if it stands on wheels.
 
-    :raises FactUnavailableError: when MuJoCo is not installed or refuses the model, or when the tree, a shape or a mass
-        is not known.
+    No curve is measured: see `measure_step_curves`.
+
+    :raises FactUnavailableError: when MuJoCo is not installed or refuses the model, when the tree or a mass is not known, or
+        when the robot is too large for a check.
     """
     robot = build_standing_robot(model)
-    try:
+    count = sum(joint is not None for joint in robot.joints)
+    if model.simulation == "brief" and count > MOST_JOINTS:
+        raise FactUnavailableError(
+            f"{count} joints move, and a check drops robots with up to {MOST_JOINTS}: urdfcheck drop"
+        )
+    with _explain_refusal(robot):
         test = _simulate_drop(robot, Simulation(robot.mechanism, robot.ground))
+    return test if test.fixed else _add_drive(model, test)
+
+
+@fact
+def measure_step_curves(model: Model) -> tuple[StabilityCurve, ...]:
+    """Release the robot with zero torques at other time steps, which takes ten times as long as `run_drop_test`.
+
+    One curve as MuJoCo integrates damping; if there is any, another one as Bullet does.
+
+    :raises FactUnavailableError: as `run_drop_test`.
+    """
+    robot = build_standing_robot(model)
+    schemes = (True, False) if any(body.joint.damping for body in robot.mechanism.bodies) else (True,)
+    with _explain_refusal(robot):
+        simulation = Simulation(robot.mechanism, robot.ground)
+        return tuple(_measure_step_curve(robot, simulation, implicit=implicit) for implicit in schemes)
+
+
+@contextlib.contextmanager
+def _explain_refusal(robot: StandingRobot) -> Iterator[None]:
+    """Turn what keeps MuJoCo from simulating a robot into a `FactUnavailableError`."""
+    try:
+        yield
     except ImportError:
         raise FactUnavailableError("MuJoCo is not installed: pip install 'urdfcheck[engines]'") from None
     except SimulationRefusedError as reason:
         named = _BODY.search(reason.element)
         link = f", link {robot.heads[int(named[1])]!r}" if named is not None else ""
         raise FactUnavailableError(f"MuJoCo refuses the model: {reason}{link}") from None
-    return test if test.fixed else _add_drive(model, test)
 
 
 def _add_drive(model: Model, test: DropTest) -> DropTest:
     """Drive a robot that stands."""
+    if not test.knows_ground:
+        return replace(test, undriven=f"a shape of link {test.unread[0]!r} could not be read")
     if test.free.burst is not None or test.held.burst is not None or test.held.has_tipped:
         return replace(test, undriven="it does not stand")
     try:
@@ -62,7 +98,6 @@ def _simulate_drop(robot: StandingRobot, simulation: Simulation) -> DropTest:
     free, held = (
         _simulate_release(robot, simulation, slow=slow, seconds=drop_test.SECONDS, held=held) for held in (False, True)
     )
-    damped = any(body.joint.damping for body in robot.mechanism.bodies)
     return DropTest(
         model="",
         simulator=f"MuJoCo {simulation.version}",
@@ -85,19 +120,27 @@ def _simulate_drop(robot: StandingRobot, simulation: Simulation) -> DropTest:
         later=_simulate_release(robot, simulation, slow=slow, seconds=drop_test.LATE_SECONDS, held=True)
         if held.is_restless
         else None,
-        curves=tuple(
-            _measure_step_curve(robot, simulation, implicit=implicit)
-            for implicit in ((True, False) if damped else (True,))
-        ),
+        finer=_simulate_release(
+            robot, simulation, slow=slow, seconds=drop_test.SECONDS, held=False, step=drop_test.STEP / 4
+        )
+        if drop_test.is_upset(free)
+        else None,
+        curves=(),
         drive=None,
         undriven="",
     )
 
 
 def _simulate_release(
-    robot: StandingRobot, simulation: Simulation, *, slow: float, seconds: float, held: bool
+    robot: StandingRobot,
+    simulation: Simulation,
+    *,
+    slow: float,
+    seconds: float,
+    held: bool,
+    step: float = drop_test.STEP,
 ) -> ReleaseResult:
-    motion = simulation.run(seconds, drop_test.STEP, hold_joints=held)
+    motion = simulation.run(seconds, step, hold_joints=held)
     gain, change = _compute_energy_change(robot, simulation, motion)
     burst = motion.burst_time is not None
     driven = [place for place, body in enumerate(robot.mechanism.bodies) if body.joint.effort is not None]

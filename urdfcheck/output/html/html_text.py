@@ -72,3 +72,9 @@ def render_path(path: str, args: Mapping[str, str] = MappingProxyType({})) -> st
     """Render a file and the arguments that it was expanded with; a long path may break between its folders."""
     arguments = "".join(f" <code>{escape_html(name)}:={escape_html(value)}</code>" for name, value in args.items())
     return f'<p class="path"><code>{escape_html(path).replace("/", "/<wbr>")}</code>{arguments}</p>'
+
+
+def list_acceptors(kinds: Mapping[str, int]) -> str:
+    """Say how many findings the source, the configuration and the baseline suppress, by the kind of suppression."""
+    order = ("source", "configuration", "baseline")
+    return ", ".join(f"{format_whole_number(kinds[kind])} in the {kind}" for kind in order if kinds.get(kind))

@@ -14,7 +14,14 @@ from types import MappingProxyType
 from urdfcheck.core import Rule, Run, Severity
 from urdfcheck.output.html.file_groups import LAUNCH_FILE, classify_file
 from urdfcheck.output.html.glyphs import SYMBOLS, pluralize_severity, render_glyph
-from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_number, format_whole_number, render_prose
+from urdfcheck.output.html.html_text import (
+    NO_VALUE,
+    escape_html,
+    format_number,
+    format_whole_number,
+    list_acceptors,
+    render_prose,
+)
 from urdfcheck.output.html.page_frame import read_asset, read_index_script, read_style_sheet, render_document_head
 from urdfcheck.output.html.report_parts import ReportPart
 from urdfcheck.output.html.rule_markdown import render_inline
@@ -142,6 +149,8 @@ def _render_header(summary: AuditSummary, title: str, version: str) -> str:
     checked = summary.statuses["checked"]
     counts = (("Checked", checked), ("Not checked", summary.kinds["model"] - checked))
     facts += [(name, format_whole_number(count)) for name, count in counts if count]
+    if known := summary.suppressed.total():
+        facts.append(("Known findings", f"{format_whole_number(known)}: {list_acceptors(summary.suppressed)}"))
     return (
         f'<header class="top"><p class="brand">urdfcheck <span>{escape_html(version)}</span></p>'
         f'<h1>{title}</h1><p class="verdict {kind}">{render_glyph(kind)} {verdict}</p>'

@@ -1,10 +1,12 @@
-"""The text of a rule page: its sections, and its inline Markdown in pieces."""
+"""The page of a rule: its address, its sections, and its inline Markdown in pieces."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
 from typing import Literal
+
+from urdfcheck import version
 
 # The sections that reports quote, in this order.
 SHOWN_SECTIONS = ("What it checks", "Why it matters", "How to fix", "When to ignore")
@@ -13,6 +15,11 @@ InlineKind = Literal["text", "code", "strong", "em"]
 
 _LINK = re.compile(r"\[([^\]]+)\]\(([^)\s]+)\)")
 _INLINE = re.compile(r"(`+)(.+?)\1|\*\*(.+?)\*\*|(?<![\w*])\*([^*\s](?:[^*]*[^*\s])?)\*(?![\w*])", re.DOTALL)
+
+
+def find_rule_address(code: str) -> str:
+    """Return where the page of a rule is published; empty as long as no site is."""
+    return f"{version.SITE}rules/{code}/" if version.SITE else ""
 
 
 def split_sections(page: str) -> dict[str, str]:

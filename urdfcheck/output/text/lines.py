@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, cast
 
+from rich.style import Style
 from rich.text import Text
 
 from urdfcheck.core import Finding, ModelInfo, Run, Severity, Span
 from urdfcheck.output.shared.code_frames import extract_code_frame
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
+from urdfcheck.output.shared.rule_page import find_rule_address
 from urdfcheck.output.shared.verdict.not_checked import describe_status
 from urdfcheck.output.shared.wording import GLYPHS, format_count
 
@@ -69,7 +71,8 @@ def format_model_heading(info: ModelInfo | None, model: str, width: int) -> Text
 def format_finding_title(finding: Finding) -> Text:
     """Format the title of a finding: its sign, its rule and its headline, which fit into 80 columns."""
     head = Text(f"{GLYPHS[finding.severity]} ", STYLES[finding.severity])
-    return head.append(f"{finding.code} {escape_invisible(finding.headline)}", "bold")
+    head.append(finding.code, Style(bold=True, link=find_rule_address(finding.code) or None))
+    return head.append(f" {escape_invisible(finding.headline)}", "bold")
 
 
 def format_remainder(count: int, noun: str) -> str:

@@ -96,7 +96,7 @@ def _render_ansi(page: Text) -> str:
 
 
 def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> Iterator[Text]:
-    if run.drops and detail is not DetailLevel.QUIET:
+    if any(drop.curves for drop in run.drops) and detail is not DetailLevel.QUIET:
         yield from _iter_drop_tests(run, width)
     if detail is DetailLevel.QUIET:
         for finding in reversed(sort_worst_first(run.active_findings)):

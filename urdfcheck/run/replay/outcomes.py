@@ -20,8 +20,8 @@ def make_outcome_key(options: Mapping[str, object]) -> str:
 
 def keep_outcome(folder: Path, key: str, outcome: Run, fail_on: str, observations: Observations) -> None:
     """Keep the outcome of a run, if the same run would give it again. ``fail_on``: what the configuration says."""
-    is_more = outcome.scenes or outcome.drops or outcome.answers
-    if outcome.partial or is_more or not is_repeatable(outcome.findings, outcome.failures):
+    may_differ = outcome.partial or any(answer.stopped for answer in outcome.answers)
+    if may_differ or outcome.scenes or not is_repeatable(outcome.findings, outcome.failures):
         return
     # Of the other rules no report says more than their number, or it reads their pages.
     named = {*(finding.code for finding in outcome.findings), *(skip.code for skip in outcome.skipped)}

@@ -25,8 +25,8 @@ Audit = Callable[[tuple[str, ...], Mapping[str, bytes], AuditedRun | None], Audi
 _MOST_ROUNDS = 4
 
 
-def compute_rename(wish: RenameWish, texts: Mapping[str, bytes], audit: Audit) -> tuple[Edit, ...]:
-    """Return the edits of a renaming in all files that know the name. ``texts``: real path → unsaved content.
+def compute_rename(wish: RenameWish, texts: Mapping[str, bytes], audit: Audit) -> RenamePlan:
+    """Return what renames in all files that know the name. ``texts``: real path → unsaved content.
 
     :raises RenameRefusedError: if it would do anything else but change the name.
     :raises KeyboardInterrupt: if a check was interrupted.
@@ -45,7 +45,7 @@ def compute_rename(wish: RenameWish, texts: Mapping[str, bytes], audit: Audit) -
     objection = find_regression(before.outcome, after.outcome, [])
     if objection:
         raise RenameRefusedError(f"The name is not changed: {objection}.")
-    return plan.edits
+    return plan
 
 
 def _plan_edits(wish: RenameWish, audited: AuditedRun, texts: Mapping[str, bytes]) -> RenamePlan:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 
 from lsprotocol import types
 
 from urdfcheck.core import Edit
+from urdfcheck.core.text import join_names
+from urdfcheck.export.index.source_index import DoubtfulName
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions, make_workspace_edit
 from urdfcheck.server.index_store import IndexStore
 from urdfcheck.server.names.new_names import RENAMED_KINDS
@@ -46,3 +49,9 @@ def make_rename_edit(edits: Iterable[Edit], documents: DocumentStore) -> types.W
             raise RenameRefusedError(f"{edit.span.file} was changed meanwhile: try again.")
         made.append((edit.span.file, types.TextEdit(positions.make_range(start, end), edit.replacement)))
     return make_workspace_edit(made, documents)
+
+
+def describe_doubtful_names(texts: Iterable[DoubtfulName]) -> str:
+    """Return a sentence about the texts that a renaming leaves as they are."""
+    shown = (f"`{t.name}` in {Path(t.span.file).name}:{t.span.line} ({t.doubt})" for t in texts)
+    return f"Not renamed: {join_names(shown)}."

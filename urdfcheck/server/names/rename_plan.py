@@ -10,7 +10,7 @@ from pathlib import Path
 
 from urdfcheck.core import Edit, Span
 from urdfcheck.core.records import dataclass
-from urdfcheck.export.index.source_index import ARGUMENT, MACRO, NamePlace, SourceIndex
+from urdfcheck.export.index.source_index import ARGUMENT, MACRO, DoubtfulName, NamePlace, SourceIndex
 from urdfcheck.server.check_messages import RenameWish
 from urdfcheck.server.names.name_groups import find_same_names
 from urdfcheck.server.names.new_names import (
@@ -40,6 +40,8 @@ class RenamePlan:
     """Kind and old name of each part of the robot that gets a new name; empty for the names of xacro."""
     arguments: Mapping[str, str] = field(default_factory=dict)
     """Old name of each argument that gets a new one: ids of models that a launch file starts may have it."""
+    doubtful: tuple[DoubtfulName, ...] = ()
+    """Texts that are left as they are, because they may be something else."""
 
 
 def find_renamed_part(typed: str, offset: int) -> tuple[int, int] | None:
@@ -77,7 +79,17 @@ def plan_rename(wish: RenameWish, indexes: Sequence[SourceIndex], texts: Mapping
     places = dict.fromkeys(place for _, place in found if not place.is_handed)
     if kind in ROBOT_KINDS:
         edits = _build_part_edits(places, names, affected, texts)
-        return RenamePlan(edits=edits, names={(kind, old): new for old, new in names.items()})
+        doubtful = (text for index in affected for text in index.doubtful_names)
+        edited = {edit.span for edit in edits}
+        return RenamePlan(
+            edits=edits,
+            names={(kind, old): new for old, new in names.items()},
+            doubtful=tuple(
+                dict.fromkeys(
+                    text for text in doubtful if text.kind == kind and text.name in names and text.span not in edited
+                )
+            ),
+        )
     (new,) = names.values()
     # A place may be known for what it reads in one model and in another.
     edits = tuple(dict.fromkeys(_iter_xacro_edits(places, new, texts)))

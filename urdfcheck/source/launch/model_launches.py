@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from urdfcheck.core import Span
@@ -18,6 +18,7 @@ from urdfcheck.source.launch.passed_arguments import (
     make_reader,
 )
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
+from urdfcheck.source.launch.python_names import NamedText, read_named_texts
 from urdfcheck.source.package.finder import PackageFinder, has_dependency_entry
 from urdfcheck.system.files import read_regular
 
@@ -48,6 +49,21 @@ def find_argument_names(model: Path, finder: PackageFinder, launches: Iterable[L
         if reader is not None:
             with contextlib.suppress(ValueError, RecursionError, MemoryError):  # nested too deeply
                 yield from XacroCallReader(reader).read_names(real)
+
+
+def find_named_texts(model: Path, finder: PackageFinder, names: Mapping[str, Collection[str]]) -> Iterator[NamedText]:
+    """Yield the texts of the Python launch files around a model that are or may be names of its parts.
+
+    ``names``: those of its links and joints, by kind.
+    """
+    real = os.path.realpath(model)
+    spellings = [name.encode("utf-8", "surrogatepass") for known in names.values() for name in known]
+    for path, data in _iter_launches_around(model, finder):
+        is_asked = path.suffix == ".py" and any(spelling in data for spelling in spellings)
+        reader = make_reader(path, data, finder) if is_asked else None
+        if reader is not None:
+            with contextlib.suppress(ValueError, RecursionError, MemoryError):  # nested too deeply
+                yield from read_named_texts(reader, names, real)
 
 
 def _iter_loading(launch: Launch, model: str) -> Iterator[Span]:

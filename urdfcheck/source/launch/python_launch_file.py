@@ -76,6 +76,10 @@ class PythonLaunch:
     read_problem: Problem | None = None
     """Why it cannot be opened."""
 
+    def list_real_models(self) -> set[str]:
+        """Return the real paths of the models."""
+        return set(map(os.path.realpath, self.models))
+
 
 def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
     """Read the models that a Python launch file names.

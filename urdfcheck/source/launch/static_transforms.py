@@ -10,6 +10,9 @@ from urdfcheck.source.launch.substitutions import SubstitutionResolver, split_co
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
 
+# The options that name the frames, since ROS 2 Humble.
+_PARENT, _CHILD = "--frame-id", "--child-frame-id"
+
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class StaticTransform:
@@ -62,23 +65,35 @@ def read_static_transforms(root: Element, resolver: SubstitutionResolver) -> Ite
 
 def parse_transform_arguments(words: Sequence[str]) -> tuple[str, str, tuple[float, ...]] | None:
     """Parse the arguments of a static_transform_publisher: parent, child, six or seven numbers (none if one is not literal)."""
-    by_name = _parse_named_arguments(words)
-    if by_name is not None or len(words) < 8:
-        return by_name
+    frames = find_frame_words(words)
+    if frames is None:
+        return None
+    parent, child = (words[place] for place in frames)
+    if words[frames[0] - 1] == _PARENT:
+        return parent, child, _parse_named_numbers(words)
+    count = frames[0]
+    numbers = tuple(v for v in map(parse_number, words[:count]) if v is not None)
+    return parent, child, numbers if len(numbers) == count else ()
+
+
+def find_frame_words(words: Sequence[str]) -> tuple[int, int] | None:
+    """Return which arguments of a static_transform_publisher are its frames, parent and child; None where it has none."""
+    places = {word: place + 1 for place, word in enumerate(words[:-1]) if word.startswith("--")}
+    if _PARENT in places and _CHILD in places:
+        return places[_PARENT], places[_CHILD]
+    if len(words) < 8:
+        return None
     # x y z then yaw pitch roll, or a quaternion, then the frames and, for tf, a period.
     count = 7 if parse_number(words[6]) is not None and len(words) >= 9 else 6
-    numbers = tuple(v for v in map(parse_number, words[:count]) if v is not None)
-    return words[count], words[count + 1], numbers if len(numbers) == count else ()
+    return count, count + 1
 
 
-def _parse_named_arguments(words: Sequence[str]) -> tuple[str, str, tuple[float, ...]] | None:
+def _parse_named_numbers(words: Sequence[str]) -> tuple[float, ...]:
     options = {word: value for word, value in itertools.pairwise(words) if word.startswith("--")}
-    if "--frame-id" not in options or "--child-frame-id" not in options:
-        return None
     turn = {"qx": "0", "qy": "0", "qz": "0", "qw": "1"}
     if not any(f"--{name}" in options for name in turn):
         turn = {"yaw": "0", "pitch": "0", "roll": "0"}
     defaults = {"x": "0", "y": "0", "z": "0", **turn}
     values = [parse_number(options.get(f"--{name}", default)) for name, default in defaults.items()]
     known = tuple(v for v in values if v is not None)
-    return options["--frame-id"], options["--child-frame-id"], known if len(known) == len(values) else ()
+    return known if len(known) == len(values) else ()

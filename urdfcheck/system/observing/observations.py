@@ -192,6 +192,16 @@ def observe(apart: Iterable[str | Path] = ()) -> Iterator[Observations]:
             table.pop(_PROBE, None)
 
 
+@contextmanager
+def pause_observing() -> Iterator[None]:
+    """Do work inside the context of which nothing is recorded: the caller adds what the outcome depends on."""
+    token = observed.set(None)
+    try:
+        yield
+    finally:
+        observed.reset(token)
+
+
 def _replace_functions() -> None:
     with _lock:
         _observers[0] += 1

@@ -209,7 +209,8 @@ def main(words: Sequence[str]) -> int:
     _report_found(outcome)
     for step in (*steps, *more):
         _run_step(step, root, dry=options.dry_run)
-    _report_next_steps(steps, needing, known=bool(origin.requirement), dry=options.dry_run)
+    failed = any(info.status == "failed" for info in outcome.models)
+    _report_next_steps(steps, needing, known=bool(origin.requirement), failed=failed, dry=options.dry_run)
     return OK
 
 
@@ -546,7 +547,9 @@ def _report_found(outcome: Run) -> None:
     say(f"found {number} {'model' if number == 1 else 'models'}{''.join(', ' + note for note in notes)}")
 
 
-def _report_next_steps(steps: Sequence[SetupStep], needing: Mapping[Path, object], *, known: bool, dry: bool) -> None:
+def _report_next_steps(
+    steps: Sequence[SetupStep], needing: Mapping[Path, object], *, known: bool, failed: bool, dry: bool
+) -> None:
     from urdfcheck.source.package.finder import format_path
 
     if dry:
@@ -564,6 +567,11 @@ def _report_next_steps(steps: Sequence[SetupStep], needing: Mapping[Path, object
     if hooks.text is not None:
         steps_left.append("pre-commit install           the hook runs at each commit")
     steps_left.append("urdfcheck .                  what is wrong today")
+    if failed:
+        steps_left.append(
+            f"unchecked = [PATTERNS]       in {format_path(configuration.path)} accepts models that cannot be expanded; "
+            "a baseline does not"
+        )
     steps_left.append("urdfcheck baseline write     after that, only new findings are reported")
     say("next")
     for line in steps_left:

@@ -73,6 +73,9 @@ def find_contradicted_axes(model: Model) -> Contradictions:
                 ]
             ).reshape(-1, 7),
             "sunken": np.array([(names.index(s.joint), s.declared, *s.shares) for s in sunken]).reshape(-1, 4),
+            "sunken_into": np.array(
+                [(number, heads.index(head)) for number, s in enumerate(sunken) for head in s.into]
+            ).reshape(-1, 2),
             "apart": np.array(
                 [(names.index(a.joint), heads.index(a.nearest), a.gap, a.size, a.others) for a in (apart,) if a]
             ).reshape(-1, 5),
@@ -104,8 +107,13 @@ def _read(arrays: Arrays, names: list[str], heads: list[str]) -> Contradictions:
         for row in arrays["sides"]
     ]
     sunken = [
-        SunkenSide(joint=names[int(row[0])], declared=float(row[1]), shares=(float(row[2]), float(row[3])))
-        for row in arrays["sunken"]
+        SunkenSide(
+            joint=names[int(row[0])],
+            declared=float(row[1]),
+            shares=(float(row[2]), float(row[3])),
+            into=tuple(heads[int(head)] for owner, head in arrays["sunken_into"] if owner == number),
+        )
+        for number, row in enumerate(arrays["sunken"])
     ]
     apart = [
         ApartPart(

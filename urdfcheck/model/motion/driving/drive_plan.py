@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -54,7 +55,7 @@ class DrivePlan:
 
 
 def find_drive_plan(model: Model) -> DrivePlan | None:
-    """Find the differential drive: of a controller, of a plugin of Gazebo, or of a lone left/right pair of wheels.
+    """Find the differential drive: of a controller, of a plugin of Gazebo, or of a lone pair of wheels.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -65,10 +66,19 @@ def find_drive_plan(model: Model) -> DrivePlan | None:
     if pair is None:
         return None
     left, right = pair.left.joint.name, pair.right.joint.name
+    if not pair.is_named:
+        # Nothing says which sign drives a wheel ahead, as outward axes are usual, too: both roll the same way.
+        signs = tuple(math.copysign(1.0, float(wheel.axis @ pair.lateral)) for wheel in (pair.left, pair.right))
+        return DrivePlan(
+            source="the symmetry of two wheels",
+            left=(left,),
+            right=(right,),
+            signs=(signs[0], signs[1]),
+            frame=model.tree.root,
+        )
     if any(word in left for word in _RIGHT_NAME) or any(word in right for word in _LEFT_NAME):
         left, right = right, left
-    source = "the wheels' names"
-    return DrivePlan(source=source, left=(left,), right=(right,), frame=model.tree.root)
+    return DrivePlan(source="the wheels' names", left=(left,), right=(right,), frame=model.tree.root)
 
 
 def _iter_controller_plans(model: Model) -> Iterator[DrivePlan]:

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import Located, Location
 from urdfcheck.core.drive_test import HALF_TURN
+from urdfcheck.core.drop_test import GRAVITY
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.model.ground.wheels import rolling_wheels
 from urdfcheck.model.motion.driving.drive_plan import DrivePlan, TypedSize, find_drive_plan
+from urdfcheck.model.motion.driving.simulated_drive import read_wheel_friction
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
 
 # Slips that differ by less are one.
 _AS_MUCH = 0.01
+# A robot that goes this part of what its wheels do goes with them. Wheels whose friction bears this part of the robot's weight,
+# twice what its acceleration needs, have grip.
+_AS_FAR, _GRIPPING = 0.9, 0.1
 # A robot that turns by more than this part of what half a turn against each other gives, spins.
 _SPINS = 0.5
 # What is measured is nearer to what the model's sizes give than this part of the difference to what is wanted.
@@ -36,6 +41,8 @@ class DriveDefect:
     at: Located | Location
     related: tuple[Located | Location, ...]
     data: dict[str, Any]
+    is_commanded: bool
+    """Whether a controller or plugin says how the wheels are driven."""
 
 
 def find_drive_defect(
@@ -60,6 +67,8 @@ def _iter_defects(
     forward, names = test.forward, (*plan.left, *plan.right)
     most = max(wheel.slip for wheel in test.wheels)
     worst = next(wheel for wheel in test.wheels if wheel.slip > most - _AS_MUCH)
+    if most > slip and _creeps(model, test):
+        return
     if most > slip:
         data = {"joint": worst.joint, "share": worst.slip, "load": worst.load, "reason": _explain_slip(test)}
         yield _build_defect(model, "slips", plan, (worst.joint,), data)
@@ -74,6 +83,20 @@ def _iter_defects(
         data = {"turned": math.degrees(forward.turned), "reason": _explain_drift(model, test)}
         yield _build_defect(model, "drifts", plan, names, data)
     yield from _iter_size_defects(model, test, plan, rel_tol)
+
+
+def _creeps(model: Model, test: DriveTest) -> bool:
+    """Whether wheels that have grip lose rotation all alike, and the robot goes as far as they do.
+
+    MuJoCo's contacts are as stiff as the wheel's mass wants: under a robot that weighs hundreds of times as much a wheel creeps.
+    """
+    slips = [wheel.slip for wheel in test.wheels]
+    weight = GRAVITY * sum(declared.mass for declared in model.masses)
+    return (
+        max(slips) - min(slips) < _AS_MUCH
+        and test.forward.distance > _AS_FAR * min(abs(wheel.travelled) for wheel in test.wheels) > 0.0
+        and sum(read_wheel_friction(model, wheel.joint) * wheel.load for wheel in test.wheels) > _GRIPPING * weight
+    )
 
 
 def _iter_direction_defects(model: Model, test: DriveTest, plan: DrivePlan) -> Iterator[DriveDefect]:
@@ -162,10 +185,12 @@ def _build_size_defect(model: Model, kind: str, plan: DrivePlan, size: TypedSize
     joints = tuple(model.joint_by_name[name] for name in (*plan.left, *plan.right))
     off = abs(data["real"] / data["wanted"] - 1)
     more = {"key": size.key, "value": size.value, "source": plan.source, "off": off}
-    return DriveDefect(kind=kind, at=size.at, related=joints, data={**data, **more})
+    return DriveDefect(kind=kind, at=size.at, related=joints, data={**data, **more}, is_commanded=True)
 
 
 def _build_defect(model: Model, kind: str, plan: DrivePlan, names: Sequence[str], data: dict[str, Any]) -> DriveDefect:
     """Build a defect that shows in joints, the first of which is where it is reported."""
     places = [model.joint_by_name[name].axis_location for name in names]
-    return DriveDefect(kind=kind, at=places[0], related=tuple(places[1:]), data={**data, "source": plan.source})
+    data = {**data, "source": plan.source}
+    related = tuple(places[1:])
+    return DriveDefect(kind=kind, at=places[0], related=related, data=data, is_commanded=plan.knows_ahead)

@@ -44,7 +44,7 @@ def run_drive_test(model: Model) -> DriveTest:
     plan = find_drive_plan(model)
     if plan is None:
         raise FactUnavailableError(
-            "neither a controller, nor a plugin, nor names show the wheels of a differential drive"
+            "neither a controller, nor a plugin, nor one pair of wheels shows a differential drive"
         )
     names = (*plan.left, *plan.right)
     if any(is_suspended(model, model.joint_by_name[name].child) for name in names):
@@ -54,7 +54,7 @@ def run_drive_test(model: Model) -> DriveTest:
     if unknown:
         raise FactUnavailableError(f"the child of joint {unknown[0]!r} is not known to be a round wheel")
     places = {joint.name: place for place, joint in enumerate(robot.joints) if joint is not None}
-    wheels = {places[name]: _read_wheel_friction(model, name) for name in names}
+    wheels = {places[name]: read_wheel_friction(model, name) for name in names}
     mechanism = robot.mechanism
     for name in names:
         mechanism = _make_discs(mechanism, places[name], name)
@@ -113,7 +113,7 @@ def _thin_cylinder(geom: Geom, axis: Array) -> Geom:
     return replace(geom, size=(radius, min(length, _THIN * radius)))
 
 
-def _read_wheel_friction(model: Model, name: str) -> float:
+def read_wheel_friction(model: Model, name: str) -> float:
     """Read the friction that a ``<gazebo>`` gives a wheel; 1 where none is typed, Gazebo's and MuJoCo's default."""
     child = model.joint_by_name[name].child
     for block in model.robot.find_children("gazebo"):

@@ -8,7 +8,7 @@ from urdfcheck.core import Rule, Run
 from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.html.rule_markdown import render_markdown
 from urdfcheck.output.html.tables.checks_tables import render_rules_table, render_skipped_table
-from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, split_sections
+from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, find_rule_address, split_sections
 from urdfcheck.output.shared.wording import format_count
 
 
@@ -42,11 +42,12 @@ def _render_rule_page(rule: Rule) -> str:
     shown = "".join(
         f"<h4>{title}</h4>{render_markdown(texts[title])}" for title in SHOWN_SECTIONS if texts.get(title, "").strip()
     )
-    code = escape_html(rule.code)
+    code, address = escape_html(rule.code), find_rule_address(rule.code)
+    link = f' · <a href="{escape_html(address)}">page of {code}</a>' if address else ""
     return (
         f'<details class="rule screen"><summary><h3><span class="rule-code">{code}</span> {escape_html(rule.name)}</h3></summary>'
         # A browser opens a fold whose content is the target of a link, but not a fold that is itself the target.
-        f'<div id="rule-{code}"><p class="facts">{rule.severity} · {rule.confidence} · since {escape_html(rule.since)}</p>'
+        f'<div id="rule-{code}"><p class="facts">{rule.severity} · {rule.confidence} · since {escape_html(rule.since)}{link}</p>'
         f"{shown}</div></details>"
     )
 

@@ -97,6 +97,8 @@ def _replace_minus_sign(text: str) -> str:
 
 
 def _render_stability_figure(curves: Sequence[StabilityCurve]) -> str:
+    if not curves:
+        return ""
     legend = "".join(
         '<li><svg class="chart" width="34" height="10" aria-hidden="true" focusable="false">'
         f'<path class="curve {get_curve_class(curve)}" d="M1 5H33"/></svg> {describe_damping_scheme(curve)}: '

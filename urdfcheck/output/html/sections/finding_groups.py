@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from urdfcheck.core import Run, Severity
 from urdfcheck.output.html.file_groups import select_active_cards
 from urdfcheck.output.html.glyphs import render_glyph
+from urdfcheck.output.html.html_text import list_acceptors
 from urdfcheck.output.html.sections.finding_card import render_card
 from urdfcheck.output.shared.anchors import FindingCard
 
@@ -43,15 +44,10 @@ def render_notes(run: Run, cards: Sequence[FindingCard], *, model_file: str, id_
         parts.append(_render_fold("notes info", title, body))
     suppressed = [c for c in cards if c.finding.suppressed is not None]
     if suppressed:
-        title = f"{len(suppressed)} known: {_describe_suppressed(suppressed)}"
+        kinds = Counter(c.finding.suppressed.kind for c in suppressed if c.finding.suppressed is not None)
+        title = f"{len(suppressed)} known: {list_acceptors(kinds)}"
         parts.append(_render_fold("suppressed", title, _render_cards(run, suppressed, model_file)))
     return "\n".join(parts)
-
-
-def _describe_suppressed(suppressed: Sequence[FindingCard]) -> str:
-    """Say how many findings the source, the configuration and the baseline suppress."""
-    kinds = Counter(c.finding.suppressed.kind for c in suppressed if c.finding.suppressed is not None)
-    return ", ".join(f"{kinds[kind]} in the {kind}" for kind in ("source", "configuration", "baseline") if kinds[kind])
 
 
 def _render_fold(css_class: str, title: str, body: str) -> str:
