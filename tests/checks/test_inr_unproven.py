@@ -160,6 +160,23 @@ def test_numbers_for_one_call_of_a_macro_are_not_for_its_line(tmp_path: Path) ->
     assert "as the result of the call at robot.urdf.xacro:3" in finding.fix.title
 
 
+def test_a_com_for_one_call_of_a_macro_is_not_for_the_other_side(tmp_path: Path) -> None:
+    arm = (
+        '<xacro:macro name="arm" params="side y">'
+        + link(
+            "${side}",
+            inertial(1, ixx=0.01, iyy=4, izz=0.001, com="0.3 0 0"),
+            visual(box("0.1 0.1 0.1"), xyz="0 ${y} 0"),
+        )
+        + joint("j${side}", "base", "${side}", kind="continuous")
+        + '</xacro:macro>\n<xacro:arm side="left" y="0.2"/>\n<xacro:arm side="right" y="-0.2"/>'
+    )
+    finding = one(tmp_path, robot(link("base"), arm, xacro=True), "INR003", "robot.urdf.xacro")
+    assert finding.fix is not None
+    assert 'xyz="0 0.2 0"' in finding.fix.title
+    assert "as the result of the call at robot.urdf.xacro:2" in finding.fix.title
+
+
 def test_numbers_are_not_written_in_place_of_a_formula(tmp_path: Path) -> None:
     call = '<inertial><mass value="1"/>\n<xacro:tensor m="1" x="0.2" y="0.1" z="0.3"/></inertial>'
     text = robot(MACRO, link("arm", call, visual(box("0.3 0.2 0.1"))), xacro=True)

@@ -297,3 +297,17 @@ def test_a_path_that_is_not_expanded_names_no_file(tmp_path: Path) -> None:
     assert list_resource_uses(loaded(tmp_path, "arm.urdf", PLAIN)) == ()
     typed = loaded(tmp_path, "arm.urdf", PLAIN.replace("$(find arm)", "$(here)"))
     assert [use.resource.text for use in list_resource_uses(typed)] == ["$(here)/a.stl"]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "may"),
+    [
+        ("robot.urdf", '<robot name="r"><link name="a"/></robot>', False),
+        ("robot.urdf", f'<robot name="r" {XMLNS}><link name="${{1}}"/></robot>', True),
+        ("robot.urdf.xacro", f'<robot name="r" {XMLNS}><link name="a"/></robot>', True),
+    ],
+)
+def test_expressions_are_written_where_only_xacro_reads_the_file(
+    tmp_path: Path, name: str, text: str, may: bool
+) -> None:
+    assert loaded(tmp_path, name, text, xacro=True).may_hold_expressions == may

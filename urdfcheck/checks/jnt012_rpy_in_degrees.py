@@ -56,7 +56,11 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
         "degrees",
         at=attributes[0],
         related=list(wrong.values())[1:],
-        edits=[word.build_edit(_format_radians(word, in_xacro=model.source.is_xacro)) for word in words if are_sure],
+        edits=[
+            word.build_edit(_format_radians(word, in_xacro=model.source.may_hold_expressions))
+            for word in words
+            if are_sure
+        ],
         where=where,
         worst=worst,
         turns=abs(worst) / math.tau,

@@ -90,7 +90,7 @@ def _build_group_finding(rule: Rule, findings: list[Finding]) -> Finding:
 def _build_finding(
     model: Model, rule: Rule, constant: str, *, spellings: _ConstantSpellings, harmful: float
 ) -> Finding:
-    in_xacro = model.source.is_xacro
+    in_xacro = model.source.may_hold_expressions
     groups = sorted(spellings.rounded.values(), key=lambda group: -group[0].error)
     angles = sorted((angle for group in groups for angle in group), key=lambda angle: (-angle.error, not angle.skews))
     words = [angle.word for angle in angles]

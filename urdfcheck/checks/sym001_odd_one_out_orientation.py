@@ -434,5 +434,5 @@ def _describe_com_offset(model: Model, joint: Joint) -> str:
 
 
 def _propose_edits(model: Model, joint: Joint, rpy: Sequence[float]) -> list[Edit]:
-    text = " ".join(format_angle(angle, xacro=model.source.is_xacro) for angle in rpy)
+    text = " ".join(format_angle(angle, xacro=model.source.may_hold_expressions) for angle in rpy)
     return edit_numbers(joint.origin.get_attribute("rpy"), text)

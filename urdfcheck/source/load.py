@@ -68,6 +68,12 @@ class Source:
         return self.trees.get(self.name)
 
     @property
+    def may_hold_expressions(self) -> bool:
+        """Whether an expression of xacro may be written into the files of the model: other programs may read one
+        that is a xacro only because a launch file runs xacro on it."""
+        return self.is_xacro and (has_xacro_name(self.path) or any("${" in file.text for file in self.files.values()))
+
+    @property
     def is_output_of_xacro(self) -> bool:
         """Whether the header of the file says that xacro wrote it: then another file is the source."""
         return self.name in self.files and RESULT_OF_XACRO in self.files[self.name].text

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 
+import numpy as np
+
 from urdfcheck.core import Span
 from urdfcheck.facts.inertials.formulas.polynomials import measure_degree
 from urdfcheck.model.fact import fact
@@ -12,7 +14,11 @@ from urdfcheck.model.inertials.typed_formulas import parse_formula
 from urdfcheck.model.parts import Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.xml import Attribute
+
+# COMs (m) that meshes of one part show as the same.
+_SAME_COM = 1e-4
 
 
 @fact
@@ -26,26 +32,43 @@ def links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]]
 
 
 def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
-    """Say that the numbers of a repair are no text for the place that it changes: which macro call makes the tensor of a link,
-    where the same text makes other numbers for other links, or that a formula computes it. Empty elsewhere."""
-    tensor = None if link.inertial is None else link.inertial.tensor_element
-    places = [place for place in change.places if isinstance(place, Attribute) and place.owner is tensor]
-    if link.inertial is None or tensor is None or not places:
+    """Say that the numbers of a repair are no text for the place that it changes: which macro call makes the inertial of a link,
+    where the same text makes other links that need other numbers, or that a formula computes them. Empty elsewhere."""
+    inertial = link.inertial
+    tensor = None if inertial is None else inertial.tensor_element
+    if inertial is None or tensor is None:
         return ""
-    own = (link.inertial.mass, link.inertial.inertia_components)
+    attributes = [place for place in change.places if isinstance(place, Attribute)]
+    places = [place for place in attributes if place.owner is tensor]
+    moves_com = any(place.owner is inertial.origin.element for place in attributes)
+    if not places and not moves_com:
+        return ""
     others = [
-        other
-        for inertial in (one.inertial for one in model.links if one is not link)
-        if inertial is not None
-        and (other := inertial.tensor_element) is not None
-        and other.span == tensor.span
-        and (inertial.mass, inertial.inertia_components) != own
+        one.inertial.tensor_element
+        for one in model.links
+        if one is not link and one.inertial is not None and one.inertial.tensor_element is not None
+        if one.inertial.tensor_element.span == tensor.span
+        if (places and _list_numbers(one) != _list_numbers(link))
+        or (moves_com and _is_drawn_elsewhere(model, one, link))
     ]
     if not others or not tensor.location.via:
         return " as the result of the formula" if any(map(_is_computed, places)) else ""
     shared = {span for other in others for span in other.location.via}
     call = next((span for span in reversed(tensor.location.via) if span not in shared), tensor.location.via[-1])
     return f" as the result of the call at {PurePath(call.file).name}:{call.line}"
+
+
+def _list_numbers(link: Link) -> tuple[object, object]:
+    return (link.inertial and link.inertial.mass, link.inertial and link.inertial.inertia_components)
+
+
+def _is_drawn_elsewhere(model: Model, link: Link, other: Link) -> bool:
+    """Whether two links draw parts with different COMs in their frames."""
+    parts = [measure_link_geometry(model, one) for one in (link, other)]
+    first, second = parts
+    return (
+        first is not None and second is not None and not np.allclose(first.solid.com, second.solid.com, atol=_SAME_COM)
+    )
 
 
 def _is_computed(attribute: Attribute) -> bool:
