@@ -242,7 +242,7 @@ def test_a_headline_of_several_places_keeps_its_cause() -> None:
     ]
     assert ordered[0].headline == "base_link: two moments 6.2× too large (at the origin, CAD signs?)"
     joint = join_occurrences(ordered, {rule.code: rule})
-    assert joint.headline == "base_link: suspect inertia (at the origin, CAD signs?) (+1 place)"
+    assert joint.headline == "base_link: suspect inertia (at the origin, CAD signs?) (+1 more)"
 
 
 def _list_values(rule: Rule) -> list[str]:

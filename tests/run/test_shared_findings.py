@@ -146,11 +146,11 @@ class TestKinds:
 
     def test_a_headline_about_numbers_is_that_of_the_first(self, tmp_path: Path) -> None:
         (found,) = find(write_robots(tmp_path, "", hand=HAND), "JNT005").findings
-        assert found.headline == "j_left_1: lower 1 is above upper -1 rad (+3 places)"
+        assert found.headline == "j_left_1: lower 1 is above upper -1 rad (+3 more)"
         assert found.fix is not None
         titles = [own.fix.title for own in found.occurrences if own.fix is not None]
         assert len(set(titles)) > 1
-        assert found.fix.title == f"{titles[0]}; the other 3 places likewise"
+        assert found.fix.title == f"{titles[0]}; the others likewise"
 
     def test_the_brief_report_names_its_places_however_long_the_path(self, tmp_path: Path) -> None:
         run = find(write_robots(tmp_path, "", hand=HAND))

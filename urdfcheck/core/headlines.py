@@ -7,7 +7,7 @@ import string
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from urdfcheck.core.text import format_count, join_names
+from urdfcheck.core.text import join_names
 
 LONGEST_HEADLINE = 70
 # A value is not cut below this; a headline that is still too long then loses its end.
@@ -143,7 +143,7 @@ def fill_joint_headline(
     A headline that begins with what it is about names all of it, or counts it where the first name alone is too long, and
     leaves out a number in brackets that is not the same for all: ``a, b and 6 more: no body can have this inertia``, ``8 links:
     no body can have this inertia``. Any other is that of the first finding: ``a and b overlap by 5 mm at rest (+7
-    places)``.
+    more)``.
 
     :param data: values of each finding.
     :param names: elements that each finding is about.
@@ -161,13 +161,13 @@ def fill_joint_headline(
                 return named
             counted = f"{places} places" if places > len(everything) else f"{len(everything)} {kind}"
             return fill_headline(f"{counted}: {claim}", data[0])
-    rest = format_more_places(len(data) - 1)
+    rest = format_more(len(data) - 1)
     return f"{fill_headline(template, data[0], LONGEST_HEADLINE - len(rest))}{rest}"
 
 
-def format_more_places(count: int) -> str:
-    """Say at the end of the headline of one place how many more there are."""
-    return f" (+{format_count(count, 'place')})"
+def format_more(count: int) -> str:
+    """Say at the end of the headline of one finding how many more there are, of which each may have several places."""
+    return f" (+{count} more)"
 
 
 def _is_named(key: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]]) -> bool:

@@ -14,7 +14,7 @@ from urdfcheck.core.headlines import (
     LONGEST_HEADLINE,
     cut_line,
     fill_joint_headline,
-    format_more_places,
+    format_more,
     shorten_headline,
 )
 from urdfcheck.core.text import join_names
@@ -190,7 +190,7 @@ def _join_headlines(ordered: Sequence[Finding], rules: Mapping[str, Rule]) -> st
     first = ordered[0]
     names = [[match[1] for s in own.subjects if (match := _NAMED.match(s)) is not None] for own in ordered]
     rule = rules.get(first.code)
-    rest = format_more_places(len(ordered) - 1)
+    rest = format_more(len(ordered) - 1)
     room = LONGEST_HEADLINE - len(rest)
     try:
         template = rule.headlines[first.message_id] if rule is not None else ""
@@ -239,9 +239,7 @@ def _join_fixes(ordered: Sequence[Finding]) -> Fix | None:
     if len(firsts) > 1:
         title = "; elsewhere ".join(firsts.values())
     elif len({fix.title for fix in fixes}) > 1:
-        title += (
-            "; the other place likewise" if len(ordered) == 2 else f"; the other {len(ordered) - 1} places likewise"
-        )
+        title += "; the others likewise" if len(ordered) > 2 or len(ordered[1].subjects) > 1 else "; the other likewise"
     return Fix(title, max((fix.applicability for fix in fixes), key=list(Applicability).index), edits)
 
 
