@@ -488,7 +488,7 @@ def test_of_two_masses_the_implausible_one_is_named(tmp_path: Path, base: float,
     size = 0.08 if suspects != "arm and base" else 0.02
     (finding,) = find(tmp_path, make_arm(block(child, size), base=block(base, 0.2)), "INR011")
     assert finding.fix is not None
-    assert finding.fix.title.startswith(f"check the unit of the mass of {suspects};")
+    assert finding.fix.title.startswith(f"check the mass of {suspects} (its unit")
 
 
 @pytest.mark.parametrize("rule", ["INR010", "INR012"])

@@ -11,7 +11,7 @@ from builders import box, cylinder, find, inertial, joint, limit, link, robot, v
 from urdfcheck.core import Finding
 
 LIMIT = limit(-1, 1)
-PULLS = "gravity and mass matrix differ between the two sides: the robot pulls to one side"
+PULLS = "gravity and mass matrix differ between the two sides"
 
 
 def find_places(folder: Path, *parts: str) -> list[Finding]:

@@ -18,6 +18,7 @@ from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.motion.buoyancy import find_submersible_name
 from urdfcheck.model.motion.joint_loads import Overload, find_overloads, list_carried_links
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
+from urdfcheck.source.text.values import read_attribute_number
 
 # An effort that this many joints or more have, and all that have one, does not come from their drives.
 _PLACEHOLDER_JOINTS = 3
@@ -38,7 +39,8 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
     groups: dict[tuple[float, bool], list[Overload]] = {}
     for load in find_overloads(model):
         if (
-            _is_load_of_misplaced_coms(model, load)
+            _is_held_by_friction(load)
+            or _is_load_of_misplaced_coms(model, load)
             or _is_load_of_placeholders(model, load)
             or _is_load_of_heavier_side(model, load)
         ):
@@ -85,6 +87,12 @@ def _are_masses_plausible(model: Model, joint: Joint) -> bool:
             return False
         known += inertial.mass
     return known >= _KNOWN_SHARE * total > 0.0
+
+
+def _is_held_by_friction(load: Overload) -> bool:
+    """Whether the friction of a joint, which simulators apply at rest too, holds what its drive cannot."""
+    friction = read_attribute_number(load.joint.element.find_child("dynamics"), "friction") or 0.0
+    return friction + (load.joint.get_limit_value("effort") or 0.0) >= load.torque
 
 
 def _is_load_of_misplaced_coms(model: Model, load: Overload) -> bool:

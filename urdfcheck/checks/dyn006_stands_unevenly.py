@@ -11,6 +11,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.ground.rest_pose import RestPose, find_rest_pose
 from urdfcheck.model.ground.rest_words import describe_level_repair, describe_uneven_reason, locate_uneven_cause
+from urdfcheck.model.ground.wheels import is_on_vertical_slide
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 
 
@@ -46,7 +47,11 @@ def _check_body(model: Model, rule: Rule, pose: RestPose, data: dict[str, Any]) 
     deep = {
         name: -height
         for name, height in pose.heights.items()
-        if name not in carriers and -height > pose.tolerance and model.link_by_name[name].collisions
+        if name not in carriers
+        and -height > pose.tolerance
+        and model.link_by_name[name].collisions
+        # The ground lifts what slides up and down.
+        and not is_on_vertical_slide(model, name)
     }
     if deep:
         link = max(deep, key=lambda name: deep[name])

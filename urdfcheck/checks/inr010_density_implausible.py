@@ -125,10 +125,12 @@ def _build_dense_finding(model: Model, rule: Rule, found: _ExcessDensity, *, is_
     )
 
 
-def _describe_repair(links: Sequence[Link], mass: float, *, is_in_unit: bool, is_drawn: bool = False) -> str:
+def _describe_repair(
+    links: Sequence[Link], mass: float, *, is_in_unit: bool, is_drawn: bool = False, is_light: bool = False
+) -> str:
     """Describe what to correct: the scale of a mesh may be wrong, and a primitive has none.
 
-    ``is_drawn``: COM and tensor are those of what is drawn, at this mass, so that the mass alone is wrong.
+    ``is_drawn``: COM and tensor are those of what is drawn, at this mass, so that the mass or all lengths are wrong.
     """
     unknown = describe_unknown_mass(mass)
     if unknown:
@@ -136,8 +138,14 @@ def _describe_repair(links: Sequence[Link], mass: float, *, is_in_unit: bool, is
     has_mesh = any(shape.kind == "mesh" for link in links for shape in (*link.visuals, *link.collisions))
     first = "write the mass in kilograms" if is_in_unit else "correct the mass"
     if is_drawn and not is_in_unit:
-        return f"{first}, and scale the inertia tensor with it: COM and tensor are those of the drawn part at this mass"
-    return f"{first}, or {'give the mesh the scale of its unit' if has_mesh else 'the size of what is drawn'}"
+        drawn = "the scale of the mesh" if has_mesh else "the size of what is drawn"
+        return (
+            f"{first}, and scale the inertia tensor with it: COM and tensor are those of the drawn part at this mass; "
+            f"if the mass is right, correct {drawn}, and the tensor with it"
+        )
+    size = "give the mesh the scale of its unit" if has_mesh else "correct the size of what is drawn"
+    # Parts that are not drawn explain a mass that is too great, not one that is too small.
+    return f"{first}, or {size}" if is_light or is_in_unit else f"{first}, {size}, or draw the parts that are missing"
 
 
 def _is_token_drawing(model: Model, part: EnclosedInertial) -> bool:
@@ -213,7 +221,7 @@ def _check_too_light(
         sheet=float(f"{mass / area * 1e3:.2g}"),
         around="" if len(links) == 1 else " (with the links fixed to it)",
         density=describe_density(mass / volume),
-        repair=_describe_repair(links, heaviest.mass, is_in_unit=slip["cause"] == "unit"),
+        repair=_describe_repair(links, heaviest.mass, is_in_unit=slip["cause"] == "unit", is_light=True),
         **slip,
     )
 

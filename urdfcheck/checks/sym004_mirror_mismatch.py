@@ -397,6 +397,7 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
         cause=cause,
         severity=shares.choose_severity(mismatch.max_difference, mismatch.pair, cause),
         edits=make_attribute_edits(changes) if mismatch.agreeing_joints and not shared else [],
+        consequences=_describe_limit_consequences([mismatch]),
         joint=joint.name,
         twin=twin.name,
         differences=_describe_limit_differences(mismatch),
@@ -415,12 +416,23 @@ def _build_chain_finding(model: Model, rule: Rule, chain: Sequence[MismatchedLim
         related=limits[1:],
         cause=cause,
         severity=shares.choose_severity(max(pair.max_difference for pair in chain), chain[0].pair, cause),
+        consequences=_describe_limit_consequences(chain),
         count=len(chain),
         joints=join_names((pair.joint.name for pair in chain), 12),
         twins=join_names((pair.twin.name for pair in chain), 12),
         joint=chain[0].joint.name,
         differences=_describe_limit_differences(chain[0]),
     )
+
+
+def _describe_limit_consequences(mismatches: Sequence[MismatchedLimit]) -> dict[str, str] | None:
+    """Return what MoveIt does where no range differs; None where one does."""
+    names = {name for mismatch in mismatches for name in mismatch.expected}
+    if names & {"lower", "upper"}:
+        return None
+    return {
+        "moveit": "plans slower motions for one side" if "velocity" in names else "loads it: it plans without efforts"
+    }
 
 
 def _describe_limit_differences(mismatch: MismatchedLimit) -> str:

@@ -10,7 +10,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.ground.wheel_pair import find_lone_wheel_pair
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
-from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
+from urdfcheck.model.ground.wheels import Wheel, is_on_vertical_slide, is_suspended, rolling_wheels
 from urdfcheck.model.parts import GROUND_NAMES, Joint
 from urdfcheck.model.robot import Model
 from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME
@@ -48,8 +48,9 @@ class RestPose:
 def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None:
     """Find how a robot on two or more driven wheels and what else carries it rests, with rigid parts and joints at zero.
 
-    None where that is not decided: a wheel is suspended, carries rollers that turn by themselves or has its shape beside its
-    axle, wheels of the robot differ among themselves (SYM006, SYM008), or it does not stand on wheels and casters alone.
+    None where that is not decided: a wheel or a caster is suspended, a wheel carries rollers that turn by themselves or has its
+    shape beside its axle, wheels of the robot differ among themselves (SYM006, SYM008), or it does not stand on wheels and
+    casters alone.
 
     :param spread: part of the least radius of a driven wheel, and ``least`` (m), below which heights do not count.
     :raises FactUnavailableError: when the tree is broken, or a shape, a mass or an origin is not known.
@@ -75,6 +76,8 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
         return None
     points, owners = collect_robot_corners(model, wheels)
     casters = tuple(name for name in list_casters(model) if np.any(owners == model.tree.order.index(name)))
+    if any(is_on_vertical_slide(model, name) for name in casters):
+        return None
     carriers = [model.tree.order.index(name) for name in {*wheels, *casters}]
     carrying = np.isin(owners, carriers)
     com = np.average([mass.com for mass in masses], axis=0, weights=[mass.mass for mass in masses])

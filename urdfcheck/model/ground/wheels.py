@@ -132,6 +132,13 @@ def is_suspended(model: Model, link: str) -> bool:
     return any(axis is None or abs(float(axis[2])) < 1 - LEVEL for axis in axes)
 
 
+def is_on_vertical_slide(model: Model, link: str) -> bool:
+    """Whether a prismatic joint can move the link up and down against the robot: a spring, a lift or a fork."""
+    slides = [joint for joint in model.tree.find_path_to(link) if joint.type == "prismatic"]
+    axes = [model.axes.get(joint.name) for joint in slides]
+    return any(axis is None or abs(float(axis[2])) > LEVEL for axis in axes)
+
+
 def _measure_wheel(model: Model, joint: Joint) -> Wheel | None:
     axis, names = model.axes.get(joint.name), _join_joint_names(joint)
     if joint.type != "continuous" or axis is None or _NOT_WHEEL_NAME.search(names):

@@ -135,7 +135,10 @@ def find_mismatched_limit(
     decided = first_is_wrong or (not like[1] and len(like[0]) >= VOTES)
     twin, joint = joints[::-1] if first_is_wrong else joints
     expected = _compute_expected_limit(model, pair, known_pairs, joints=(twin, joint), threshold=threshold)
-    copied = bool({"lower", "upper"} & expected.keys()) and _get_bounds(twin) == _get_bounds(joint)
+    is_range = bool({"lower", "upper"} & expected.keys())
+    copied = is_range and _get_bounds(twin) == _get_bounds(joint)
+    # A symmetric range is its own negative.
+    negated = is_range and _is_negated(_get_bounds(twin), _get_bounds(joint))
     return MismatchedLimit(
         pair=pair,
         joint=joint,
@@ -143,7 +146,7 @@ def find_mismatched_limit(
         expected=expected,
         copied=copied,
         agreeing_joints=like[first_is_wrong] if decided else (),
-        is_about_normal=_is_about_normal(model, pair, twin) and _is_negated(_get_bounds(twin), _get_bounds(joint)),
+        is_about_normal=negated and _is_about_normal(model, pair, twin),
     )
 
 
