@@ -15,6 +15,7 @@ from urdfcheck.model.parts import Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.source.text.handed_values import find_typed_value
 from urdfcheck.source.text.xml import Attribute
 
 # COMs (m) that meshes of one part show as the same.
@@ -40,7 +41,7 @@ def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
         return ""
     attributes = [place for place in change.places if isinstance(place, Attribute)]
     places = [place for place in attributes if place.owner is tensor]
-    moves_com = any(place.owner is inertial.origin.element for place in attributes)
+    moves_com = any(place.owner is inertial.origin.element and not _is_handed_on(place) for place in attributes)
     if not places and not moves_com:
         return ""
     others = [
@@ -56,6 +57,12 @@ def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
     shared = {span for other in others for span in other.location.via}
     call = next((span for span in reversed(tensor.location.via) if span not in shared), tensor.location.via[-1])
     return f" as the result of the call at {PurePath(call.file).name}:{call.line}"
+
+
+def _is_handed_on(attribute: Attribute) -> bool:
+    """Whether a value is typed elsewhere, as in a call: the repair is told of that text."""
+    typed = find_typed_value(attribute)
+    return typed is not None and typed.span != attribute.span
 
 
 def _list_numbers(link: Link) -> tuple[object, object]:
