@@ -350,6 +350,14 @@ def test_the_drive_has_the_wheels_of_the_robot(tmp_path: Path, yaml: str, messag
     assert wheels(tmp_path, yaml) == messages
 
 
+def test_a_tyre_may_be_a_link_of_its_own(tmp_path: Path) -> None:
+    tyre = f'<link name="tyre">{ROUND}</link><joint name="t" type="fixed"><parent link="left"/><child link="tyre"/></joint>'
+    shaft = ROUND.replace('radius="0.05"', 'radius="0.004"')
+    axles = AXLES.replace('<link name="left"/>', f'<link name="left">{shaft}</link>') + tyre
+    assert wheels(tmp_path, drive(radius=0.05), axles) == []
+    assert wheels(tmp_path, drive(radius=0.1), axles) == ["radius"]
+
+
 def test_a_wheel_of_unknown_shape_has_no_radius(tmp_path: Path) -> None:
     assert wheels(tmp_path, drive(radius=9), AXLES) == []
 

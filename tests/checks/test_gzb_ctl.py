@@ -447,6 +447,17 @@ def test_the_frame_of_a_camera_is_its_optical_frame(tmp_path: Path, kind: str, o
     assert finding.fix.title == f"write {meant}"
 
 
+def test_a_frame_that_a_launch_file_publishes_exists(tmp_path: Path) -> None:
+    package = tmp_path / "package"
+    (package / "launch").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>package</name></package>")
+    node = '<node pkg="tf" type="static_transform_publisher" name="n" args="0 0 0 0 0 0 tip {} 100"/>'
+    body = block("tip", sensor("imu", "<gz_frame_id>elsewhere</gz_frame_id>"))
+    for frame, expected in (("elsewhere_too", ["frame-elsewhere"]), ("elsewhere", [])):
+        (package / "launch" / "robot.launch").write_text(f"<launch>{node.format(frame)}</launch>")
+        assert messages(package, MERGED + body, "GZB004") == expected
+
+
 def test_the_frame_of_a_camera_is_not_guessed_by_its_name(tmp_path: Path) -> None:
     body = block("tip", sensor("camera", RATE + "<gz_frame_id>bsae</gz_frame_id>"))
     assert messages(tmp_path, MERGED + body, "GZB004") == ["frame-elsewhere"]

@@ -18,6 +18,7 @@ from urdfcheck.model.fixed_joint_lumping import (
 )
 from urdfcheck.model.gazebo import CAMERA_TYPE, GazeboSensor, is_for_new_gazebo, list_sensors
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
+from urdfcheck.source.launch.model_launches import is_frame_published
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
@@ -121,6 +122,8 @@ def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Map
         if element.tag not in _FRAMES or not frame or frame in _EXTERNAL_FRAMES or frame in model.link_by_name:
             continue
         if any(mark in frame for mark in ("/", "::", "$")):  # of another robot or namespace
+            continue
+        if is_frame_published(model.source.path, model.source.finder, frame):
             continue
         respelled = folded.get(frame.lower())
         meant = respelled or _find_optical_frame(sensor, model) or _guess_frame(frame, sensor, model)

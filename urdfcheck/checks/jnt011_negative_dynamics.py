@@ -23,5 +23,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 attribute = dynamics.attributes[name]
                 is_none = value == _NONE
                 edits = () if is_none else edit_numbers(attribute, attribute.value.replace("-", "", 1))
-                repair = _OF_NONE if is_none else f"delete the minus sign: the {name} is positive and applies in both directions"
+                repair = (
+                    _OF_NONE
+                    if is_none
+                    else f"delete the minus sign: the {name} is positive and applies in both directions"
+                )
                 yield rule.finding(name, at=attribute, edits=edits, joint=joint.name, value=value, repair=repair)

@@ -83,22 +83,27 @@ def _measure_offset(model: Model, one: str, other: str) -> float:
 
 
 def measure_wheel_radii(model: Model, joint: str) -> list[float]:
-    """Measure the radii (m) of a joint's child about the joint's axis.
+    """Measure the radii (m) about a joint's axis of its child and of what is fixed to that: a tyre may be a link of its own.
 
-    Of what it collides as, then of what it draws, where these are round and known: of each the usual reach, then the farthest.
+    The largest link first: of what it collides as, then of what it draws, where these are round and known, the usual reach, then
+    the farthest.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     axis = model.axes.get(joint)
     if axis is None:
         return []
-    link = model.link_by_name[model.joint_by_name[joint].child]
-    return [
-        radius
-        for placed in _place_link_points(model, link.name)
-        if (outline := measure_outline(placed, axis, _locate_joint(model, joint))).is_round()
-        for radius in (outline.usual_radius, outline.radius)
+    center = _locate_joint(model, joint)
+    radii = [
+        [
+            radius
+            for placed in _place_link_points(model, link)
+            if (outline := measure_outline(placed, axis, center)).is_round()
+            for radius in (outline.usual_radius, outline.radius)
+        ]
+        for link in model.pieces.list_body_links(model.joint_by_name[joint].child)
     ]
+    return [radius for some in sorted(radii, key=lambda some: -max(some, default=0.0)) for radius in some]
 
 
 def measure_wheel_separations(model: Model, left: str, right: str) -> list[float]:

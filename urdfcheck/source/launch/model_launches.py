@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import os
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
@@ -64,6 +65,15 @@ def find_named_texts(model: Path, finder: PackageFinder, names: Mapping[str, Col
         if reader is not None:
             with contextlib.suppress(ValueError, RecursionError, MemoryError):  # nested too deeply
                 yield from read_named_texts(reader, names, real)
+
+
+def is_frame_published(model: Path, finder: PackageFinder, frame: str) -> bool:
+    """Whether a launch file around a model that starts a static_transform_publisher names a frame, as a word of its text."""
+    word = re.compile(rb"(?<![\w.-])" + re.escape(frame.encode("utf-8", "surrogatepass")) + rb"(?![\w.-])")
+    return any(
+        b"static_transform_publisher" in data and word.search(data) is not None
+        for _, data in _iter_launches_around(model, finder)
+    )
 
 
 def _iter_loading(launch: Launch, model: str) -> Iterator[Span]:
