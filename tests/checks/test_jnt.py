@@ -805,6 +805,8 @@ def test_the_wheels_of_a_mobile_arm_are_not_joints_of_its_limb(tmp_path: Path) -
         ("7.85", False),
         ("-9.42478", False),
         ("1e6", False),
+        ("6.3167", False),
+        ("6.35", True),
     ],
 )
 def test_an_angle_beyond_a_turn_is_degrees_unless_it_is_a_sum(tmp_path: Path, angle: str, degrees: bool) -> None:

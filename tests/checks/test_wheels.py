@@ -5,6 +5,7 @@ The robots are computed from a few numbers, so that the same one can be written 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -443,6 +444,20 @@ def test_a_cart_with_its_mass_behind_the_wheels_tips_over(tmp_path: Path) -> Non
     assert set(finding.data["contacts"]) == {"left_wheel", "right_wheel", "caster"}
     # 5 kg at x = -0.05 and 0.8 kg at 0.
     assert finding.data["margin"] == pytest.approx(0.05 * 5 / 5.8 * 1e3)
+
+
+def test_a_cart_whose_chassis_has_no_mass_has_no_known_com(tmp_path: Path) -> None:
+    camera = (
+        '<link name="camera"><inertial><mass value="0.1"/>'
+        '<inertia ixx="1e-5" ixy="0" ixz="0" iyy="1e-5" iyz="0" izz="1e-5"/></inertial>'
+        '<visual><geometry><box size="0.02 0.02 0.02"/></geometry></visual></link><joint name="eye" type="fixed">'
+        '<parent link="base"/><child link="camera"/><origin xyz="-0.2 0 0.2"/></joint></robot>'
+    )
+    text = THREE.text().replace("</robot>", camera)
+    assert find_in_car(tmp_path / "heavy", "DYN004", text.replace('mass value="0.1"', 'mass value="10"'))
+    base = re.sub(r'(<link name="base">)<inertial>.*?</inertial>', r"\1", text, flags=re.S)
+    assert base != text
+    assert not find_in_car(tmp_path / "light", "DYN004", base)
 
 
 @pytest.mark.parametrize(("x", "said"), [(0.004, "slope"), (0.02, None), (-0.0005, "slope"), (-0.004, "tips")])

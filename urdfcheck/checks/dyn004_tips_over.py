@@ -10,11 +10,13 @@ import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_point, join_names
+from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.motion.contact import SLACK, GroundSupport, TipOver
 from urdfcheck.model import Model
 from urdfcheck.model.ground.stance import find_stance
 from urdfcheck.model.ground.support_polygon import LinkMass, compute_contact_points
 from urdfcheck.model.ground.wheels import is_suspended, rolling_wheels
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices
@@ -34,6 +36,8 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     weights, com, now = stance.weights, stance.com, stance.now
     touching = compute_contact_points(model, stance.points, stance.owners, support=now)
     wheels = {wheel.joint.child for wheel in rolling_wheels(model)}
+    if _lacks_chassis_mass(model):
+        return  # the COM of the robot is not known (INR001)
     # Legs, with wheels on them or not, need not stand with all joints at zero.
     meant = any(not is_suspended(model, name) for name in stance.supports if name in wheels)
     severity: Severity | None
@@ -68,6 +72,16 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
         **_collect_data(weights, worst=worst, now=now, com=com),
         **details,
     )
+
+
+def _lacks_chassis_mass(model: Model) -> bool:
+    """Whether the largest part of the root's body has no ``<inertial>``."""
+    sizes = {
+        name: measure_extent(drawn.points)
+        for name in model.tree.list_body_links(model.tree.root)
+        if (drawn := measure_link_geometry(model, model.link_by_name[name])) is not None
+    }
+    return bool(sizes) and model.link_by_name[max(sizes, key=lambda name: sizes[name])].inertial is None
 
 
 def _is_line(polygon: Array) -> bool:

@@ -17,7 +17,7 @@ from urdfcheck.source.text.xml import Attribute, Element
 _CLASSIC = re.compile(r"^(?:lib)?(gazebo_ros\w*|hector_gazebo_ros\w*)(?:\.so)?$")
 _SENSOR_SYSTEM = "the <sensor> alone, with gz-sim-sensors-system to render it and ros_gz_bridge for its topics"
 _REPLACEMENTS = {
-    "gazebo_ros_control": "gz_ros2_control (ROS 2, filename gz_ros2_control-system)",
+    "gazebo_ros_control": "gz_ros2_control (ROS 2, filename gz_ros2_control-system; gazebo_ros2_control for Classic under ROS 2)",
     "gazebo_ros2_control": "gz_ros2_control: filename gz_ros2_control-system, name {name}, without <robot_sim_type>, and "
     "the hardware gz_ros2_control/GazeboSimSystem in <ros2_control>",
     "gazebo_ros_diff_drive": "gz-sim-diff-drive-system, or a diff_drive_controller under gz_ros2_control",

@@ -78,7 +78,9 @@ def _is_degrees(angle: float, step: float, near: float) -> bool:
     """Whether an angle is more than a turn, and not a fraction of a turn that sums of angles in radians come to."""
     size = abs(angle)
     fraction = size <= _MOST_TURNS * math.tau and abs(size - round(size / step) * step) <= near
-    return math.tau < size <= 360 * _MOST_TURNS and not fraction
+    # Nobody types degrees to four decimals; an exporter writes an angle of little more than a turn so.
+    is_computed = size < 2 * math.tau and round(size, 3) != size
+    return math.tau < size <= 360 * _MOST_TURNS and not fraction and not is_computed
 
 
 def _is_square(angle: float) -> bool:

@@ -280,7 +280,9 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         elif len(homes) == 1 and all(_is_around(place, homes[0]) for place in places):
             repair = f"delete it: the {listed} has its own <{child.tag}>"
         else:
-            repair = f"move it into {listed}"
+            repair = f"move it into {listed}" + (
+                ", or delete it where that has one already" if parent == "robot" else ""
+            )
         return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
     if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
         is_first = _is_in_place_of_shape(child)
