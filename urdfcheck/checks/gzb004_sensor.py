@@ -18,7 +18,6 @@ from urdfcheck.model.fixed_joint_lumping import (
 )
 from urdfcheck.model.gazebo import CAMERA_TYPE, GazeboSensor, is_for_new_gazebo, list_sensors
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
-from urdfcheck.source.launch.model_launches import is_frame_published
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
@@ -123,7 +122,7 @@ def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Map
             continue
         if any(mark in frame for mark in ("/", "::", "$")):  # of another robot or namespace
             continue
-        if is_frame_published(model.source.path, model.source.finder, frame):
+        if _is_published(model, frame):
             continue
         respelled = folded.get(frame.lower())
         meant = respelled or _find_optical_frame(sensor, model) or _guess_frame(frame, sensor, model)
@@ -138,6 +137,12 @@ def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Map
             frame=frame,
             meant=meant or "",
         )
+
+
+def _is_published(model: Model, frame: str) -> bool:
+    from urdfcheck.source.launch.model_launches import is_frame_published  # few models name a frame that is no link
+
+    return is_frame_published(model.source.path, model.source.finder, frame)
 
 
 def _find_optical_frame(sensor: GazeboSensor, model: Model) -> str | None:

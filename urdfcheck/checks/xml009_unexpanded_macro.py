@@ -25,8 +25,8 @@ CONSEQUENCES = {
 
 
 _RUNNING_XACRO = (
-    'declare `xmlns:xacro` in the root element and let the launch file run xacro (ROS 1: `command="xacro …"` instead of '
-    "`textfile`; ROS 2: `Command(['xacro ', path])`), or load what `xacro` makes of the file"
+    "if a xacro includes the file, check that one; otherwise declare `xmlns:xacro` in the root element and let the launch file "
+    "run xacro (ROS 1: `command=\"xacro …\"` instead of `textfile`; ROS 2: `Command(['xacro ', path])`)"
 )
 _ARGUMENT = re.compile(r"\$\(arg ([\w.-]+)\)")
 # What xacro reads and writes nothing for.

@@ -83,7 +83,7 @@ def _measure_offset(model: Model, one: str, other: str) -> float:
 
 
 def measure_wheel_radii(model: Model, joint: str) -> list[float]:
-    """Measure the radii (m) about a joint's axis of its child and of what is fixed to that: a tyre may be a link of its own.
+    """Measure the radii (m) about a joint's axis of its child and of what is fixed to that: a tyre may be a separate link.
 
     The largest link first: of what it collides as, then of what it draws, where these are round and known, the usual reach, then
     the farthest.

@@ -33,7 +33,7 @@ def links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]]
 
 
 def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
-    """Say that the numbers of a repair are no text for the place that it changes: which macro call makes the inertial of a link,
+    """Say what the numbers of a repair are, where they cannot stand at the place that it changes: which macro call makes the inertial of a link,
     where the same text makes other links that need other numbers, or that a formula computes them. Empty elsewhere."""
     inertial = link.inertial
     tensor = None if inertial is None else inertial.tensor_element
@@ -60,7 +60,7 @@ def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
 
 
 def _is_handed_on(attribute: Attribute) -> bool:
-    """Whether a value is typed elsewhere, as in a call: the repair is told of that text."""
+    """Whether a value is typed elsewhere, as in a call: the repair names that text."""
     typed = find_typed_value(attribute)
     return typed is not None and typed.span != attribute.span
 
