@@ -33,8 +33,10 @@ def links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]]
 
 
 def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
-    """Say what the numbers of a repair are, where they cannot stand at the place that it changes: which macro call makes the inertial of a link,
-    where the same text makes other links that need other numbers, or that a formula computes them. Empty elsewhere."""
+    """Say what the numbers of a repair are, where they cannot stand at the place that it changes.
+
+    They are the result of a macro call, where the same text makes other links that need other numbers, or that of a formula.
+    Empty elsewhere."""
     inertial = link.inertial
     tensor = None if inertial is None else inertial.tensor_element
     if inertial is None or tensor is None:
