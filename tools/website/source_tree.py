@@ -60,6 +60,7 @@ def write_source_tree(folder: Path) -> Path:
         _copy(start_page.ASSETS / name, pages / "assets" / name)
     _copy(start_page.ASSETS / "theme/main.html", folder / "theme/main.html")
     start_page.write_report(_make_room(pages / start_page.REPORT))
+    start_page.write_demo_reports(pages)
     start_page.write_recordings(pages / "assets")
     start_page.write_pictures(pages)
     _write(pages / reference_pages.CONFIG_SCHEMA, json.dumps(render_config_schema(), indent=1) + "\n")

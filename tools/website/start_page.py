@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -14,7 +15,8 @@ from rich.terminal_theme import TerminalTheme
 from rich.text import Text
 
 from urdfcheck.cli import FINDINGS, OK
-from urdfcheck.cli.demo_robots import load_demo_robots
+from urdfcheck.cli.demo_robots import DemoRobot, load_demo_robots
+from urdfcheck.core.text import format_count
 from website.navigation import DEMOS, REPOSITORY, START
 from website.terminal_recording import DARK, LIGHT, Recorded, render_recording
 
@@ -76,7 +78,8 @@ def render_demos() -> str:
     """Return the page about the demo robots with their pictures, with its links as they are in fixtures/demos."""
     introduction, table = (REPOSITORY / DEMOS.source).read_text(encoding="utf-8").split("\n| ", 1)
     pictures = (
-        f'<img src="../../{_name_picture(name)}" alt="{name}: {robot.title}" loading="lazy">'
+        f'<a href="../../{_name_report(name)}"><img src="../../{_name_picture(name)}" alt="{name}: {robot.title}; its report" '
+        'loading="lazy"></a>'
         for name, robot in load_demo_robots().items()
     )
     return f'{introduction}\n<div class="gallery">{"".join(pictures)}</div>\n\n| {table}'
@@ -88,13 +91,36 @@ def write_pictures(pages: Path) -> None:
         _run(str(robot.folder / "urdf" / f"{name}.urdf.xacro"), "-o", f"png={pages / _name_picture(name)}")
 
 
+def write_demo_reports(pages: Path) -> None:
+    """Write the report of each demo robot with its planted defects, as the command that copies it out does."""
+    for name in load_demo_robots():
+        with tempfile.TemporaryDirectory() as place:
+            _run("demo", name, "-o", name, place=Path(place))
+            shutil.copyfile(Path(place) / name / "report.html", pages / _name_report(name))
+
+
+def _name_report(name: str) -> str:
+    return f"sample/demo-{name}.html"
+
+
 def _name_picture(name: str) -> str:
     return f"assets/demo-{name}.png"
 
 
 def render_sample() -> str:
     """Return the page about the sample report, with its links as they are in a file of the repository's folder."""
-    return (ASSETS / "sample.md").read_text(encoding="utf-8")
+    text = (ASSETS / "sample.md").read_text(encoding="utf-8")
+    return "\n".join([text, *(_embed_demo(name, robot) for name, robot in load_demo_robots().items())])
+
+
+def _embed_demo(name: str, robot: DemoRobot) -> str:
+    planted = format_count(len(robot.defects), "defect")
+    return (
+        f"## {robot.title[0].upper()}{robot.title[1:]}\n\n"
+        f"This demo robot has {planted} on purpose (`urdfcheck demo {name}`). "
+        f'<a href="demo-{name}.html">Open its report alone</a>.\n\n'
+        f'<iframe class="report" src="demo-{name}.html" title="HTML report of the demo robot {name}" loading="lazy"></iframe>\n'
+    )
 
 
 def write_report(path: Path) -> None:
