@@ -14,6 +14,7 @@ from urdfcheck.model.motion.moveit_pairs import (
     find_moved_links,
     measure_default_depth,
 )
+from urdfcheck.model.motion.poses import get_sampling_range
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 
 # COL001 warns of overlaps that are deeper (m), but for poses in which a robot never is.
@@ -56,15 +57,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _are_joints_moved(model: Model, pair: CollisionPair) -> bool:
-    """Whether all joints between two links were moved: those whose limits are inverted (JNT005) stay where they are."""
+    """Whether all joints between two links were moved: those whose limits give no range stay where they are."""
     first, second = ({joint.name: joint for joint in model.tree.find_path_to(link)} for link in pair.links)
     between = [{**first, **second}[name] for name in first.keys() ^ second.keys()]
-    return not any(joint.is_movable and _is_inverted(joint) for joint in between)
+    return not any(joint.is_movable and _has_unknown_range(joint) for joint in between)
 
 
-def _is_inverted(joint: Joint) -> bool:
-    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
-    return joint.type != "continuous" and lower is not None and upper is not None and lower > upper
+def _has_unknown_range(joint: Joint) -> bool:
+    """Whether a joint is not sampled although its limits do not lock it: they are inverted (JNT005) or malformed."""
+    lower, upper = get_sampling_range(joint)
+    return lower == upper and joint.get_limit_value("lower") != joint.get_limit_value("upper")
 
 
 def _overlaps_at_rest(pair: CollisionPair) -> bool:

@@ -31,13 +31,11 @@ _LINE = 0.01
 
 def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Finding]:
     stance = find_stance(model, rest)
-    if stance is None:
-        return
+    if stance is None or _lacks_chassis_mass(model):
+        return  # without the mass of its body the COM of a robot is not known (INR001)
     weights, com, now = stance.weights, stance.com, stance.now
     touching = compute_contact_points(model, stance.points, stance.owners, support=now)
     wheels = {wheel.joint.child for wheel in rolling_wheels(model)}
-    if _lacks_chassis_mass(model):
-        return  # the COM of the robot is not known (INR001)
     # Legs, with wheels on them or not, need not stand with all joints at zero.
     meant = any(not is_suspended(model, name) for name in stance.supports if name in wheels)
     severity: Severity | None

@@ -97,9 +97,7 @@ def _is_for_ros2(model: Model) -> bool:
     package = model.package
     if package is None or package.root is None:
         return False
-    return read_build_type(package.root).startswith("ament_") or any(
-        name.startswith("ament_") for name in package.dependencies
-    )
+    return read_build_type(package.root).startswith("ament_") or package.depends_on_ament
 
 
 def _is_for_classic(model: Model, libraries: Collection[str]) -> bool:

@@ -83,11 +83,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             sensor=unknown.sensor.name,
             collision=unknown.name,
             body=unknown.body,
-            repair=f"move the sensor into the block of {other}, and write the SDF name of its collision there"
-            if other is not None
-            else f"write the SDF name of this link's collision: {' or '.join(names)}"
-            if names
-            else f"give {unknown.sensor.reference} a collision, or move the sensor to the link that has it",
+            repair=_describe_collision_repair(unknown, other),
         )
 
 
@@ -237,6 +233,14 @@ def _is_meant_to_be_kept(model: Model, link: str, reduction: FixedJointReduction
             return True
         link = joint.parent
     return False
+
+
+def _describe_collision_repair(unknown: _UnknownCollision, other: str | None) -> str:
+    if other is not None:
+        return f"move the sensor into the block of {other}, and write the SDF name of its collision there"
+    if unknown.candidates:
+        return f"write the SDF name of this link's collision: {' or '.join(unknown.candidates)}"
+    return f"give {unknown.sensor.reference} a collision, or move the sensor to the link that has it"
 
 
 def _find_other_link(model: Model, unknown: _UnknownCollision) -> str | None:

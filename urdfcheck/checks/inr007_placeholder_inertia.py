@@ -19,13 +19,12 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
-from urdfcheck.model.inertials.typed_formulas import MOMENTS, parse_formula
+from urdfcheck.model.inertials.typed_formulas import MOMENTS, is_computed_from_lengths
 from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
 from urdfcheck.model.simulation_use import is_made_for_display
-from urdfcheck.source.text.xml import Attribute
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -136,15 +135,10 @@ def _describe_placeholder(model: Model, link: Link) -> str | None:
     mass, declared = model.mass_by_name.get(link.name), model.tensor_by_name.get(link.name)
     if mass is None or declared is None or is_massless_frame(link):
         return None
-    if any(_is_computed(declared.element.attributes.get(name)) for name in MOMENTS):
+    moments = (attribute for name in MOMENTS if (attribute := declared.element.attributes.get(name)) is not None)
+    if any(map(is_computed_from_lengths, moments)):
         return None  # a formula of lengths gave the round number: INR009 compares it with the drawn part
     return describe_placeholder(mass.mass, declared.components)
-
-
-def _is_computed(attribute: Attribute | None) -> bool:
-    """Whether a moment is typed as a formula with the square of a length."""
-    formula = None if attribute is None else parse_formula(attribute)
-    return formula is not None and any(power >= 2 for term in formula for _, power in term)
 
 
 def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed: float) -> _Misfit | None:

@@ -10,6 +10,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import list_sensors
 from urdfcheck.model.parts import GROUND_NAMES, Joint, Link
+from urdfcheck.source.text.engine_reactions import has_mujoco_option
 
 # Words in the names of frames that programs look up: those of sensors and tools.
 _USED = re.compile(
@@ -25,7 +26,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         used = _list_used_links(model)
     except FactUnavailableError:
         return
-    if "mujoco" in model.targets and used and not _keeps_fixed_links(model):
+    if "mujoco" in model.targets and used and not has_mujoco_option(model.robot, "fusestatic", "false"):
         yield _build_finding(model, rule, "mujoco", used)
     if "isaac" in model.targets:
         empty = [link for link in used if _is_empty(link)]
@@ -39,13 +40,6 @@ def _list_used_links(model: Model) -> list[Link]:
     sensed = {sensor.reference for sensor in list_sensors(model)}
     fixed = {name for name, joint in model.tree.parent_joint.items() if joint.type == "fixed"}
     return [link for link in model.links if link.name in fixed and (link.name in sensed or _USED.search(link.name))]
-
-
-def _keeps_fixed_links(model: Model) -> bool:
-    """Whether the file tells MuJoCo to keep links on fixed joints as bodies."""
-    sections = model.robot.find_children("mujoco")
-    compilers = [compiler for section in sections for compiler in section.find_children("compiler")]
-    return any(compiler.get("fusestatic") == "false" for compiler in compilers)
 
 
 def _is_empty(link: Link) -> bool:

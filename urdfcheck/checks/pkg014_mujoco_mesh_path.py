@@ -9,12 +9,13 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
+from urdfcheck.source.text.engine_reactions import read_mujoco_options
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if "mujoco" not in model.targets:
         return
-    compiler = _read_compiler(model)
+    compiler = read_mujoco_options(model.robot)
     strips = compiler.get("strippath") == "true"
     reads_visuals = compiler.get("discardvisual") == "false"
     uses = [use for use in model.meshes.uses if reads_visuals or use.shape.role == "collision"]
@@ -49,13 +50,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             if is_stripped
             else "MuJoCo before 4.0 takes the first for all",
         )
-
-
-def _read_compiler(model: Model) -> dict[str, str]:
-    """Return the options of the compiler in the file's ``<mujoco>`` elements."""
-    sections = model.robot.find_children("mujoco")
-    compilers = [compiler for section in sections for compiler in section.find_children("compiler")]
-    return {name: value.value for compiler in compilers for name, value in compiler.attributes.items()}
 
 
 def _group_by_name(uses: Sequence[MeshUse], *, with_suffix: bool) -> dict[str, list[MeshUse]]:

@@ -15,7 +15,6 @@ from urdfcheck.model.motion.planning_limits import (
     load_joint_limits,
 )
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.package.finder import Package
 from urdfcheck.source.ros.joint_limits import JointLimits
 from urdfcheck.source.ros.srdf import Srdf
 from urdfcheck.source.ros.yaml_files import find_yaml_error
@@ -44,7 +43,8 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
             )
         limits = load_joint_limits(model, srdf)
         yield from _check_unknown_joints(model, rule, srdf=srdf, limits=limits, elsewhere=elsewhere)
-        is_ros2 = _is_for_ros2(model.source.finder.find_package_of(srdf.path.absolute()))
+        package = model.source.finder.find_package_of(srdf.path.absolute())
+        is_ros2 = package is not None and package.depends_on_ament
         if is_ros2:
             yield from _check_integer_values(rule, limits)
         for entry in limits:
@@ -70,10 +70,6 @@ def _check_unknown_joints(
         near = find_nearest_name(name, unused)
         edits = () if near is None else entry.joint.build_edits(near)
         yield rule.finding("unknown", at=entry.joint, edits=edits, joint=name, near=format_name_hint(name, unused))
-
-
-def _is_for_ros2(package: Package | None) -> bool:
-    return package is not None and any(name.startswith("ament_") for name in package.dependencies)
 
 
 def _check_integer_values(rule: Rule, limits: tuple[JointLimits, ...]) -> Iterator[Finding]:

@@ -38,7 +38,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _is_for_ros_2(srdf: Srdf, finder: PackageFinder) -> bool:
     package = finder.find_package_of(srdf.path.absolute())
-    return package is not None and any(name.startswith("ament_") for name in package.dependencies)
+    return package is not None and package.depends_on_ament
 
 
 def _times_trajectories(folder: Path, finder: PackageFinder) -> bool:

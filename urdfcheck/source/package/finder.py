@@ -64,6 +64,11 @@ class Package:
     """Whether all files of the folder are checked, not just some."""
 
     @property
+    def depends_on_ament(self) -> bool:
+        """Whether it depends on the build tools of ROS 2."""
+        return any(name.startswith("ament_") for name in self.dependencies)
+
+    @property
     def dependencies(self) -> frozenset[str]:
         """The packages that the manifest depends on in any way."""
         if self.root is None:

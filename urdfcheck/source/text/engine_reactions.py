@@ -143,10 +143,14 @@ def _keeps_visuals(element: Element) -> bool:
 
 
 def has_mujoco_option(robot: Element, name: str, value: str) -> bool:
-    """Whether a ``<mujoco><compiler>`` of a ``<robot>`` gives an option this value."""
-    sections = (child for child in robot.children if child.tag == "mujoco")
-    compilers = (child for section in sections for child in section.children if child.tag == "compiler")
-    return any(compiler.get(name) == value for compiler in compilers)
+    """Whether the ``<mujoco><compiler>`` elements of a ``<robot>`` give an option this value."""
+    return read_mujoco_options(robot).get(name) == value
+
+
+def read_mujoco_options(robot: Element) -> dict[str, str]:
+    """Return the options in the ``<mujoco><compiler>`` elements of a ``<robot>``."""
+    compilers = [c for section in robot.find_children("mujoco") for c in section.find_children("compiler")]
+    return {name: option.value for compiler in compilers for name, option in compiler.attributes.items()}
 
 
 def describe_unreadable_mesh(parts: Iterable[Element]) -> dict[str, str]:

@@ -8,9 +8,8 @@ from pathlib import PurePath
 import numpy as np
 
 from urdfcheck.core import Span
-from urdfcheck.facts.inertials.formulas.polynomials import measure_degree
 from urdfcheck.model.fact import fact
-from urdfcheck.model.inertials.typed_formulas import parse_formula
+from urdfcheck.model.inertials.typed_formulas import is_computed_from_lengths
 from urdfcheck.model.parts import Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.robot import Model
@@ -55,7 +54,7 @@ def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
         or (moves_com and _is_drawn_elsewhere(model, one, link))
     ]
     if not others or not tensor.location.via:
-        return " as the result of the formula" if any(map(_is_computed, places)) else ""
+        return " as the result of the formula" if any(map(is_computed_from_lengths, places)) else ""
     shared = {span for other in others for span in other.location.via}
     call = next((span for span in reversed(tensor.location.via) if span not in shared), tensor.location.via[-1])
     return f" as the result of the call at {PurePath(call.file).name}:{call.line}"
@@ -78,9 +77,3 @@ def _is_drawn_elsewhere(model: Model, link: Link, other: Link) -> bool:
     return (
         first is not None and second is not None and not np.allclose(first.solid.com, second.solid.com, atol=_SAME_COM)
     )
-
-
-def _is_computed(attribute: Attribute) -> bool:
-    """Whether a value is computed from others, rather than the value of one name that is handed on."""
-    formula = parse_formula(attribute)
-    return formula is not None and measure_degree(formula) > 1
