@@ -383,26 +383,28 @@ def _skip_repeated_pairs(pairs: Iterable[MirrorPair]) -> Iterator[MirrorPair]:
 def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares) -> Finding:
     joint, twin = mismatch.joint, mismatch.twin
     limits = [side.limit or side.element for side in (joint, twin)]
-    cause = "limits_copied" if mismatch.copied else None
+    cause = "axis_negated" if mismatch.is_axis_negated else "limits_copied" if mismatch.copied else None
     shared = limits[0].span == limits[1].span
     changes = [
         change_numbers(limits[0].attributes.get(name), name, f"{value + 0.0:.10g}")
         for name, value in mismatch.expected.items()
     ]
     message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
+    remedy = describe_remedy(changes, joint.name, twin.name, shared=shared)
+    is_certain = bool(mismatch.agreeing_joints) and not mismatch.is_axis_negated
     return rule.finding(
         message,
         at=limits[0],
         related=limits[1:],
         cause=cause,
         severity=shares.choose_severity(mismatch.max_difference, mismatch.pair, cause),
-        edits=make_attribute_edits(changes) if mismatch.agreeing_joints and not shared else [],
+        edits=make_attribute_edits(changes) if is_certain and not shared else [],
         consequences=_describe_limit_consequences([mismatch]),
         joint=joint.name,
         twin=twin.name,
         differences=_describe_limit_differences(mismatch),
         like=join_names(mismatch.agreeing_joints),
-        remedy=describe_remedy(changes, joint.name, twin.name, shared=shared),
+        remedy=f"reverse the axis of {joint.name}, or {remedy}" if mismatch.is_axis_negated else remedy,
         share=mismatch.max_difference,
     )
 
