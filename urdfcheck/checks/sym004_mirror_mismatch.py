@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Set as AbstractSet
 from typing import Any
 
 import numpy as np
@@ -88,8 +89,10 @@ _SAME_AXES = 1e-6
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     pairs, shares = mirror_pairs(model), _Shares(differ, note)
-    yield from _compare_limits(model, rule, pairs, shares=shares)
-    for mistake in iter_place_mistakes(model, pairs):
+    mistakes = list(iter_place_mistakes(model, pairs))
+    misplaced = {joint.name for mistake in mistakes for joint in mistake.joints}
+    yield from _compare_limits(model, rule, pairs, shares=shares, misplaced=misplaced)
+    for mistake in mistakes:
         yield rule.finding(
             mistake.message,
             at=mistake.at,
@@ -355,11 +358,15 @@ def _list_subjects(*both: Link | Joint) -> list[str]:
 # -- joints -----------------------------------------------------------------------------------------------------------
 
 
-def _compare_limits(model: Model, rule: Rule, pairs: Sequence[MirrorPair], *, shares: _Shares) -> Iterator[Finding]:
+def _compare_limits(
+    model: Model, rule: Rule, pairs: Sequence[MirrorPair], *, shares: _Shares, misplaced: AbstractSet[str]
+) -> Iterator[Finding]:
+    """Report limits that are not mirrored; not those of an axis that other limbs show to be reversed (``misplaced``)."""
     mismatches = [
         mismatch
         for pair in _skip_repeated_pairs(pairs)
         if (mismatch := find_mismatched_limit(model, pair, known_pairs=pairs, threshold=shares.note)) is not None
+        and not (mismatch.is_axis_negated and {mismatch.joint.name, mismatch.twin.name} & misplaced)
     ]
     if mismatches and are_limits_measured(model, pairs):
         # Each joint was calibrated: twins differ by little in all of them.
