@@ -116,6 +116,7 @@ def test_every_rule_has_its_address_and_nothing_names_this_machine(site: Path) -
         "index.html",
         "sample/car-3.html",
         "sample/demo-arm.html",
+        "sample/demo-humanoid.html",
         "files/reports/car-3.json",
         "files/urdfcheck/output/report.schema.json",
     ):

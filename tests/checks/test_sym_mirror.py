@@ -234,7 +234,7 @@ TOLD = {
     "inertial copied": ("inertial", "copied", "link[right_arm]/inertial"),
     "limits copied": ("limits_pair", "limits_copied", "joint[right_hand_joint]/limit"),
     "limit": ("limits_pair", None, "joint[right_arm_joint]/limit"),
-    "axis turned over": ("limits_pair", "limits_copied", "joint[right_arm_joint]/limit"),
+    "axis turned over": ("limits_pair", "axis_negated", "joint[right_arm_joint]/limit"),
     "effort": ("limits_pair", None, "joint[right_arm_joint]/limit"),
     "damping": ("dynamics", None, "joint[right_arm_joint]/dynamics"),
     "origin": ("origin", None, "joint[right_hand_joint]/origin@xyz"),
@@ -605,6 +605,42 @@ def test_one_part_on_both_sides_is_not_mirrored(tmp_path: Path) -> None:
 def test_one_module_on_both_sides_may_have_one_range(tmp_path: Path) -> None:
     robot = with_(copied("hand"), "joint[@name='right_hand_joint']/limit", lower="-0.5", upper="1.2")
     assert not find_mirror_defects(tmp_path, robot)
+
+
+@pytest.mark.parametrize(
+    ("axis", "yaw", "found"), [("0 1 0", "0", False), ("0 1 0", "3.141592653589793", False), ("0 -1 0", "0", True)]
+)
+def test_one_module_has_one_axis(tmp_path: Path, axis: str, yaw: str, found: bool) -> None:
+    """A symmetric tool with one range may be the same on both sides, also turned round, unless its axis was negated."""
+    robot = copy.deepcopy(ROBOT)
+    for side, y in (("left", 0.05), ("right", -0.05)):
+        robot.append(make_box_link(f"{side}_tool", [((0.06, 0.04, 0.02), (0.0, 0.0, 0.0))]))
+        robot.append(
+            make_motor_joint(f"{side}_tool_joint", f"{side}_hand", f"{side}_tool", (0, y, -0.1), (0, 1, 0), (-0.1, 1.5))
+        )
+    robot = with_(robot, "joint[@name='right_tool_joint']/axis", xyz=axis)
+    robot = with_(robot, "joint[@name='right_tool_joint']/origin", rpy=f"0 0 {yaw}")
+    findings = find_mirror_defects(tmp_path, robot)
+    assert [told(f) for f in findings] == [("limits_pair", "axis_negated", "joint[right_tool_joint]/limit")] * found
+    for finding in findings:
+        assert finding.fix is not None
+        assert "reverse the axis of right_tool_joint, or " in finding.fix.title
+        assert not finding.fix.edits
+
+
+@pytest.mark.parametrize(
+    ("copied_part", "kind", "found"), [("", "revolute", True), ("", "fixed", False), ("arm", "revolute", False)]
+)
+def test_one_origin_on_mirrored_parts_is_a_lost_sign(tmp_path: Path, copied_part: str, kind: str, found: bool) -> None:
+    """On two parts of one module it is meant, and so it may be of a fixed sensor."""
+    robot = copied(copied_part) if copied_part else copy.deepcopy(ROBOT)
+    for side in ("left", "right"):
+        joint = robot.find(f"joint[@name='{side}_hand_joint']")
+        assert joint is not None
+        joint.set("type", kind)
+        robot = with_(robot, f"joint[@name='{side}_hand_joint']/origin", xyz="0 0.04 -0.32")
+    slips = [f for f in find_mirror_defects(tmp_path, robot) if f.message_id in {"slip", "origin"}]
+    assert [told(f) for f in slips] == [("slip", "sign", "joint[right_hand_joint]/origin@xyz")] * found
 
 
 def test_a_part_that_is_turned_round_for_the_other_side_turns_its_inertial(tmp_path: Path) -> None:

@@ -110,6 +110,7 @@ NAVIGATION = (
                 (
                     DEMOS,
                     Page("guides/demo-arm.md", "fixtures/demos/arm.md"),
+                    Page("guides/demo-humanoid.md", "fixtures/demos/humanoid.md"),
                     Page("guides/demo-mobile-manipulator.md", "fixtures/demos/mobile_manipulator.md"),
                     Page("guides/demo-quadruped.md", "fixtures/demos/quadruped.md"),
                 ),

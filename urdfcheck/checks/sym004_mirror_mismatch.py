@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Set as AbstractSet
 from typing import Any
 
 import numpy as np
@@ -88,8 +89,10 @@ _SAME_AXES = 1e-6
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     pairs, shares = mirror_pairs(model), _Shares(differ, note)
-    yield from _compare_limits(model, rule, pairs, shares=shares)
-    for mistake in iter_place_mistakes(model, pairs):
+    mistakes = list(iter_place_mistakes(model, pairs))
+    misplaced = {joint.name for mistake in mistakes for joint in mistake.joints}
+    yield from _compare_limits(model, rule, pairs, shares=shares, misplaced=misplaced)
+    for mistake in mistakes:
         yield rule.finding(
             mistake.message,
             at=mistake.at,
@@ -355,11 +358,15 @@ def _list_subjects(*both: Link | Joint) -> list[str]:
 # -- joints -----------------------------------------------------------------------------------------------------------
 
 
-def _compare_limits(model: Model, rule: Rule, pairs: Sequence[MirrorPair], *, shares: _Shares) -> Iterator[Finding]:
+def _compare_limits(
+    model: Model, rule: Rule, pairs: Sequence[MirrorPair], *, shares: _Shares, misplaced: AbstractSet[str]
+) -> Iterator[Finding]:
+    """Report limits that are not mirrored; not those of an axis that other limbs show to be reversed (``misplaced``)."""
     mismatches = [
         mismatch
         for pair in _skip_repeated_pairs(pairs)
         if (mismatch := find_mismatched_limit(model, pair, known_pairs=pairs, threshold=shares.note)) is not None
+        and not (mismatch.is_axis_negated and {mismatch.joint.name, mismatch.twin.name} & misplaced)
     ]
     if mismatches and are_limits_measured(model, pairs):
         # Each joint was calibrated: twins differ by little in all of them.
@@ -383,26 +390,28 @@ def _skip_repeated_pairs(pairs: Iterable[MirrorPair]) -> Iterator[MirrorPair]:
 def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares) -> Finding:
     joint, twin = mismatch.joint, mismatch.twin
     limits = [side.limit or side.element for side in (joint, twin)]
-    cause = "limits_copied" if mismatch.copied else None
+    cause = "axis_negated" if mismatch.is_axis_negated else "limits_copied" if mismatch.copied else None
     shared = limits[0].span == limits[1].span
     changes = [
         change_numbers(limits[0].attributes.get(name), name, f"{value + 0.0:.10g}")
         for name, value in mismatch.expected.items()
     ]
     message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
+    remedy = describe_remedy(changes, joint.name, twin.name, shared=shared)
+    is_certain = bool(mismatch.agreeing_joints) and not mismatch.is_axis_negated
     return rule.finding(
         message,
         at=limits[0],
         related=limits[1:],
         cause=cause,
         severity=shares.choose_severity(mismatch.max_difference, mismatch.pair, cause),
-        edits=make_attribute_edits(changes) if mismatch.agreeing_joints and not shared else [],
+        edits=make_attribute_edits(changes) if is_certain and not shared else [],
         consequences=_describe_limit_consequences([mismatch]),
         joint=joint.name,
         twin=twin.name,
         differences=_describe_limit_differences(mismatch),
         like=join_names(mismatch.agreeing_joints),
-        remedy=describe_remedy(changes, joint.name, twin.name, shared=shared),
+        remedy=f"reverse the axis of {joint.name}, or {remedy}" if mismatch.is_axis_negated else remedy,
         share=mismatch.max_difference,
     )
 

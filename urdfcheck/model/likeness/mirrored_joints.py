@@ -30,6 +30,8 @@ PLACE, APART = 1e-3, 0.25
 _PLACE_SHARE = 3e-4
 # Coordinates (m) that were typed alike.
 _EXACT = 1e-9
+# Axes are each other's negative within this, in each coordinate.
+_NEGATIVE = 2e-3
 # Limits that were typed alike agree to within the digits of a conversion.
 _DIGITS = 1e-6
 # From so many pairs of twins on, limits of which most differ in digits were measured on the machine.
@@ -55,6 +57,8 @@ class MismatchedLimit:
     """Whether it has the twin's range as it is."""
     agreeing_joints: tuple[str, ...]
     """Joints elsewhere that have the twin's limits, when enough do and none has this joint's."""
+    is_axis_negated: bool
+    """Whether it has the twin's range as it is, and as its axis the negative of the twin's: one of the two is too much."""
     is_about_normal: bool
     """Whether both axes are along the normal of the mirror plane, and the limits are those of the twin with their signs changed:
     they would fit axes in the plane."""
@@ -145,6 +149,7 @@ def find_mismatched_limit(
         twin=twin,
         expected=expected,
         copied=copied,
+        is_axis_negated=copied and _has_negated_axis(model, joints),
         agreeing_joints=like[first_is_wrong] if decided else (),
         is_about_normal=negated and _is_about_normal(model, pair, twin),
     )
@@ -315,6 +320,19 @@ def are_children_mirrored(model: Model, pair: MirrorPair, known_pairs: Sequence[
     return in_place and all(measure_axis_offset(model, one) <= PLACE for one in nearest)
 
 
+def are_parents_mirrored(joints: tuple[Joint, Joint], known_pairs: Sequence[MirrorPair]) -> bool:
+    """Whether the links on which two joints hang are drawn as mirror images: then the joints' places on them are, too."""
+    parents = {joint.parent for joint in joints}
+    return any(known.drawn_as == "mirrored" and {known.one, known.other} == parents for known in known_pairs)
+
+
+def _has_negated_axis(model: Model, joints: tuple[Joint, Joint]) -> bool:
+    """Whether the axes are each other's negative, as typed and in root coordinates. Those of two modules are typed alike."""
+    typed = [np.array(joint.axis or (1.0, 0.0, 0.0)) for joint in joints]
+    in_root = [model.axes[joint.name] for joint in joints]
+    return all(bool(np.abs(one + other).max() < _NEGATIVE) for one, other in (typed, in_root))
+
+
 def _is_turn_taken_back(pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> bool:
     """Whether the frames of a pair are rotated relative to each other, and the next pairs behind it turn back.
 
@@ -384,8 +402,9 @@ def _compute_expected_range(
     if pair.drawn_as is None and not all(p.is_in_place and _is_axis_aligned(p.linear) for p in below):
         return {}  # the zero of one side may be another angle
     drawn = {p.drawn_as for p in below}
-    if max(abs(a - c), abs(b - d)) <= slack and ("mirrored" not in drawn or "copied" in drawn):
-        return {}  # one module on either side
+    is_module = ("mirrored" not in drawn or "copied" in drawn) and not _has_negated_axis(model, joints)
+    if is_module and max(abs(a - c), abs(b - d)) <= slack:
+        return {}
     pairs = (("lower", lower, c), ("upper", upper, d))
     return {name: expected for name, expected, value in pairs if abs(expected - value) > slack}
 

@@ -12,7 +12,12 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair, mirror_pairs
-from urdfcheck.model.likeness.mirrored_joints import WITNESSES, are_children_mirrored, measure_axis_offset
+from urdfcheck.model.likeness.mirrored_joints import (
+    WITNESSES,
+    are_children_mirrored,
+    are_parents_mirrored,
+    measure_axis_offset,
+)
 from urdfcheck.model.likeness.shape_comparison import compute_centroid, get_outline, is_alike
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
@@ -76,7 +81,9 @@ def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]
     one, other = joints
     places = [np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in joints]
     is_same = np.abs(places[0] - places[1]).max() <= _LEAST
-    if is_same and one.parent != other.parent:
+    # A fixed sensor may be mounted alike on mirrored parts.
+    may_be_same = not one.is_movable or not are_parents_mirrored(joints, known_pairs)
+    if is_same and one.parent != other.parent and may_be_same:
         return None  # one module on both sides
     images = [_compute_image(model, pair, joint, twin) for joint, twin in ((one, other), (other, one))]
     for index in (1, 0):
