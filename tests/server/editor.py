@@ -121,3 +121,9 @@ class Editor:
         self.wait(self.client.stop())
         self.loop.close()
         return subprocess.CompletedProcess((), code)
+
+
+def list_children(editor: Editor) -> list[int]:
+    """The processes that the server has started."""
+    server = editor.client._server.pid
+    return [int(word) for word in Path(f"/proc/{server}/task/{server}/children").read_text().split()]

@@ -8,7 +8,7 @@ import pytest
 from conftest import command
 from lsprotocol import types
 
-from .editor import Editor
+from .editor import Editor, list_children
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
@@ -114,6 +114,19 @@ def test_all_safe_fixes_at_once(editor: Editor, path: Path) -> None:
     assert editor.texts[path] == ROBOT.replace('"1 "', '"1"')
     assert ask(editor, path, only=[FIX_ALL]) == []
     assert ask(editor, path, only=["refactor"]) == []
+
+
+def test_all_safe_fixes_beside_another_document(editor: Editor, project: Path, path: Path) -> None:
+    other = project / "urdf/other.urdf"
+    other.write_text('<robot name="other"><link name="base"/></robot>')
+    editor.open(other)
+    editor.rest()
+    processes = list_children(editor)
+    (whole,) = ask(editor, path, only=[FIX_ALL])
+    apply(editor, whole.edit)
+    assert editor.texts[path] == ROBOT.replace('"1 "', '"1"')
+    assert ask(editor, path, only=[FIX_ALL]) == []
+    assert list_children(editor) == processes
 
 
 def test_all_safe_fixes_are_computed_when_they_are_chosen(editor: Editor, path: Path) -> None:

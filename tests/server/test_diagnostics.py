@@ -15,7 +15,7 @@ import pytest
 from conftest import FIXTURES, command
 from lsprotocol import types
 
-from .editor import Editor
+from .editor import Editor, list_children
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
@@ -244,12 +244,6 @@ def test_a_check_process_that_dies_is_started_again(editor: Editor, project: Pat
         os.kill(child, signal.SIGKILL)
     editor.type(path, IMPOSSIBLE)
     assert "INR003" in editor.codes(path)
-
-
-def list_children(editor: Editor) -> list[int]:
-    """The processes that the server has started."""
-    server = editor.client._server.pid
-    return [int(word) for word in Path(f"/proc/{server}/task/{server}/children").read_text().split()]
 
 
 def test_the_server_ends_when_its_client_is_gone(tmp_path: Path) -> None:

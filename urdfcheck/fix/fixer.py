@@ -76,9 +76,9 @@ def compute_fixes(
         refused=tuple(fixer.refused),
         unsafe_count=0 if include_unsafe else fixer.count_unsafe_fixes(state),
         changes={
-            path: (fixer.originals[path], text)
-            for path, text in state.request.options.texts.items()
-            if text != fixer.originals[path]
+            path: (original, state.request.options.texts[path])
+            for path, original in fixer.originals.items()
+            if state.request.options.texts.get(path, original) != original
         },
     )
 
