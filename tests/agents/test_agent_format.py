@@ -52,12 +52,28 @@ def test_what_does_not_fit_is_counted_by_rule(tmp_path: Path) -> None:
     findings = [place for finding in outcome.active_findings for place in finding.list_occurrences()]
     text = render_findings(outcome, findings)
     shown = len(HEAD.findall(text))
-    more = re.search(
-        r"^(\d+) more findings: .*INR\d{3} \d+ error.* \(ask for them with --select CODE\)$", text, re.MULTILINE
-    )
+    asked = r"\(ask for them with --select CODE, or for all with --format text\)"
+    more = re.search(rf"^(\d+) more findings: .*INR\d{{3}} \d+ error.* {asked}$", text, re.MULTILINE)
     assert more is not None
     assert shown + int(more[1]) == len(findings)
     assert len(text) < 1.3 * MOST_CHARACTERS
+
+    pages = [text]
+    while "more finding" in pages[-1]:
+        pages.append(render_findings(outcome, findings, page=len(pages) + 1))
+        assert len(pages[-1]) < 1.3 * MOST_CHARACTERS
+    told = [place for page in pages for *_, place in HEAD.findall(page)]
+    assert len(pages) > 2
+    assert len(told) == len(findings)
+    assert render_findings(outcome, findings, page=99) == "there is no page 99\n"
+
+
+def test_what_was_not_checked_leaves_room_for_the_findings(tmp_path: Path) -> None:
+    for number in range(120):
+        (tmp_path / f"r{number}.urdf").write_text(f"<robot><link name='a{number}' </robot>", encoding="utf-8")
+    text = render(check(tmp_path), "agent")
+    assert len(text) < 1.3 * MOST_CHARACTERS
+    assert HEAD.search(text)
 
 
 def test_names_of_a_file_are_no_lines_of_their_own(tmp_path: Path) -> None:

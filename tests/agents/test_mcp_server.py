@@ -58,6 +58,7 @@ def test_the_tools_say_whether_they_write(answers: dict[str, Any]) -> None:
 def test_findings_arrive_as_text(answers: dict[str, Any]) -> None:
     (content,) = answers["check"].content
     assert "warning SYM001 car-3/urdf/car-3.urdf:88:12" in content.text
+    assert answers["check"].structured_content is None  # it would be the same text once more
     assert not answers["check"].is_error
 
 

@@ -12,6 +12,7 @@ from conftest import FIXTURES
 
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.mcp.tools import Workspace
+from urdfcheck.output.agent import MOST_CHARACTERS
 
 pytestmark = pytest.mark.slow
 
@@ -58,6 +59,41 @@ def test_no_path_leads_out_of_the_folder(workspace: Workspace, tmp_path: Path, p
     with pytest.raises(UrdfcheckError, match=r"is outside .*: start urdfcheck mcp in the folder that is meant$"):
         workspace.check([path])
     outside.unlink()
+
+
+def test_nothing_is_written_outside_the_folder(
+    workspace: Workspace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Though a model of the folder may include it."""
+    (tmp_path / "package.xml").write_text("<package format='3'><name>robot</name></package>")
+    shared, model = tmp_path / "shared.xacro", tmp_path / "inside/r.urdf.xacro"
+    model.parent.mkdir()
+    head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    shared.write_text(f'{head}<link name="a"><inertial><mass value="1 "/></inertial></link></robot>')
+    model.write_text(f'{head}<xacro:include filename="../shared.xacro"/></robot>')
+    monkeypatch.chdir(model.parent)
+    inside = Workspace(Path())
+    (found,) = re.findall(r"^\[(\w+)\] error XML007 \.\./shared", inside.check([model.name]), re.MULTILINE)
+    with pytest.raises(UrdfcheckError, match=r"shared\.xacro is outside .*: start urdfcheck mcp in the folder"):
+        inside.fix([model.name], [found], write=True)
+    assert 'value="1 "' in shared.read_text()
+    Workspace(tmp_path).fix(["inside"], [found], write=True)
+    assert 'value="1"' in shared.read_text()
+
+
+def test_a_long_answer_comes_in_pages(workspace: Workspace, tmp_path: Path) -> None:
+    for number in range(60):
+        parts = (link(f"link_{number}_{part}_of_a_robot_with_long_names", inertial(1)) for part in range(9))
+        (tmp_path / f"r{number}.urdf").write_text(robot(*parts), encoding="utf-8")
+    first = workspace.describe(".")
+    end = re.search(r"\n… page 1 of (\d+): page=2 has the next$", first)
+    assert end is not None
+    pages = [first, *(workspace.describe(".", page) for page in range(2, int(end[1]) + 1))]
+    assert max(map(len, pages)) < 1.1 * MOST_CHARACTERS
+    told = "".join(pages)
+    assert all(told.count(f"link_{number}_8_of_a_robot") == 1 for number in range(60))
+    with pytest.raises(UrdfcheckError, match=r"there is no page 99: the answer has \d+"):
+        workspace.describe(".", 99)
 
 
 def test_a_robot_is_told_on_a_page(workspace: Workspace) -> None:

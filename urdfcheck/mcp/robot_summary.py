@@ -9,8 +9,6 @@ from urdfcheck.core.scene import Scene, SceneJoint, SceneLink
 from urdfcheck.mcp.chain_reach import ChainReach, measure_reaches
 from urdfcheck.output.shared.kinematic_forest import LINK, REPEATED, TreeNode, build_forest
 
-# Lines of the tree; the rest is counted.
-MOST_LINES = 150
 # Chains whose reach is told; the rest is counted.
 MOST_REACHES = 4
 _ROTARY = frozenset({"revolute", "continuous"})
@@ -32,10 +30,7 @@ def summarize_robot(scene: Scene) -> str:
     lines += map(_format_reach, reaches[:MOST_REACHES])
     if len(reaches) > MOST_REACHES:
         lines.append(f"… and {len(reaches) - MOST_REACHES} shorter chains")
-    nodes = build_forest(scene)
-    lines += [_format_node(node, links, joints) for node in nodes[:MOST_LINES]]
-    if len(nodes) > MOST_LINES:
-        lines.append(f"… and {len(nodes) - MOST_LINES} more")
+    lines += [_format_node(node, links, joints) for node in build_forest(scene)]
     return "\n".join(lines)
 
 

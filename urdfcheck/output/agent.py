@@ -6,10 +6,13 @@ rule, with the option that shows it.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import accumulate, islice
 
 from urdfcheck.core import Applicability, Confidence, Finding, Run
+from urdfcheck.core.text import join_names
 from urdfcheck.output.shared.diffs import iter_diff_lines
 from urdfcheck.output.shared.escaping import escape_for_log
 from urdfcheck.output.shared.verdict.claim import state_claim
@@ -22,6 +25,8 @@ from urdfcheck.output.shared.wording import find_finding_file, format_count, for
 MOST_CHARACTERS = 10_000
 # Of one finding: twelve of them fit.
 MOST_OF_A_FINDING = 1_600
+# How the command shows what does not fit.
+_MORE = "ask for them with --select CODE, or for all with --format text"
 # Hexadecimal digits of a fingerprint that name a finding.
 ID_DIGITS = 8
 _SURE = {Confidence.PROOF: "proven", Confidence.STRONG: "strong evidence", Confidence.HEURISTIC: "a hint"}
@@ -33,25 +38,48 @@ def render(run: Run) -> str:
     return render_findings(run, run.active_findings)
 
 
-def render_findings(run: Run, findings: Sequence[Finding], *, most: int = MOST_CHARACTERS) -> str:
-    """Render some findings of a run in about so many characters, the worst first, and what else the run has to say."""
-    _, claim = state_claim(run)
-    lines = [f"{claim}."]
-    lines += [f"not finished: {failure}" for failure in run.failures]
-    for group in group_unchecked(run.unchecked_models):
-        paths = ", ".join(dict.fromkeys(info.path for info in group.models))
-        lines.append(f"not checked: {paths}: {group.reason}{f' (try: {group.command})' if group.command else ''}")
+def render_findings(
+    run: Run, findings: Sequence[Finding], *, most: int = MOST_CHARACTERS, page: int = 1, more: str = _MORE
+) -> str:
+    """Render some findings of a run, the worst first, and before them what else the run has to say.
+
+    ``page``: which piece of about ``most`` characters, from 1. ``more``: how to ask for what does not fit.
+    """
+    pages = _iter_pages(run, sort_worst_first(findings), most)
+    lines, rest = next(islice(pages, page - 1, None), ([f"there is no page {page}"], []))
+    return "".join(f"{escape_for_log(line)}\n" for line in (*lines, *_count_rest(rest, more)))
+
+
+def _iter_pages(run: Run, ordered: Sequence[Finding], most: int) -> Iterator[tuple[list[str], Sequence[Finding]]]:
+    """Yield the lines of each page with the findings that come after it."""
+    lines = _list_claims(run, most)
+    used, is_empty = sum(map(len, lines)), True
     told: ToldEffects = set()
-    ordered, used = sort_worst_first(findings), sum(map(len, lines))
-    rest: list[Finding] = []
     for number, finding in enumerate(ordered):
-        block = list(_iter_block(run, finding, told))
-        used += sum(map(len, block))
-        if used > most and number:
-            rest = ordered[number:]
-            break
-        lines += ["", *block]
-    return "".join(f"{escape_for_log(line)}\n" for line in (*lines, *_count_rest(rest)))
+        block = ["", *_iter_block(run, finding, told)]
+        size = sum(map(len, block))
+        if used + size > most and not is_empty:
+            yield lines, ordered[number:]
+            lines, used, is_empty = [], 0, True
+        lines, used, is_empty = [*lines, *block], used + size, False
+    yield lines, []
+
+
+def _list_claims(run: Run, most: int) -> list[str]:
+    """Return the verdict, and what was not checked in at most a third of so many characters."""
+    _, claim = state_claim(run)
+    others = [f"not finished: {failure}" for failure in run.failures]
+    for group in group_unchecked(run.unchecked_models):
+        paths = join_names(dict.fromkeys(info.path for info in group.models))
+        others.append(f"not checked: {paths}: {group.reason}{f' (try: {group.command})' if group.command else ''}")
+    sizes = list(accumulate(map(len, others)))
+    told = max(1, bisect_right(sizes, most // 3))
+    left = len(others) - told
+    return [
+        f"{claim}.",
+        *others[:told],
+        *([f"… {format_count(left, 'more reason')} (check fewer models)"] if left > 0 else []),
+    ]
 
 
 def name_finding(finding: Finding) -> str:
@@ -84,10 +112,10 @@ def _cut(lines: Iterable[str]) -> Iterator[str]:
         yield line
 
 
-def _count_rest(findings: Sequence[Finding]) -> Iterator[str]:
-    """Yield what was left out, by rule, and the option that shows it."""
+def _count_rest(findings: Sequence[Finding], more: str) -> Iterator[str]:
+    """Yield what was left out, by rule, and how to ask for it."""
     if findings:
         counts = Counter((finding.code, str(finding.severity)) for finding in findings)
         listed = ", ".join(f"{code} {format_count(count, severity)}" for (code, severity), count in counts.items())
         yield ""
-        yield f"{format_count(len(findings), 'more finding')}: {listed} (ask for them with --select CODE)"
+        yield f"{format_count(len(findings), 'more finding')}: {listed} ({more})"
