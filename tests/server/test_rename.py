@@ -46,6 +46,10 @@ CONTROLLERS = """arm_controller:
   joints: [left_joint, right_joint]
   constraints:
     left_joint: {trajectory: 0.1}
+  frames: [{base_frame_id: base, odom_frame_id: odom, title: base}]
+"""
+COSTMAP = """local_costmap:
+  ros__parameters: {robot_base_frame: base, global_frame: odom, plugin: base}
 """
 LAUNCH = """<launch>
   <param name="robot_description" command="xacro $(find robot)/urdf/two_arms.urdf.xacro reach:=0.6"/>
@@ -186,7 +190,18 @@ def test_a_link_gets_another_name_wherever_it_is_named(editor: Editor, files: di
             '<node pkg="amcl" type="amcl" name="base"><param name="base_frame_id" value="chassis"/>'
             '<param name="title" value="base"/></node>',
         ],
+        "controllers.yaml": ["frames: [{base_frame_id: chassis, odom_frame_id: odom, title: base}]"],
     }
+
+
+@pytest.mark.parametrize("files", [{"config/costmap.yaml": COSTMAP}], indirect=True, ids=["costmap"])
+def test_frames_in_other_parameters_are_told(editor: Editor, files: dict[str, Path]) -> None:
+    robot, told = files["two_arms.urdf.xacro"], editor.client.messages
+    told.clear()
+    assert "costmap.yaml" not in rename(editor, robot, editor.find(robot, 'link name="base"', part="base"), "chassis")
+    editor.rest()
+    (message,) = [message.message for message in told]
+    assert message == "Not renamed: `base` in costmap.yaml:2 (the file may be about another robot)."
 
 
 def test_the_literal_part_of_names_that_a_macro_makes(editor: Editor, files: dict[str, Path]) -> None:
@@ -325,4 +340,6 @@ def test_names_in_python_launch_files_where_the_call_says_that_they_are_names(
     assert [place.range.start.line for place in uses if place.uri == start.as_uri()] == [24, 27]
     at = editor.find(start, 'FRAME = "chassis"', part="chassis")
     assert prepare(editor, start, at) == "chassis"
-    assert sorted(rename(editor, start, at, "trunk")) == ["show.launch", "start.launch.py", "two_arms.srdf", robot.name]
+    assert sorted(rename(editor, start, at, "trunk")) == [
+        *("controllers.yaml", "show.launch", "start.launch.py", "two_arms.srdf", robot.name)
+    ]

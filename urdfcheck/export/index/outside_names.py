@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -10,6 +11,8 @@ from typing import TYPE_CHECKING
 from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, DoubtfulName, NamePlace
 from urdfcheck.model import Model
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS
+from urdfcheck.source.ros.controllers import list_yaml_files
 from urdfcheck.source.text.handed_values import find_typed_value
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
@@ -36,6 +39,8 @@ def iter_outside_names(model: Model, launches: Sequence[Launch]) -> Iterator[Nam
     launched = [found for launch in launches for found in find_launched_configs(launch, model)]
     for associated in (*find_controller_configs(model), *launched):
         yield from _iter_yaml_names(_iter_controller_joints(associated.configuration))
+        for controller in associated.configuration.controllers:
+            yield from _iter_yaml_names(_iter_yaml_frames(controller.parameters, model), LINK)
     for launch in launches:
         for transform in launch.transforms:
             for frame in (transform.parent, transform.child):
@@ -98,10 +103,41 @@ def _iter_controller_joints(configuration: ControllerConfig) -> Iterator[YamlVal
                     yield key
 
 
-def _iter_yaml_names(values: Iterator[YamlValue] | Sequence[YamlValue]) -> Iterator[NamePlace]:
+def _iter_yaml_frames(root: YamlValue, model: Model) -> Iterator[YamlValue]:
+    """Yield the values that name a link as a frame: ``base_frame_id: base_link``."""
+    from urdfcheck.source.launch.python_names import classify_parameter
+
+    waiting = [root]
+    while waiting:
+        value = waiting.pop()
+        waiting += value.items
+        for key, inner in value.entries:
+            waiting.append(inner)
+            if classify_parameter(key.text) == LINK and inner.text in model.link_by_name:
+                yield inner
+
+
+def _iter_yaml_names(values: Iterator[YamlValue] | Sequence[YamlValue], kind: str = JOINT) -> Iterator[NamePlace]:
     for value in values:
         if value.source.text[value.span.start : value.span.end] == value.text:
-            yield NamePlace(JOINT, value.text, value.span, False)
+            yield NamePlace(kind, value.text, value.span, False)
+
+
+def iter_doubtful_frames(model: Model) -> Iterator[DoubtfulName]:
+    """Yield where other parameters in the model's package name a link as a frame: they may be those of another robot."""
+    from urdfcheck.model.motion.controllers import find_controller_configs
+    from urdfcheck.source.ros.yaml_files import read_located_yaml
+    from urdfcheck.source.text.yaml.values import YamlReadError
+
+    package, finder = model.package, model.source.finder
+    known = {os.path.realpath(found.configuration.path) for found in find_controller_configs(model)}
+    for path in list_yaml_files([package.path / folder for folder in CONFIG_FOLDERS]) if package is not None else ():
+        if os.path.realpath(path) in known:
+            continue
+        with contextlib.suppress(YamlReadError):
+            root = read_located_yaml(path, finder)
+            for value in () if root is None else _iter_yaml_frames(root, model):
+                yield DoubtfulName(LINK, value.text, value.span, "the file may be about another robot")
 
 
 def _iter_words(attribute: Attribute, word: str, kind: str, launch: Launch) -> Iterator[NamePlace]:
