@@ -260,7 +260,7 @@ def test_what_the_model_knows_can_be_completed(editor: Editor, robot: tuple[Path
     assert set(ask('<joint name="j" type="|"/>')) >= {"revolute", "prismatic"}
     assert ask('<joint name="|"/>') == {}
     assert set(ask('<gazebo reference="le|"/>')) >= {"left_arm", "left_joint"}
-    assert set(ask('<link name="${|')) >= {"density", "sizes", "prefix"}
+    assert set(ask('<link name="${|')) == {"density", "sizes"}
     assert set(ask('<link name="$(arg |')) == {"reach"}
     assert set(ask('<visual><material name="|"/>')) == {"blue"}
     assert {"link", "joint", "xacro:if", "xacro:arm"} <= set(ask("<|"))
@@ -269,6 +269,33 @@ def test_what_the_model_knows_can_be_completed(editor: Editor, robot: tuple[Path
     assert ask('<xacro:arm prefix="x" |') == {"parent": 'parent=""', "length": 'length=""'}
     assert set(ask("<limit lower='1' |/>")) >= {"upper", "effort"}
     assert ask("<!-- <|") == {}
+    assert {"gazebo", "ros2_control"} <= set(ask("<|"))
+    control = '<ros2_control name="c" type="system">'
+    assert set(ask('<ros2_control type="|')) == {"actuator", "sensor", "system"}
+    assert {name for name in ask(f"{control}<|") if ":" not in name} == {"gpio", "hardware", "joint", "sensor"}
+    assert "command_interface" in ask(f'{control}<joint name="left_joint"><|')
+    assert "axis" not in ask(f'{control}<joint name="left_joint"><|')
+    assert "velocity" in ask(f'{control}<joint name="left_joint"><command_interface name="|')
+    assert set(ask('<xacro:property name="p" scope="|')) == {"global", "parent"}
+
+
+def test_names_are_completed_where_they_are_known(editor: Editor, robot: tuple[Path, Path]) -> None:
+    """Also those that were typed a moment ago; the parameters and properties of a macro in it only."""
+    user, macros = robot
+
+    def ask(path: Path, text: str, typed: str) -> set[str]:
+        return set(complete(editor, path, text.replace("</robot>", f"{typed}\n</robot>"), at="|"))
+
+    new = '<!-- <link name="old"/> --> <link name="new"/> <joint name="turn" type="fixed"> <child link="new"/>'
+    found = ask(user, ROBOT, f'{new} <parent link="|')
+    assert "new" in found
+    assert "old" not in found
+    assert "turn" in ask(user, ROBOT, f'{new} </joint> <gazebo reference="|')
+    macro = '<xacro:macro name="hand" params="side *block span:=0.1"> <xacro:property name="half" value="1"/> <link name="${|'
+    assert ask(user, ROBOT, macro) == {"density", "sizes", "side", "block", "span", "half"}
+    assert ask(user, ROBOT, f'{macro.replace("|", "")}x}}"/></xacro:macro> <link name="${{|') == {"density", "sizes"}
+    inside = MACROS.replace("<axis", '<xacro:if value="${|"/><axis')
+    assert set(complete(editor, macros, inside, at="|")) >= {"mass", "prefix", "parent", "length", "density"}
 
 
 def test_packages_and_files_can_be_completed(editor: Editor, robot: tuple[Path, Path]) -> None:
