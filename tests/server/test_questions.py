@@ -105,7 +105,7 @@ def test_an_expression_shows_its_value_and_what_it_was_computed_from(editor: Edi
     text = hover(editor, macros, editor.find(macros, "${density * length"))
     assert "`5.0`" in text
     assert "`4.0`" in text
-    assert "property `density` = `1000`, arm.xacro:2" in text
+    assert text.count("property `density` = `1000`, arm.xacro:2") == 1, "also where the cursor is on its name"
 
 
 def test_links_and_joints_show_their_physics(editor: Editor, robot: tuple[Path, Path]) -> None:
@@ -122,6 +122,27 @@ def test_links_and_joints_show_their_physics(editor: Editor, robot: tuple[Path, 
     assert "**joint right\\_joint**" in text
     assert "revolute, from left\\_arm to right\\_arm, about 0 1 0" in text
     assert "\\-90° to 45°, effort 10 N m, velocity 57.3°/s" in text
+
+
+PLUGIN = """<gazebo><plugin name="p" filename="libp.so"><speed> ${2 * density} </speed><t><!-- ${x} --></t></plugin></gazebo>
+  <link name="left_hand"/><link name="right_hand"/>
+  <xacro:macro name="wrist" params="side">
+    <joint name="${side}_wrist" type="fixed"><parent link="${side}_arm"/><child link="${side}_hand"/></joint>
+  </xacro:macro>
+  <xacro:wrist side="left"/><xacro:wrist side="right"/>
+</robot>"""
+
+
+def test_the_text_of_an_element_and_links_that_are_alike(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, _ = robot
+    editor.type(user, ROBOT.replace("</robot>", PLUGIN))
+    editor.rest()
+    assert hover(editor, user, editor.find(user, "${2 * density}", part="2")) == "`${2 * density}` = `2000`"
+    params = types.InlayHintParams(editor.identify(user), types.Range(types.Position(9, 0), types.Position(9, 200)))
+    (hint,) = editor.wait(editor.client.text_document_inlay_hint_async(params)) or []
+    assert (hint.label, hint.position) == ("= 2000", editor.find(user, " </speed>"))
+    text = hover(editor, user, editor.find(user, 'child link="${side}_hand', part="_hand"))
+    assert "**links right\\_hand, left\\_hand**  \nno inertial" in text
 
 
 def test_a_finding_shows_its_evidence(editor: Editor, robot: tuple[Path, Path]) -> None:

@@ -9,7 +9,7 @@ from pathlib import PurePath
 from lsprotocol import types
 
 from urdfcheck.core import Applicability, Finding
-from urdfcheck.core.text import format_angle, round_decimals
+from urdfcheck.core.text import format_angle, join_names, round_decimals
 from urdfcheck.export.index.source_index import JOINT, LINK, ComputedText, ComputedUse, ValueSource
 from urdfcheck.export.index.units import find_unit
 from urdfcheck.server.diagnostics import ShownFinding
@@ -22,7 +22,7 @@ _DESCRIBED = re.compile(r"<(?:link|joint|inertial|mass|inertia|axis|limit|mimic|
 # The text in which the beginning of an element is looked for.
 _LONGEST_TAG = 2_000
 _JOINT_SUBJECT = re.compile(r"joint\[([^\[\]]*)\]")
-# Parts that are described where a macro makes several of one text.
+# Parts that are described where a macro makes several of one text, those with the same facts as one.
 _MOST_PARTS = 4
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>()#+!|~-])")
 
@@ -40,9 +40,9 @@ def describe_position(
     views = list(indexes.view(document))
     for view in views:
         parts += [_describe_text(text, view, offset) for text in view.find_texts(offset)]
-    known = {line for part in parts for line in part.splitlines()}
+    known = {line.strip() for part in parts for line in part.splitlines()}
     named = (part for view in views for part in _iter_named_parts(view, document.text, offset))
-    parts += [part for part in named if not known.issuperset(part.splitlines())]
+    parts += [part for part in named if not known.issuperset(map(str.strip, part.splitlines()))]
     sections = list(dict.fromkeys(filter(None, parts)))
     if not sections:
         return None
@@ -164,10 +164,14 @@ def _iter_named_parts(view: IndexView, text: str, offset: int) -> Iterator[str]:
     behind = offset + len(find_word(text, offset)[1])
     if not names and _DESCRIBED.search(text[max(0, behind - _LONGEST_TAG) : behind]):
         parts = [part for part in index.parts if any(view.covers(place, offset) for place in part.places[:1])]
-    for part in parts[:_MOST_PARTS]:
-        yield "  \n".join((f"**{part.kind} {escape(part.name)}**", *map(escape, part.facts)))
-    if len(parts) > _MOST_PARTS:
-        yield f"and {len(parts) - _MOST_PARTS} more"
+    alike: dict[tuple[str, tuple[str, ...]], list[str]] = {}
+    for part in parts:
+        alike.setdefault((part.kind, part.facts), []).append(part.name)
+    for (kind, facts), own in list(alike.items())[:_MOST_PARTS]:
+        title = f"**{kind}{'s' if len(own) > 1 else ''} {escape(join_names(own))}**"
+        yield "  \n".join((title, *map(escape, facts)))
+    if len(alike) > _MOST_PARTS:
+        yield f"and {sum(map(len, list(alike.values())[_MOST_PARTS:]))} more"
     for kind, name in sorted(names - {(part.kind, part.name) for part in parts}):
         if kind not in {LINK, JOINT}:
             yield from _describe_definition(view, kind, name)

@@ -111,7 +111,7 @@ def _iter_folds(text: str) -> Iterator[tuple[int, int, types.FoldingRangeKind | 
 def list_inlay_hints(
     document: OpenDocument, range_: types.Range, indexes: IndexStore, documents: DocumentStore
 ) -> list[types.InlayHint]:
-    """Return the values of the expressions in a range, each behind its attribute; of a macro those of its first calls."""
+    """Return the values of the expressions in a range, each behind its text; of a macro those of its first calls."""
     positions = TextPositions(document.text, documents.encoding)
     first, last = positions.find_offset(range_.start), positions.find_offset(range_.end)
     values: dict[int, dict[str, None]] = {}
@@ -122,8 +122,8 @@ def list_inlay_hints(
                 values.setdefault(place[1], {}).update(dict.fromkeys(round_decimals(use.value) for use in text.uses))
     return [
         types.InlayHint(
-            # Behind the quotation mark.
-            positions.find_position(end + 1),
+            # Behind the quotation mark, if there is one.
+            positions.find_position(end + document.text.startswith(('"', "'"), end)),
             f"= {truncate_text(' | '.join(found), _LONGEST_HINT)}",
             padding_left=True,
         )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from urdfcheck.core import Span
 from urdfcheck.core.text import truncate_text
 from urdfcheck.export.index.source_index import ComputedText, ComputedUse, ValueSource
 from urdfcheck.source.load import Source
-from urdfcheck.source.text.xml import Attribute, Definition, flatten_definitions
+from urdfcheck.source.text.xml import Attribute, Definition, Element, SourceFile, flatten_definitions
 
 # Of a macro that is called a hundred times, and of a value that a whole file goes into.
 _MOST_USES, _MOST_SOURCES, _LONGEST = 8, 12, 200
@@ -27,6 +27,10 @@ def list_computed_texts(source: Source) -> tuple[ComputedText, ...]:
 
     seen: set[int] = set()
     for element in () if source.root is None else source.root.walk():
+        content = _find_content(element, source.files)
+        if content is not None:  # what it was computed from is known of attributes only
+            typed = source.files[content.file].text[content.start : content.end]
+            add(content, typed, element.text.strip(), element.subject, ())
         for attribute in element.attributes.values():
             if attribute.span is not None and "$" in attribute.typed:
                 add(attribute.span, attribute.typed, attribute.value, _name_subject(attribute), attribute.reads)
@@ -38,6 +42,20 @@ def list_computed_texts(source: Source) -> tuple[ComputedText, ...]:
                     subject = f"{definition.kind}[{definition.name}]"
                     add(definition.span, definition.text, definition.value, subject, definition.reads)
     return tuple(ComputedText(span=span, text=texts[span], uses=tuple(known.values())) for span, known in uses.items())
+
+
+def _find_content(element: Element, files: Mapping[str, SourceFile]) -> Span | None:
+    """Return the place of the text of an element where it has an expression and nothing else is in the element."""
+    span = element.span
+    if span is None or span.file not in files or not element.text.strip():
+        return None
+    file = files[span.file]
+    end = file.text.find("<", span.end)
+    text = file.text[span.end : end]
+    if "$" not in text or not file.text.startswith("</", end):
+        return None
+    start = span.end + len(text) - len(text.lstrip())
+    return file.make_span(start, start + len(text.strip()))
 
 
 def _name_subject(attribute: Attribute) -> str:

@@ -75,14 +75,14 @@ class ComputedUse:
 
     value: str
     subject: str
-    """The attribute of the robot: ``link[arm]/inertial/mass@value``; that of a definition: ``property[arm_mass]``."""
+    """An attribute of the robot: ``link[arm]/inertial/mass@value``; an element with text; ``property[arm_mass]``, a definition."""
     sources: tuple[ValueSource, ...]
     """Nearest first."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ComputedText:
-    """An attribute's value with expressions, as typed, and what it became."""
+    """The value of an attribute or the text of an element with expressions, as typed, and what it became."""
 
     span: Span
     text: str
