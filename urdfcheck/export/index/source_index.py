@@ -75,7 +75,7 @@ class ComputedUse:
 
     value: str
     subject: str
-    """An attribute of the robot: ``link[arm]/inertial/mass@value``; an element with text; ``property[arm_mass]``, a definition."""
+    """An attribute of the robot: ``link[arm]/inertial/mass@value``; an element with text; a definition: ``property[a]``."""
     sources: tuple[ValueSource, ...]
     """Nearest first."""
 
