@@ -153,6 +153,47 @@ def test_macros_alone_are_checked_through_the_robots_that_include_them(
     assert "INR003" in editor.codes(macros)
 
 
+ARM = """<robot name="arm">
+  <link name="base"/>
+  <link name="hand"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="wrist" type="revolute"><parent link="base"/><child link="hand"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>
+"""
+ARM_SRDF = '<robot name="arm"><group name="all"><chain base_link="base" tip_link="hnad"/></group></robot>'
+ARM_CONTROLLERS = "arm_controller:\n  type: position_controllers/JointTrajectoryController\n  joints: [wrist, elbow]\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "named", "code"),
+    [("arm.srdf", ARM_SRDF, 'base" tip', "SRD001"), ("controllers.yaml", ARM_CONTROLLERS, "wrist", "CTL004")],
+    ids=["srdf", "controllers"],
+)
+def test_what_is_about_a_robot_is_checked_alone(
+    editor: Editor, project: Path, name: str, text: str, named: str, code: str
+) -> None:
+    """One may open the semantic description only, and goes from there to the robot."""
+    (project / "urdf/arm.urdf").write_text(ARM)
+    path = project / "config" / name
+    path.parent.mkdir()
+    path.write_text(text)
+    editor.open(path)
+    assert code in editor.codes(path)
+    params = types.DefinitionParams(editor.identify(path), editor.find(path, named))
+    found = editor.wait(editor.client.text_document_definition_async(params))
+    assert isinstance(found, list)
+    assert [place.uri for place in found] == [(project / "urdf/arm.urdf").as_uri()]
+    editor.type(path, text.replace("hnad", "hand").replace(", elbow", ""))
+    assert code not in editor.codes(path)
+
+
+def test_yaml_of_no_robot_is_left_alone(editor: Editor, project: Path) -> None:
+    path = project / "compose.yaml"
+    path.write_text("services: {web: {image: x}}\n")
+    editor.open(path)
+    assert editor.codes(path) == []
+
+
 def test_the_configuration_counts(editor: Editor, project: Path) -> None:
     path = project / "urdf/r.urdf"
     path.write_text(IMPOSSIBLE)

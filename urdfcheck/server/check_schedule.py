@@ -19,7 +19,8 @@ from urdfcheck.server.check_messages import CheckAnswer, CheckJob, RenameWish
 from urdfcheck.server.diagnostics import CheckedState
 from urdfcheck.server.documents import DocumentStore, OpenDocument
 from urdfcheck.server.index_store import IndexStore
-from urdfcheck.source.package.file_kinds import is_launch, is_model
+from urdfcheck.source.package.file_kinds import is_launch, is_model, is_srdf, is_yaml
+from urdfcheck.source.project_folders import find_project_folder
 
 # Seconds after the last edit: until the source tier is computed, and until everything is. The first pause is the shorter one
 # where the last check of an edit was so quick that its findings come within 0.15 s of the key: to check after each key is no use
@@ -249,8 +250,19 @@ def choose_pause(seconds: float) -> float:
 
 
 def list_checked_paths(documents: DocumentStore) -> list[str]:
-    """Return the open documents that are checked: models, their parts and launch files. Others are only read."""
-    return [document.path for document in documents.by_uri.values() if is_checked(document)]
+    """Return the open documents that are checked: models, their parts and launch files.
+
+    Where none of a project is open, its semantic descriptions and yaml files are checked with the robots that they are about.
+    Others are only read.
+    """
+    checked = [document.path for document in documents.by_uri.values() if is_checked(document)]
+    others = [document.path for document in documents.by_uri.values() if _is_about_robots(document)]
+    projects = {find_project_folder(Path(path)) for path in checked} if others else set()
+    return [*checked, *(path for path in others if find_project_folder(Path(path)) not in projects)]
+
+
+def _is_about_robots(document: OpenDocument) -> bool:
+    return is_srdf(Path(document.path)) or is_yaml(Path(document.path))
 
 
 def is_checked(document: OpenDocument) -> bool:

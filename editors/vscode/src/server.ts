@@ -9,6 +9,7 @@ const SELECTOR = [
   { scheme: "file", language: "xml" },
   { scheme: "file", language: "yaml" },
   { scheme: "file", pattern: "**/*.{urdf,xacro,srdf,launch}" },
+  { scheme: "file", pattern: "**/*{.launch,_launch}.py" },
 ];
 
 export type Command = (uri: string, card?: string) => Promise<void>;
