@@ -145,6 +145,26 @@ def test_the_text_of_an_element_and_links_that_are_alike(editor: Editor, robot: 
     assert "**links right\\_hand, left\\_hand**  \nno inertial" in text
 
 
+def test_a_yaml_key_shows_what_is_computed_from_it(editor: Editor, robot: tuple[Path, Path]) -> None:
+    user, _ = robot
+    path = user.parent / "sizes.yaml"
+    path.write_text("base: {height: 2, width: 0.75}\n")
+    editor.open(path)
+    editor.rest()
+    at = editor.find(path, "width")
+    subject = "`link[base]/visual/geometry/box@size`"
+    assert hover(editor, path, at) == f"yaml `base.width` = `0.75`  \n- {subject}"
+    assert refer(editor, path, at) == [(user.name, 7)]
+    assert refer(editor, path, at, declared=True) == [("sizes.yaml", 1), (user.name, 7)]
+    assert hover(editor, path, editor.find(path, "height")) == "", "nothing reads it"
+    editor.type(path, "base: {height: 2, é: 🤖, width: 0.75}\n")
+    assert refer(editor, path, editor.find(path, "width")) == [(user.name, 7)]
+    editor.type(path, "base:\n  height: 2\n  width: 0.75\n")
+    editor.rest()
+    assert hover(editor, path, editor.find(path, "height")) == ""
+    assert subject in hover(editor, path, editor.find(path, "0.75"))
+
+
 def test_a_finding_shows_its_evidence(editor: Editor, robot: tuple[Path, Path]) -> None:
     _, macros = robot
     editor.type(macros, MACROS.replace('ixx="0.02"', 'ixx="0.2"'))

@@ -9,8 +9,8 @@ from pathlib import PurePath
 from lsprotocol import types
 
 from urdfcheck.core import Applicability, Finding
-from urdfcheck.core.text import format_angle, join_names, round_decimals
-from urdfcheck.export.index.source_index import JOINT, LINK, ComputedText, ComputedUse, ValueSource
+from urdfcheck.core.text import format_angle, format_count, join_names, round_decimals
+from urdfcheck.export.index.source_index import JOINT, LINK, ComputedText, ComputedUse, ValueSource, YamlKey
 from urdfcheck.export.index.units import find_unit
 from urdfcheck.server.diagnostics import ShownFinding
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions, find_word
@@ -24,6 +24,8 @@ _LONGEST_TAG = 2_000
 _JOINT_SUBJECT = re.compile(r"joint\[([^\[\]]*)\]")
 # Parts that are described where a macro makes several of one text, those with the same facts as one.
 _MOST_PARTS = 4
+# Robots whose values are told where a file is a part of several: those that are open first.
+_MOST_ROBOTS = 3
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>()#+!|~-])")
 
 
@@ -37,15 +39,20 @@ def describe_position(
     """Return what is known about a position; None if nothing is."""
     offset = TextPositions(document.text, documents.encoding).find_offset(position)
     parts = [_describe_finding(found.finding) for found in shown if _contains(found.range, position)]
-    views = list(indexes.view(document))
+    users = sorted(indexes.view(document), key=lambda view: documents.find_open(view.model.index.files[0]) is None)
+    views = users[:_MOST_ROBOTS]
     for view in views:
         parts += [_describe_text(text, view, offset) for text in view.find_texts(offset)]
+        key = view.find_yaml_key(offset)
+        parts += [] if key is None else [_describe_yaml_key(key, view)]
     known = {line.strip() for part in parts for line in part.splitlines()}
     named = (part for view in views for part in _iter_named_parts(view, document.text, offset))
     parts += [part for part in named if not known.issuperset(map(str.strip, part.splitlines()))]
     sections = list(dict.fromkeys(filter(None, parts)))
     if not sections:
         return None
+    if len(users) > len(views):
+        sections.append(f"and {format_count(len(users) - len(views), 'more robot')}")
     return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, "\n\n---\n\n".join(sections)))
 
 
@@ -145,6 +152,17 @@ def _describe_source(source: ValueSource) -> str:
     value = " = ".join(part for part in (typed, became) if part)
     place = "" if source.span is None else f", {escape(PurePath(source.span.file).name)}:{source.span.line}"
     return f"- {source.kind} {quote(source.name)}{f' = {value}' if value else ''}{place}"
+
+
+def _describe_yaml_key(key: YamlKey, view: IndexView) -> str:
+    """Return the key of a yaml file with its value, and what was computed from it."""
+    place = view.find_offsets(key.span)
+    typed = "" if place is None else view.document.text[slice(*place)]
+    lines = [f"yaml {quote(key.name)} = {quote(typed)}"]
+    lines += [f"- {quote(subject)}" for subject in key.subjects[:_MOST_PARTS]]
+    if len(key.subjects) > _MOST_PARTS:
+        lines.append(f"- and {len(key.subjects) - _MOST_PARTS} more")
+    return "  \n".join(lines)
 
 
 def _list_varied_sources(uses: tuple[ComputedUse, ...]) -> list[str]:

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import functools
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
 
 from urdfcheck.core import Span
 from urdfcheck.core.records import dataclass
-from urdfcheck.export.index.source_index import ComputedText, NamePlace, SourceIndex
+from urdfcheck.export.index.source_index import ComputedText, NamePlace, SourceIndex, YamlKey
 from urdfcheck.server.check_messages import CheckAnswer
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextShift
 
 # Names of files in findings are relative to the working directory, which stays.
 find_real_path = functools.lru_cache(maxsize=4096)(os.path.realpath)
+
+# What the text from a yaml key to its value does not have.
+_BETWEEN_KEYS = re.compile(r"[\n,{}\[\]]")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,6 +56,16 @@ class IndexView:
     def find_names(self, offset: int) -> list[NamePlace]:
         """Return the names at an offset: those with the shortest text around it."""
         return _select_shortest(place for place in self.model.index.names if self.covers(place.span, offset))
+
+    def find_yaml_key(self, offset: int) -> YamlKey | None:
+        """Return the value of a yaml file that an offset is in, or whose key it is in."""
+        for key in self.model.index.yaml_keys:
+            place = self.find_offsets(key.span)
+            if place is None or offset > place[1]:
+                continue
+            if place[0] <= offset or not _BETWEEN_KEYS.search(self.document.text, offset, place[0]):
+                return key
+        return None
 
     def find_texts(self, offset: int) -> list[ComputedText]:
         """Return the texts with expressions around an offset."""

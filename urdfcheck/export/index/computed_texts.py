@@ -6,12 +6,14 @@ from collections.abc import Iterable, Mapping
 
 from urdfcheck.core import Span
 from urdfcheck.core.text import truncate_text
-from urdfcheck.export.index.source_index import ComputedText, ComputedUse, ValueSource
+from urdfcheck.export.index.source_index import ComputedText, ComputedUse, ValueSource, YamlKey
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.xml import Attribute, Definition, Element, SourceFile, flatten_definitions
 
 # Of a macro that is called a hundred times, and of a value that a whole file goes into.
 _MOST_USES, _MOST_SOURCES, _LONGEST = 8, 12, 200
+# The function that reads a yaml file, whatever module it is called by.
+_YAML = "load_yaml"
 
 
 def list_computed_texts(source: Source) -> tuple[ComputedText, ...]:
@@ -42,6 +44,29 @@ def list_computed_texts(source: Source) -> tuple[ComputedText, ...]:
                     subject = f"{definition.kind}[{definition.name}]"
                     add(definition.span, definition.text, definition.value, subject, definition.reads)
     return tuple(ComputedText(span=span, text=texts[span], uses=tuple(known.values())) for span, known in uses.items())
+
+
+def list_yaml_keys(source: Source) -> tuple[YamlKey, ...]:
+    """Return the values of yaml files that the expressions of a model read, in the order in which the robot reads them."""
+    if source.root is None or not any(_YAML in file.text for file in source.files.values()):
+        return ()
+    names: dict[Span, str] = {}
+    readers: dict[Span, dict[Span, None]] = {}
+    subjects: dict[Span, dict[str, None]] = {}
+    for element in source.root.walk():
+        for attribute in element.attributes.values():
+            places = [(attribute.span, attribute.reads)]
+            places += [(definition.span, definition.reads) for definition in flatten_definitions(attribute.reads)]
+            for place, reads in places:
+                for key in (read for read in reads if read.kind == "yaml" and read.span is not None):
+                    assert key.span is not None
+                    names[key.span] = key.name
+                    readers.setdefault(key.span, {}).update({} if place is None else {place: None})
+                    subjects.setdefault(key.span, {})[_name_subject(attribute)] = None
+    return tuple(
+        YamlKey(name=name, span=span, readers=tuple(readers[span]), subjects=tuple(subjects[span]))
+        for span, name in names.items()
+    )
 
 
 def _find_content(element: Element, files: Mapping[str, SourceFile]) -> Span | None:

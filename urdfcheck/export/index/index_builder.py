@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from urdfcheck.export.index.computed_texts import list_computed_texts
+from urdfcheck.export.index.computed_texts import list_computed_texts, list_yaml_keys
 from urdfcheck.export.index.expanded_elements import iter_expanded_elements
 from urdfcheck.export.index.name_places import iter_xacro_names
 from urdfcheck.export.index.outside_names import (
@@ -36,13 +36,16 @@ def build_index(source: Source, model: Model | None, model_id: str, *, with_expa
         names.update(dict.fromkeys(certain))
         if with_expansion:  # for a renaming, which names them
             doubtful = (*doubtful, *iter_doubtful_frames(model))
+    keys = list_yaml_keys(source)
+    outside = (span.file for span in (*(place.span for place in names), *(key.span for key in keys)))
     return SourceIndex(
         model=model_id,
-        files=tuple(dict.fromkeys((*source.files, *(place.span.file for place in names)))),
+        files=tuple(dict.fromkeys((*source.files, *outside))),
         names=tuple(names),
         texts=list_computed_texts(source),
         parts=() if model is None else list_robot_parts(model),
         is_expanded=model is not None,
+        yaml_keys=keys,
         doubtful_names=doubtful,
         expansion=tuple(iter_expanded_elements(model.robot)) if with_expansion and model is not None else (),
     )

@@ -91,6 +91,20 @@ class ComputedText:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class YamlKey:
+    """A value in a yaml file that expressions read."""
+
+    name: str
+    """``joint1.limit.upper``."""
+    span: Span
+    """That of the value."""
+    readers: tuple[Span, ...]
+    """The texts whose expressions read it."""
+    subjects: tuple[str, ...]
+    """The attributes of the robot that were computed from it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RobotPart:
     """A link or joint of the kinematic tree."""
 
@@ -115,12 +129,13 @@ class SourceIndex:
     model: str
     """Its id."""
     files: tuple[str, ...]
-    """The files of the model, and those beside it that name its parts or arguments."""
+    """The files of the model, and those beside it that name its parts or arguments or hold its values."""
     names: tuple[NamePlace, ...]
     texts: tuple[ComputedText, ...]
     parts: tuple[RobotPart, ...]
     is_expanded: bool
     """Whether there is a robot; without one, names and parts are those as typed."""
+    yaml_keys: tuple[YamlKey, ...] = ()
     doubtful_names: tuple[DoubtfulName, ...] = ()
     """Texts that a renaming leaves as they are, and names."""
     expansion: tuple[ExpandedElement, ...] = ()

@@ -39,10 +39,16 @@ def _iter_source_places(texts: Iterable[ComputedText], key: str) -> Iterator[Spa
 def find_references(
     indexes: IndexStore, documents: DocumentStore, document: OpenDocument, offset: int, *, with_definitions: bool
 ) -> list[types.Location]:
-    """Return where the name at an offset is used, in all models that know it."""
-    seeds = [name for view in indexes.view(document) for name in view.find_names(offset)]
+    """Return where the name at an offset is used, in all models that know it; of a yaml key, the texts that read its value."""
+    views = list(indexes.view(document))
+    seeds = [name for view in views for name in view.find_names(offset)]
     models = list(indexes.models.values())
     found: list[types.Location] = []
+    for view in views if not seeds else ():
+        key = view.find_yaml_key(offset)
+        if key is not None:
+            spans = (*((key.span,) if with_definitions else ()), *key.readers)
+            found += _locate_all(spans, view.model, documents)
     for number, place in find_same_names([model.index for model in models], seeds):
         if with_definitions or not place.is_definition:
             found += _locate_all([place.span], models[number], documents)
