@@ -8,6 +8,8 @@ import pytest
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException
 
+from urdfcheck.server.names.rename_plan import NOTHING_HERE
+
 from .editor import Editor
 from .test_actions import apply
 from .test_questions import MACROS as SIMPLE_MACROS
@@ -285,6 +287,16 @@ def test_what_cannot_be_a_name_is_refused(editor: Editor, files: dict[str, Path]
     assert refuse(editor, macros, arm, "property").endswith("`xacro:property` is xacro's own.")
     with pytest.raises(JsonRpcException, match="no name here"):
         prepare(editor, robot, editor.find(robot, "rgba"))
+
+
+def test_a_refusal_is_no_error_of_the_server(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "r.urdf"
+    path.write_text('<robot name="r"><link name="base"/></robot>')
+    editor = Editor(tmp_path, "--tier", "source")
+    editor.open(path)
+    assert refuse(editor, path, editor.find(path, "robot name"), "other") == NOTHING_HERE
+    assert editor.end().returncode == 0
+    assert capfd.readouterr().err == ""
 
 
 def test_what_would_change_more_than_the_name_is_refused(editor: Editor, files: dict[str, Path]) -> None:

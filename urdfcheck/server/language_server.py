@@ -112,7 +112,14 @@ def serve(options: RunOptions) -> None:
     channel = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     logging.getLogger("pygls").setLevel(logging.ERROR)
+    logging.getLogger("pygls.protocol.json_rpc").addFilter(_is_defect)
     make_server(options).start_io(sys.stdin.buffer, channel)
+
+
+def _is_defect(record: logging.LogRecord) -> bool:
+    """Whether a record of the library is about anything else than a refusal, which is an answer."""
+    error = record.exc_info[1] if record.exc_info else None
+    return not (isinstance(error, JsonRpcException) and error.code == types.LSPErrorCodes.RequestFailed.value)
 
 
 def _add_lifecycle(server: UrdfcheckServer) -> None:
