@@ -121,6 +121,20 @@ def test_positions_count_utf_16_units(editor: Editor, project: Path, before: str
     assert editor.read(path, found.range).startswith("<inertia ") or editor.read(path, found.range) in {"3", "1"}
 
 
+def test_positions_are_counted_behind_a_byte_order_mark(editor: Editor, project: Path) -> None:
+    """Where an editor sends it: most do not."""
+    path = project / "urdf/r.urdf"
+    path.write_text(
+        '\ufeff<?xml version="1.0"?>\n<robot name="r"><link name="a">\n<inertial><mass value="1 "/></inertial></link></robot>'
+    )
+    editor.open(path)
+    (found,) = [d for d in editor.diagnostics(path) if d.code == "XML007"]
+    assert editor.read(path, found.range) == "1 "
+    params = types.CodeActionParams(editor.identify(path), found.range, types.CodeActionContext([found]))
+    (first, *_) = editor.wait(editor.client.text_document_code_action_async(params)) or []
+    assert first.title.startswith("XML007: ")
+
+
 @pytest.fixture
 def macro_project(project: Path) -> tuple[Path, Path]:
     macros, user = project / "urdf/body.xacro", project / "urdf/r.urdf.xacro"

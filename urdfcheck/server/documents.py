@@ -160,6 +160,8 @@ class DocumentStore:
         path = uris.to_fs_path(uri) if uri.startswith("file:") else None
         if path is None:
             return None
+        # Most editors keep the byte order mark to themselves; offsets are counted behind it.
+        text = text.removeprefix("\ufeff")
         document = self.by_uri[uri] = OpenDocument(uri, os.path.abspath(path), text, version)
         return document
 
