@@ -54,6 +54,8 @@ def parsed(folder: Path, body: str) -> Srdf:
         ("ws/arm/build/arm.srdf", False),
         ("ws/arm_moveit_config/config/arm.srdf", True),
         ("ws/planning/config/arm.srdf", True),  # depends on the model's package
+        ("ws/planning/config/arm/arm.srdf", True),  # of several robots
+        ("ws/planning/other/arm.srdf", False),
         ("ws/other/config/arm.srdf", False),
         ("elsewhere/arm_moveit_config/config/arm.srdf", False),
     ],

@@ -292,13 +292,19 @@ def _find_srdf_files(source: Source) -> Iterator[Path]:
     packages = source.finder.list_workspace_packages()
     for name, folder in sorted(packages.items()):
         if package is None or folder != package.path:
-            files = [file for inner in SRDF_FOLDERS for file in _list_srdfs(folder / inner)]
+            files = [file for place in _list_srdf_places(folder) for file in _list_srdfs(place)]
             is_dependent = bool(files) and package is not None and has_dependency(folder, package.name)
             if is_dependent or (
                 files and name.endswith("_moveit_config") and not _configures_another(folder, packages, package)
             ):
                 source.finder.find(name)  # then it counts as found, and its files are in reach
                 yield from files
+
+
+def _list_srdf_places(folder: Path) -> list[Path]:
+    """Return the folders of a package in which semantic descriptions are; a configuration of several robots has one for each."""
+    named = [folder / inner for inner in SRDF_FOLDERS if inner]
+    return [folder, *named, *(inner for place in named for inner in list_subfolders(place))]
 
 
 def _configures_another(folder: Path, packages: Mapping[str, Path], package: Package | None) -> bool:
