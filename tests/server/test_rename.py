@@ -196,14 +196,56 @@ def test_a_link_gets_another_name_wherever_it_is_named(editor: Editor, files: di
     }
 
 
-@pytest.mark.parametrize("files", [{"config/costmap.yaml": COSTMAP}], indirect=True, ids=["costmap"])
-def test_frames_in_other_parameters_are_told(editor: Editor, files: dict[str, Path]) -> None:
+OTHERS = {
+    "config/costmap.yaml": COSTMAP,
+    "config/a_comment.yaml": "a: 1  # base\n",
+    "config/database.yaml": "database: /base/x\nbase-2: base.link\n",
+    "two_arms/view.rviz": "Global Options:\n  Fixed Frame: base\n",
+}
+
+
+@pytest.mark.parametrize("files", [OTHERS], indirect=True, ids=["others"])
+def test_files_that_may_be_about_another_robot_are_told(editor: Editor, files: dict[str, Path]) -> None:
     robot, told = files["two_arms.urdf.xacro"], editor.client.messages
     told.clear()
-    assert "costmap.yaml" not in rename(editor, robot, editor.find(robot, 'link name="base"', part="base"), "chassis")
+    changed = rename(editor, robot, editor.find(robot, 'link name="base"', part="base"), "chassis")
+    assert changed.keys() == {"two_arms.urdf.xacro", "two_arms.srdf", "show.launch", "controllers.yaml"}
     editor.rest()
     (message,) = [message.message for message in told]
-    assert message == "Not renamed: `base` in costmap.yaml:2 (the file may be about another robot)."
+    doubt = "(the file may be about another robot)"
+    assert message == f"Not renamed: `base` in view.rviz:2 {doubt}, `base` in costmap.yaml:2 {doubt}."
+
+
+HANDED = """<robot name="grip" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:include filename="parts.xacro"/>
+  <xacro:finger prefix="l_"/>
+</robot>
+"""
+PARTS = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:macro name="soft" params="reference"><gazebo reference="${reference}"><mu1>1</mu1></gazebo></xacro:macro>
+  <xacro:macro name="finger" params="prefix">
+    <link name="${prefix}tip"/>
+    <xacro:soft reference="${prefix}tip"/>
+  </xacro:macro>
+</robot>
+"""
+NAMESAKE = """<robot name="namesake" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:include filename="parts.xacro"/>
+  <link name="l_tip"/>
+</robot>
+"""
+HANDED_FILES = {"urdf/parts.xacro": PARTS, "urdf/grip.urdf.xacro": HANDED, "urdf/namesake.urdf.xacro": NAMESAKE}
+
+
+@pytest.mark.parametrize("files", [HANDED_FILES], indirect=True, ids=["handed"])
+def test_a_name_that_a_call_makes_and_hands_on(editor: Editor, files: dict[str, Path]) -> None:
+    """Another robot that includes the file may have a link of the same name, which stays."""
+    parts = files["parts.xacro"]
+    editor.open(parts)
+    editor.rest()
+    assert rename(editor, parts, editor.find(parts, 'link name="${prefix}tip', part="tip"), "pad") == {
+        "parts.xacro": ['<link name="${prefix}pad"/>', '<xacro:soft reference="${prefix}pad"/>']
+    }
 
 
 def test_the_literal_part_of_names_that_a_macro_makes(editor: Editor, files: dict[str, Path]) -> None:

@@ -5,12 +5,7 @@ from __future__ import annotations
 from urdfcheck.export.index.computed_texts import list_computed_texts, list_yaml_keys
 from urdfcheck.export.index.expanded_elements import iter_expanded_elements
 from urdfcheck.export.index.name_places import iter_xacro_names
-from urdfcheck.export.index.outside_names import (
-    iter_argument_names,
-    iter_doubtful_frames,
-    iter_outside_names,
-    list_python_names,
-)
+from urdfcheck.export.index.outside_names import iter_argument_names, iter_outside_names, list_python_names
 from urdfcheck.export.index.robot_names import iter_robot_names
 from urdfcheck.export.index.robot_parts import list_robot_parts
 from urdfcheck.export.index.source_index import DoubtfulName, SourceIndex
@@ -34,8 +29,6 @@ def build_index(source: Source, model: Model | None, model_id: str, *, with_expa
         names.update(dict.fromkeys(iter_outside_names(model, launches)))
         certain, doubtful = list_python_names(model)
         names.update(dict.fromkeys(certain))
-        if with_expansion:  # for a renaming, which names them
-            doubtful = (*doubtful, *iter_doubtful_frames(model))
     keys = list_yaml_keys(source)
     outside = (span.file for span in (*(place.span for place in names), *(key.span for key in keys)))
     return SourceIndex(

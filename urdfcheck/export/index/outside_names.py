@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -11,9 +10,7 @@ from typing import TYPE_CHECKING
 from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, DoubtfulName, NamePlace
 from urdfcheck.model import Model
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS
-from urdfcheck.source.ros.controllers import list_yaml_files
-from urdfcheck.source.text.handed_values import find_typed_value
+from urdfcheck.source.text.handed_values import find_handed_text, find_typed_value
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
@@ -84,7 +81,7 @@ def _iter_srdf_names(srdf: Srdf) -> Iterator[NamePlace]:
         if attribute.span is None or (kind == JOINT and attribute.value.strip() in srdf.virtual_joints):
             continue
         name = attribute.value.strip()
-        typed = None if attribute.literal else find_typed_value(attribute)
+        typed = None if attribute.literal else find_typed_value(attribute) or find_handed_text(attribute)
         yield NamePlace(kind, name, attribute.span, False, is_handed=typed is not None)
         if typed is not None:
             yield NamePlace(kind, name, typed.span, False)
@@ -121,23 +118,6 @@ def _iter_yaml_names(values: Iterator[YamlValue] | Sequence[YamlValue], kind: st
     for value in values:
         if value.source.text[value.span.start : value.span.end] == value.text:
             yield NamePlace(kind, value.text, value.span, False)
-
-
-def iter_doubtful_frames(model: Model) -> Iterator[DoubtfulName]:
-    """Yield where other parameters in the model's package name a link as a frame: they may be those of another robot."""
-    from urdfcheck.model.motion.controllers import find_controller_configs
-    from urdfcheck.source.ros.yaml_files import read_located_yaml
-    from urdfcheck.source.text.yaml.values import YamlReadError
-
-    package, finder = model.package, model.source.finder
-    known = {os.path.realpath(found.configuration.path) for found in find_controller_configs(model)}
-    for path in list_yaml_files([package.path / folder for folder in CONFIG_FOLDERS]) if package is not None else ():
-        if os.path.realpath(path) in known:
-            continue
-        with contextlib.suppress(YamlReadError):
-            root = read_located_yaml(path, finder)
-            for value in () if root is None else _iter_yaml_frames(root, model):
-                yield DoubtfulName(LINK, value.text, value.span, "the file may be about another robot")
 
 
 def _iter_words(attribute: Attribute, word: str, kind: str, launch: Launch) -> Iterator[NamePlace]:

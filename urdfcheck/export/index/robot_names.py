@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from urdfcheck.export.index.source_index import JOINT, LINK, MATERIAL, NamePlace
 from urdfcheck.source.load import Source
-from urdfcheck.source.text.handed_values import find_typed_value
+from urdfcheck.source.text.handed_values import find_handed_text, find_typed_value
 from urdfcheck.source.text.tokens import find_content_span
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -61,7 +61,7 @@ def _iter_expanded_names(root: Element, names: PartNames, source: Source) -> Ite
             kind, is_definition = classify_name(element, attribute, names)
             if not kind or attribute.span is None or not attribute.value or "$" in attribute.value:
                 continue
-            typed = None if attribute.literal else find_typed_value(attribute)
+            typed = None if attribute.literal else find_typed_value(attribute) or find_handed_text(attribute)
             if typed is None:
                 yield NamePlace(kind, attribute.value, attribute.span, is_definition)
             else:

@@ -6,6 +6,7 @@ import itertools
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.core import Edit
@@ -14,6 +15,7 @@ from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
 from urdfcheck.fix.regression import find_regression
 from urdfcheck.run.pipeline import AuditedRun
 from urdfcheck.server.check_messages import RenameWish
+from urdfcheck.server.names.other_texts import list_other_texts
 from urdfcheck.server.names.rename_plan import NOTHING_HERE, RenamePlan, RenameRefusedError, plan_rename
 from urdfcheck.source.package.file_kinds import is_launch, is_model
 from urdfcheck.source.text.xml import SourceFile, XmlError
@@ -45,7 +47,9 @@ def compute_rename(wish: RenameWish, texts: Mapping[str, bytes], audit: Audit) -
     objection = find_regression(before.outcome, after.outcome, [])
     if objection:
         raise RenameRefusedError(f"The name is not changed: {objection}.")
-    return plan
+    known = {os.path.realpath(name) for index in _list_indexes(before).values() for name in index.files}
+    others = list_other_texts(plan.names, Path(wish.path), known)
+    return replace(plan, doubtful=(*plan.doubtful, *others))
 
 
 def _plan_edits(wish: RenameWish, audited: AuditedRun, texts: Mapping[str, bytes]) -> RenamePlan:
@@ -98,7 +102,7 @@ def _ensure_same_robots(before: AuditedRun, after: AuditedRun, plan: RenamePlan)
         elif old.is_expanded and not new.is_expanded:
             difference = f"{model} could no longer be expanded{_explain_failure(after, new.model)}"
         else:
-            difference = _describe_difference(old, new, plan.names)
+            difference = _describe_difference(old, new, plan.names if model in plan.models else {})
         if difference:
             raise RenameRefusedError(f"The name is not changed: {difference}.")
 

@@ -38,6 +38,8 @@ class RenamePlan:
     edits: tuple[Edit, ...]
     names: Mapping[tuple[str, str], str] = field(default_factory=dict)
     """Kind and old name of each part of the robot that gets a new name; empty for the names of xacro."""
+    models: frozenset[str] = frozenset()
+    """The models in which it does: another may have a part of the same name."""
     arguments: Mapping[str, str] = field(default_factory=dict)
     """Old name of each argument that gets a new one: ids of models that a launch file starts may have it."""
     doubtful: tuple[DoubtfulName, ...] = ()
@@ -84,6 +86,7 @@ def plan_rename(wish: RenameWish, indexes: Sequence[SourceIndex], texts: Mapping
         return RenamePlan(
             edits=edits,
             names={(kind, old): new for old, new in names.items()},
+            models=frozenset(index.model for index in affected),
             doubtful=tuple(
                 dict.fromkeys(
                     text for text in doubtful if text.kind == kind and text.name in names and text.span not in edited

@@ -54,6 +54,22 @@ def find_typed_value(attribute: Attribute) -> TypedValue | None:
     return None
 
 
+def find_handed_text(attribute: Attribute) -> TypedValue | None:
+    """Return the text that an attribute is given as a whole: ``${prefix}_arm`` of a call, where the macro has ``${parent}``.
+
+    None where it is typed at the attribute, and where it is not plain which text it is.
+    """
+    found, typed, reads = None, attribute.typed, attribute.reads
+    for _ in range(_MOST_STEPS):
+        if not _NAME.fullmatch(typed):
+            return found
+        definition = _find_definition(typed, reads, attribute.value)
+        if definition is None or definition.span is None or not definition.text:
+            return None
+        found, typed, reads = TypedValue(definition.span, definition.text), definition.text, definition.reads
+    return None
+
+
 def read_numbers(text: str) -> list[float] | None:
     """Return the numbers of a text that consists of nothing else."""
     try:
