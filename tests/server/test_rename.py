@@ -217,8 +217,12 @@ def test_files_that_may_be_about_another_robot_are_told(editor: Editor, files: d
 
 
 HANDED = """<robot name="grip" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="root" default="palm"/>
+  <link name="palm"/>
+  <joint name="j" type="fixed"><parent link="$(arg root)"/><child link="l_tip"/></joint>
   <xacro:include filename="parts.xacro"/>
   <xacro:finger prefix="l_"/>
+  <xacro:nail/>
 </robot>
 """
 PARTS = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -226,6 +230,11 @@ PARTS = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
   <xacro:macro name="finger" params="prefix">
     <link name="${prefix}tip"/>
     <xacro:soft reference="${prefix}tip"/>
+  </xacro:macro>
+  <xacro:macro name="nail" params="name:=nail
+                                   on:='palm'">
+    <link name="${name}"/>
+    <joint name="${name}_joint" type="fixed"><parent link="${on}"/><child link="${name}"/></joint>
   </xacro:macro>
 </robot>
 """
@@ -244,8 +253,23 @@ def test_a_name_that_a_call_makes_and_hands_on(editor: Editor, files: dict[str, 
     editor.open(parts)
     editor.rest()
     assert rename(editor, parts, editor.find(parts, 'link name="${prefix}tip', part="tip"), "pad") == {
-        "parts.xacro": ['<link name="${prefix}pad"/>', '<xacro:soft reference="${prefix}pad"/>']
+        "parts.xacro": ['<link name="${prefix}pad"/>', '<xacro:soft reference="${prefix}pad"/>'],
+        "grip.urdf.xacro": ['<joint name="j" type="fixed"><parent link="$(arg root)"/><child link="l_pad"/></joint>'],
     }
+
+
+@pytest.mark.parametrize("files", [HANDED_FILES], indirect=True, ids=["handed"])
+def test_a_name_that_is_the_default_of_a_parameter_or_an_argument(editor: Editor, files: dict[str, Path]) -> None:
+    grip, parts = files["grip.urdf.xacro"], files["parts.xacro"]
+    editor.open(grip)
+    editor.rest()
+    assert rename(editor, grip, editor.find(grip, 'link name="palm"', part="palm"), "hand") == {
+        "parts.xacro": ["on:='hand'\">"],
+        "grip.urdf.xacro": ['<xacro:arg name="root" default="hand"/>', '<link name="hand"/>'],
+    }
+    editor.rest()
+    sentence = "The name is not changed: joint[nail_joint]@name would become `claw_joint` instead of `nail_joint`."
+    assert refuse(editor, parts, editor.find(parts, "name:=nail", part="nail"), "claw") == sentence
 
 
 def test_the_literal_part_of_names_that_a_macro_makes(editor: Editor, files: dict[str, Path]) -> None:

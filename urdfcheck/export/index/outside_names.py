@@ -81,7 +81,7 @@ def _iter_srdf_names(srdf: Srdf) -> Iterator[NamePlace]:
         if attribute.span is None or (kind == JOINT and attribute.value.strip() in srdf.virtual_joints):
             continue
         name = attribute.value.strip()
-        typed = None if attribute.literal else find_typed_value(attribute) or find_handed_text(attribute)
+        typed = None if attribute.literal else find_typed_value(attribute) or find_handed_text(attribute, srdf.files)
         yield NamePlace(kind, name, attribute.span, False, is_handed=typed is not None)
         if typed is not None:
             yield NamePlace(kind, name, typed.span, False)

@@ -61,7 +61,9 @@ def _iter_expanded_names(root: Element, names: PartNames, source: Source) -> Ite
             kind, is_definition = classify_name(element, attribute, names)
             if not kind or attribute.span is None or not attribute.value or "$" in attribute.value:
                 continue
-            typed = None if attribute.literal else find_typed_value(attribute) or find_handed_text(attribute)
+            typed = (
+                None if attribute.literal else find_typed_value(attribute) or find_handed_text(attribute, source.files)
+            )
             if typed is None:
                 yield NamePlace(kind, attribute.value, attribute.span, is_definition)
             else:

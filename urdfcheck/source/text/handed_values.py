@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from urdfcheck.core import Span
 from urdfcheck.core.records import dataclass
-from urdfcheck.source.text.xml import Attribute, Definition, flatten_definitions
+from urdfcheck.source.text.xml import Attribute, Definition, SourceFile, flatten_definitions
 
 # The search does not go to the end of the text from each of many places: the next opening bracket ends it.
 EXPRESSION = re.compile(r"\$\{([^$}]*(?:\$(?!\{)[^$}]*)*)\}|\$\(eval\s([^$)]*(?:\$(?!\()[^$)]*)*)\)")
@@ -15,6 +15,12 @@ _STRING = re.compile(r"'[^']*'|\"[^\"]*\"")
 _OPERATOR = re.compile(r"[-+*/%(]")
 _REFERENCE = re.compile(r"\s*\$\{[^{}]*\}\s*")
 _NAME = re.compile(r"\s*\$\{\s*(\w+)\s*\}\s*")
+_ARGUMENT = re.compile(r"\s*\$\(arg\s+([^\s()]+)\s*\)\s*")
+# A parameter with its default, which another value may precede; and a text as it is.
+_PARAMETER, _WHOLE = (
+    re.compile(r"""[^\s:=]+\s*:?=\s*(?:\^\|?)?(['"]?)(.*)\1""", re.DOTALL),
+    re.compile(r"()(.*)", re.DOTALL),
+)
 # A property may be defined by another, and a call may hand on what its macro was given.
 _MOST_STEPS = 50
 
@@ -54,20 +60,36 @@ def find_typed_value(attribute: Attribute) -> TypedValue | None:
     return None
 
 
-def find_handed_text(attribute: Attribute) -> TypedValue | None:
+def find_handed_text(attribute: Attribute, files: Mapping[str, SourceFile]) -> TypedValue | None:
     """Return the text that an attribute is given as a whole: ``${prefix}_arm`` of a call, where the macro has ``${parent}``.
 
-    None where it is typed at the attribute, and where it is not plain which text it is.
+    It may be the default of a parameter or of an argument, too. None where the text is typed at the attribute, and where it is
+    not plain which one it is.
     """
     found, typed, reads = None, attribute.typed, attribute.reads
     for _ in range(_MOST_STEPS):
-        if not _NAME.fullmatch(typed):
-            return found
-        definition = _find_definition(typed, reads, attribute.value)
-        if definition is None or definition.span is None or not definition.text:
+        name = _NAME.fullmatch(typed) or _ARGUMENT.fullmatch(typed)
+        if name is None:
+            return found if "$" in typed or typed.strip() == attribute.value.strip() else None
+        definition = next((read for read in reads if read.name == name[1]), None)
+        found = None if definition is None else _find_text(definition, files)
+        if definition is None or found is None:
             return None
-        found, typed, reads = TypedValue(definition.span, definition.text), definition.text, definition.reads
+        typed, reads = found.text, definition.reads
     return None
+
+
+def _find_text(definition: Definition, files: Mapping[str, SourceFile]) -> TypedValue | None:
+    """Return what is typed at a definition: of a parameter of a macro, its default."""
+    span = definition.span
+    if span is None or definition.text or span.file not in files:
+        return TypedValue(span, definition.text) if span is not None and definition.text else None
+    text = files[span.file].text[span.start : span.end]
+    default = _PARAMETER.fullmatch(text) if definition.kind == "parameter" else _WHOLE.fullmatch(text)
+    if default is None or not default[2]:
+        return None
+    start = span.start + default.start(2)
+    return TypedValue(files[span.file].make_span(start, start + len(default[2])), default[2])
 
 
 def read_numbers(text: str) -> list[float] | None:
