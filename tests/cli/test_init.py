@@ -351,6 +351,9 @@ def test_what_came_from_an_index_is_installed_by_its_version(
     job = yaml.safe_load((repository / ".github/workflows/urdfcheck.yml").read_text(encoding="utf-8"))
     steps = job["jobs"]["urdfcheck"]["steps"]
     assert [step["env"]["URDFCHECK"] for step in steps if "URDFCHECK" in step.get("env", {})] == ["urdfcheck==1.2.3"]
+    zizmor = Path(sys.executable).with_name("zizmor")
+    done = subprocess.run([zizmor, "--offline", ".github"], cwd=repository, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
 
 
 def test_files_for_vs_code_are_written_where_it_looks(

@@ -45,7 +45,7 @@ jobs:
   urdfcheck:
     runs-on: ubuntu-latest
     steps:
-      - uses: actions/checkout@v6
+      - uses: actions/checkout@3d3c42e5aac5ba805825da76410c181273ba90b1 # v7.0.1
         with:
           persist-credentials: false
 {steps}"""
@@ -57,7 +57,7 @@ ACTION = """\
 """
 # Python lies outside of the checkout, and -I keeps it from taking modules there.
 INSTALLED = """\
-      - uses: actions/setup-python@v6
+      - uses: actions/setup-python@5fda3b95a4ea91299a34e894583c3862153e4b97 # v7.0.0
         with:
           python-version: "3.12"
       - shell: bash
@@ -76,7 +76,7 @@ INSTALLED = """\
           if [ "$FROM" = "$GITHUB_REPOSITORY" ]; then isolated=""; fi
           "$RUNNER_TEMP/urdfcheck/bin/python" -I -m urdfcheck check $isolated \\
             --format github -o html="$RUNNER_TEMP/urdfcheck.html" -- "$CHECKED"
-      - uses: actions/upload-artifact@v7
+      - uses: actions/upload-artifact@bbbca2ddaa5d8feaa63e36b76fdaad77386f024f # v7.0.0
         if: always()
         with:
           path: ${{{{ runner.temp }}}}/urdfcheck.html
