@@ -108,7 +108,7 @@ def _compare_outlines(urdf: ModelOutline, xacro: ModelOutline) -> _ModelDifferen
 
 
 def _are_equal(one: Value, other: Value) -> bool:
-    """Whether two values are the same words and numbers, but for the last digits that two versions of Python print."""
+    """Whether two values are the same words and numbers, except for the last digits that two versions of Python print."""
     return len(one) == len(other) and all(a == b or _are_same_number(a, b) for a, b in zip(one, other, strict=True))
 
 
