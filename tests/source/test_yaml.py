@@ -104,6 +104,25 @@ def test_no_file_out_of_reach_is_read(tmp_path: Path) -> None:
         assert (find_yaml_error(tmp_path / "broken.yaml", finder) is not None) == read
 
 
+@pytest.mark.parametrize(
+    ("parameters", "joints"),
+    [("ros__parameters: {joints: [NAME]}", {"one", "two"}), ("{type: a/B, joints: [NAME]}", {"two"})],
+)
+def test_several_blocks_for_one_node_count_where_ros_2_reads_them(
+    tmp_path: Path, parameters: str, joints: set[str]
+) -> None:
+    """PyYAML, which ROS 1 uses, forgets all but the last."""
+    inner = [parameters.replace("NAME", name) for name in ("one", "two")]
+    blocks = [
+        f"{'/**' if 'ros__' in text else 'robot'}:\n  {name}_controller:\n    {text}\n"
+        for text, name in zip(inner, "ab", strict=True)
+    ]
+    (tmp_path / "c.yaml").write_text("".join(blocks))
+    found = read_controller_config(tmp_path / "c.yaml", PackageFinder(tmp_path, environment={}))
+    assert found is not None
+    assert found.joint_names == joints
+
+
 def test_a_text_that_was_read_before_is_not_parsed_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """The places are those of the file at hand; a merge, which PyYAML resolves in the nodes, makes them that file's own."""
     import yaml

@@ -217,7 +217,9 @@ def _walk_mappings(root: YamlValue) -> Iterator[_Node]:
         name, mapping, inside = stack.pop()
         yield name, mapping, inside
         below: list[_Node] = []
-        for key, value in mapping.entries:
+        # The parser of ROS 2 reads each of several blocks for one node.
+        repeated = [] if inside else filter(_has_ros2_parameters, mapping.overridden_entries)
+        for key, value in (*repeated, *mapping.entries):
             if key.text == "ros__parameters":
                 below.append((name, value, "ros2"))
             elif value.is_mapping:
@@ -225,6 +227,11 @@ def _walk_mappings(root: YamlValue) -> Iterator[_Node]:
             else:  # controller_list
                 below += [(None, item, "inner" if inside else "") for item in value.items if item.is_mapping]
         stack += reversed(below)
+
+
+def _has_ros2_parameters(entry: tuple[YamlValue, YamlValue]) -> bool:
+    span = entry[1].span
+    return "ros__parameters" in entry[1].source.text[span.start : span.end]
 
 
 def _list_joint_names(value: YamlValue | None) -> list[YamlValue]:

@@ -79,6 +79,18 @@ class YamlValue:
         )
 
     @property
+    def overridden_entries(self) -> tuple[tuple[YamlValue, YamlValue], ...]:
+        """The entries of a mapping whose key a later one repeats: yaml forgets them, and not every parser of it does."""
+        if not _is_mapping(self.node):
+            return ()
+        last = {str(key.value): key for key, _ in self.node.value}
+        return tuple(
+            (self._make_inner(key, str(key.value)), self._make_inner(value, str(key.value)))
+            for key, value in self.node.value
+            if _is_scalar(key) and last[str(key.value)] is not key
+        )
+
+    @property
     def items(self) -> tuple[YamlValue, ...]:
         """The values of a list."""
         if not _is_sequence(self.node):
