@@ -258,6 +258,40 @@ def test_a_name_that_a_call_makes_and_hands_on(editor: Editor, files: dict[str, 
     }
 
 
+BROKEN = HANDED.replace('name="grip"', 'name="broken"').replace('prefix="l_"', 'prefix="${side}"')
+
+
+@pytest.mark.parametrize(
+    "files", [HANDED_FILES | {"urdf/broken.urdf.xacro": BROKEN}], indirect=True, ids=["with_a_broken_one"]
+)
+def test_a_robot_that_does_not_expand_is_told(editor: Editor, files: dict[str, Path]) -> None:
+    """What it shares with another is tried there; what only it has is not changed."""
+    parts, broken, told = files["parts.xacro"], files["broken.urdf.xacro"], editor.client.messages
+    for path in (parts, broken):
+        editor.open(path)
+    editor.rest()
+    told.clear()
+    changed = rename(editor, parts, editor.find(parts, 'name="soft"', part="soft"), "rubber")
+    assert changed.keys() == {"parts.xacro"}
+    (message,) = [message.message for message in told]
+    assert message == f"Not tried, as it cannot be expanded now: {broken.relative_to(editor.folder)}."
+    editor.rest()
+    at = editor.find(broken, "xacro:finger", part="finger")
+    assert "broken.urdf.xacro cannot be expanded as it is now" in refuse(editor, broken, at, "thumb")
+
+
+def test_a_property_that_gives_a_parameter_another_value(editor: Editor, files: dict[str, Path]) -> None:
+    """Also where it does so in another robot only, so that no run shows it."""
+    macros = files["arm.xacro"]
+    given = '<xacro:if value="${length > 9}"><xacro:property name="parent" value="base"/></xacro:if>\n    <link'
+    editor.type(macros, editor.texts[macros].replace("<link", given, 1))
+    editor.rest()
+    changed = rename(editor, macros, editor.find(macros, 'property name="parent"', part="parent"), "mount")
+    assert changed.keys() == {"arm.xacro", "two_arms.urdf.xacro", "other.urdf.xacro"}
+    assert '<xacro:macro name="arm" params="prefix mount length:=0.4 *origin">' in changed["arm.xacro"]
+    assert '<parent link="${mount}"/>' in changed["arm.xacro"]
+
+
 @pytest.mark.parametrize("files", [HANDED_FILES], indirect=True, ids=["handed"])
 def test_a_name_that_is_the_default_of_a_parameter_or_an_argument(editor: Editor, files: dict[str, Path]) -> None:
     grip, parts = files["grip.urdf.xacro"], files["parts.xacro"]

@@ -99,6 +99,8 @@ class CheckAnswer:
     """Those of the renaming."""
     doubtful: tuple[DoubtfulName, ...] = ()
     """Texts that the renaming leaves as they are, because they may be something else."""
+    untried: tuple[str, ...] = ()
+    """Models in which it could not be tried."""
     refusal: str = ""
     """Why there are none, in a sentence."""
     report: bytes = b""

@@ -217,7 +217,7 @@ class _CheckProcess:
 
         try:
             plan = compute_rename(wish, job.texts, audit)
-            return CheckAnswer(number=job.number, edits=plan.edits, doubtful=plan.doubtful)
+            return CheckAnswer(number=job.number, edits=plan.edits, doubtful=plan.doubtful, untried=plan.untried)
         except RenameRefusedError as refusal:
             return CheckAnswer(number=job.number, refusal=str(refusal))
         except UrdfcheckError as error:  # of the configuration

@@ -31,7 +31,12 @@ from urdfcheck.server.diagnostics import SOURCE, ShownFinding, make_failure_diag
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.hover import describe_position
 from urdfcheck.server.names.navigation import find_definitions, find_references
-from urdfcheck.server.names.rename_answers import describe_doubtful_names, make_rename_edit, prepare_rename
+from urdfcheck.server.names.rename_answers import (
+    describe_doubtful_names,
+    describe_untried_models,
+    make_rename_edit,
+    prepare_rename,
+)
 from urdfcheck.server.names.rename_plan import RenameRefusedError
 from urdfcheck.server.report.commands import add_report_commands
 from urdfcheck.server.symbols import list_folding_ranges, list_inlay_hints, list_symbols
@@ -215,8 +220,8 @@ def _add_renaming(server: UrdfcheckServer) -> None:
             if answer.refusal or answer.is_cancelled:
                 raise RenameRefusedError(answer.refusal or "The text was changed meanwhile: try again.")
             edit = make_rename_edit(answer.edits, documents)
-            if answer.doubtful:
-                text = describe_doubtful_names(answer.doubtful)
+            text = " ".join((*describe_untried_models(answer.untried), *describe_doubtful_names(answer.doubtful)))
+            if text:
                 server.window_show_message(types.ShowMessageParams(types.MessageType.Warning, text))
             return edit
 

@@ -94,7 +94,12 @@ class _XacroNames:
             return
         typed = strip_namespace(name.value) if kind == MACRO else name.value
         span = self._make_span(name, len(name.value) - len(typed), len(typed))
-        scope = _find_scope(element) if kind == PROPERTY else None
+        macro = _find_scope(element) if kind == PROPERTY else None
+        scope = None if macro is None else macro.span
+        parameter = self.parameters.get(id(macro), {}).get(typed)
+        if parameter is not None:  # it gets another value
+            self.definitions.append(NamePlace(PARAMETER, typed, span, False, (parameter,)))
+            return
         if scope is not None:
             self.local_properties.add((typed, scope))
         self.definitions.append(NamePlace(kind, typed, span, True, scope=scope))
@@ -186,14 +191,14 @@ class _XacroNames:
             yield NamePlace(PROPERTY, name, span, False, self.reads.get((text, name), ()), scope=local)
 
 
-def _find_scope(element: Element) -> Span | None:
-    """Return the start tag of the macro that a property is local to; None if it is known beyond it."""
+def _find_scope(element: Element) -> Element | None:
+    """Return the macro that a property is local to; None if it is known beyond it."""
     if element.get("scope") in {"parent", "global"}:
         return None
     around = element.parent
     while around is not None and around.tag != "xacro:macro":
         around = around.parent
-    return None if around is None else around.span
+    return around
 
 
 def _collect_reads(source: Source) -> Mapping[tuple[Span, str], tuple[Span, ...]]:

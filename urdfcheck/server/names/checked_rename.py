@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -54,9 +54,6 @@ def compute_rename(wish: RenameWish, texts: Mapping[str, bytes], audit: Audit) -
 
 def _plan_edits(wish: RenameWish, audited: AuditedRun, texts: Mapping[str, bytes]) -> RenamePlan:
     indexes = list(_list_indexes(audited).values())
-    for model in audited.outcome.models:
-        if model.status != "checked" and not audited.outcome.partial:
-            raise RenameRefusedError(f"The name is not changed: {model.id} cannot be expanded as it is now.")
     files = {}
     for name in {place.span.file for index in indexes for place in index.names}:
         try:
@@ -64,9 +61,21 @@ def _plan_edits(wish: RenameWish, audited: AuditedRun, texts: Mapping[str, bytes
                 files[name] = SourceFile.read(Path(name), name)
         except (OSError, XmlError):
             raise RenameRefusedError(f"The name is not changed: {name} cannot be read.") from None
-    if not files:
-        raise RenameRefusedError(NOTHING_HERE)
-    return plan_rename(wish, indexes, files)
+    untried = tuple(model.id for model in audited.outcome.models if model.status != "checked")
+    try:
+        plan = plan_rename(wish, indexes, files)
+    except RenameRefusedError as refusal:
+        if untried and str(refusal) == NOTHING_HERE:
+            raise RenameRefusedError(_explain_untried(untried)) from None
+        raise
+    tried = {name for index in indexes if index.is_expanded for name in index.files}
+    if untried and not {edit.span.file for edit in plan.edits} <= tried:
+        raise RenameRefusedError(_explain_untried(untried))
+    return replace(plan, untried=untried)
+
+
+def _explain_untried(models: Sequence[str]) -> str:
+    return f"The name is not changed: {models[0]} cannot be expanded as it is now."
 
 
 def _list_indexes(audited: AuditedRun) -> dict[str, SourceIndex]:

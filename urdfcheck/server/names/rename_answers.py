@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from lsprotocol import types
@@ -51,7 +51,14 @@ def make_rename_edit(edits: Iterable[Edit], documents: DocumentStore) -> types.W
     return make_workspace_edit(made, documents)
 
 
-def describe_doubtful_names(texts: Iterable[DoubtfulName]) -> str:
-    """Return a sentence about the texts that a renaming leaves as they are."""
-    shown = (f"`{t.name}` in {Path(t.span.file).name}:{t.span.line} ({t.doubt})" for t in texts)
-    return f"Not renamed: {join_names(shown)}."
+def describe_doubtful_names(texts: Sequence[DoubtfulName]) -> Iterator[str]:
+    """Yield a sentence about the texts that a renaming leaves as they are, if there are any."""
+    if texts:
+        shown = (f"`{t.name}` in {Path(t.span.file).name}:{t.span.line} ({t.doubt})" for t in texts)
+        yield f"Not renamed: {join_names(shown)}."
+
+
+def describe_untried_models(models: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence about the models in which a renaming could not be tried, if there are any."""
+    if models:
+        yield f"Not tried, as it cannot be expanded now: {join_names(models)}."

@@ -44,6 +44,8 @@ class RenamePlan:
     """Old name of each argument that gets a new one: ids of models that a launch file starts may have it."""
     doubtful: tuple[DoubtfulName, ...] = ()
     """Texts that are left as they are, because they may be something else."""
+    untried: tuple[str, ...] = ()
+    """The models that could not be expanded before, so that they show nothing; each edit was tried in another."""
 
 
 def find_renamed_part(typed: str, offset: int) -> tuple[int, int] | None:
