@@ -78,7 +78,7 @@ def test_a_changed_number_is_noticed(tmp_path: Path, kind: str) -> None:
 
 
 def test_a_drawing_that_is_no_longer_known_is_noticed(tmp_path: Path) -> None:
-    """A wheel is apart from what the base draws, and from what collides in the same place; the wheel may touch an unknown drawing."""
+    """A wheel is apart from what the base draws, and from what collides in the same place; it may touch what is not known."""
     shutil.copytree(FIXTURES / "car-3", tmp_path / "car-3")
     path = tmp_path / "car-3" / "urdf" / "car-3.urdf"
     text = path.read_text(encoding="utf-8").replace('xyz="-0.07 0.052 0"', 'xyz="-0.137 0.052 0"')

@@ -101,7 +101,7 @@ class DrawnBodies:
         return all(id(shape) in known for shape in drawn)
 
     def is_undrawn(self, name: str) -> bool:
-        """Whether a link is a part that nobody drew: a bracket."""
+        """Whether a link is a part that no one drew: a bracket."""
         link = self.model.link_by_name[name]
         return link.inertial is not None and not (link.visuals or link.collisions)
 
