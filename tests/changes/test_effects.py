@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import trimesh
 from builders import box, cylinder, inertial, joint, link, robot, visual
-from pinocchio_oracle import list_places, make_configuration
 from versions import ARM, compare, compare_texts
 
 import urdfcheck
@@ -20,6 +19,7 @@ from urdfcheck.export.mechanism_builder import build_mechanism
 from urdfcheck.facts.comparison.home_pose import compute_home_pose
 from urdfcheck.facts.comparison.joint_loads import compute_joint_inertias
 from urdfcheck.facts.comparison.motion import compute_displacements
+from urdfcheck.facts.motion.dynamics import build_configurations, compute_mass_matrices, locate_joint_coordinates
 from urdfcheck.model import Model
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
@@ -174,10 +174,11 @@ def test_inertias_are_those_of_pinocchio(tmp_path: Path) -> None:
     rng = np.random.default_rng(5)
     values = {name: rng.uniform(-1.0, 1.0, 4) for name in ("pan", "elbow", "wrist", "grip", "grip_mirror")}
     found = compute_joint_inertias(home, compute_displacements(home, values, 4))
-    for row in range(4):
-        q = make_configuration(model, {name: positions[row] for name, positions in values.items()})
-        diagonal = np.diag(pinocchio.crba(model, model.createData(), q))[list_places(model, list(values))]
-        assert [found[name][row] for name in values] == pytest.approx(diagonal, rel=1e-9)
+    coordinates = locate_joint_coordinates(model, list(values))
+    q = build_configurations(coordinates, np.array(list(values.values())).T)
+    matrices = compute_mass_matrices(model, model.createData(), q)
+    for name, place in zip(values, coordinates.velocity, strict=True):
+        assert found[name] == pytest.approx(matrices[:, place, place], rel=1e-9)
 
 
 def test_a_friction_changes_no_inertia(tmp_path: Path) -> None:

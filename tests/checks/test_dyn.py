@@ -498,8 +498,7 @@ def test_results_are_kept_until_the_model_changes(tmp_path: Path, monkeypatch: p
     def fail(*_: object) -> None:
         raise AssertionError("computed")
 
-    monkeypatch.setattr(dynamics, "compute_gravity_torques", fail)
-    monkeypatch.setattr(dynamics, "compute_mass_matrices", fail)
+    monkeypatch.setattr(dynamics, "locate_joint_coordinates", fail)
     ((load,), felt) = find_overloads(again), summarize_mass_matrix(again)
     assert (load.torque, load.joint_values, load.count) == (
         before[0][0].torque,

@@ -6,7 +6,7 @@ import hashlib
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,14 +14,13 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion import dynamics
 from urdfcheck.model.motion.buoyancy import has_buoyancy_plugin
-from urdfcheck.model.motion.moving_bodies import MovingBodies, list_moving_bodies
-from urdfcheck.model.motion.pinocchio_model import parser_verdict, write_without_geometry
+from urdfcheck.model.motion.pinocchio_model import pinocchio_model, write_without_geometry
 from urdfcheck.model.motion.poses import JointConfigurations, apply_mimics, get_sampling_range, sample_configurations
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.source.text.values import read_attribute_number
-from urdfcheck.system.installation import compute_code_version
+from urdfcheck.system.installation import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,12 +46,8 @@ _ROLLING = re.compile(r"wheel|tyre|cast[eo]r", re.IGNORECASE)
 _CODE_MODULES = (
     "urdfcheck.facts.motion.dynamics",
     "urdfcheck.facts.motion.kinematics",
-    "urdfcheck.facts.inertials.inertia_tensor",
     "urdfcheck.model.motion.joint_loads",
-    "urdfcheck.model.motion.moving_bodies",
     "urdfcheck.model.motion.poses",
-    "urdfcheck.model.parts",
-    "urdfcheck.model.rigid_bodies",
 )
 
 
@@ -203,7 +198,7 @@ def _recall_or_compute(model: Model, group: str, compute: Callable[[], Arrays]) 
     """Return the arrays of a group, from the cache where it holds them for the same model and settings."""
     excepted = (" ".join(sorted(names)) for names in (find_supported_joints(model), list_implicit_joints(model)))
     parts = (
-        compute_code_version(*_CODE_MODULES),
+        compute_code_version(*_CODE_MODULES, library=find_library_origin("pinocchio")),
         write_without_geometry(model),
         str(model.samples),
         *excepted,
@@ -214,15 +209,11 @@ def _recall_or_compute(model: Model, group: str, compute: Callable[[], Arrays]) 
     return entry[group]
 
 
-def _list_loaded_bodies(model: Model) -> MovingBodies:
-    """List the moving bodies of a model that loads.
-
-    :raises FactUnavailableError: when Pinocchio has no model.
-    """
-    verdict = parser_verdict(model)
-    if verdict.refused_by is not None:
-        raise FactUnavailableError(f"{verdict.refused_by} refuses the model (XML014)")
-    return list_moving_bodies(model)
+def _get_pinocchio_model(model: Model) -> Any:
+    built = pinocchio_model(model)
+    if built.model is None:
+        raise FactUnavailableError(f"{built.refused_by} refuses the model (XML014)")
+    return built.model
 
 
 def _compute_statics(model: Model, poses: JointConfigurations) -> Arrays:
@@ -230,13 +221,14 @@ def _compute_statics(model: Model, poses: JointConfigurations) -> Arrays:
 
     ``joint`` (K,) their indices in ``poses``, ``torque`` (K,), ``values`` (K, J) where, and ``count`` (K,) of configurations.
     """
-    moving = _list_loaded_bodies(model)
-    columns = moving.locate(poses.joints)
+    built = _get_pinocchio_model(model)
+    data = built.createData()
+    places = dynamics.locate_joint_coordinates(built, [joint.name for joint in poses.joints])
     coupling = _compute_joint_coupling(poses)
 
     def compute_torques(of: int | slice, values: Array) -> Array:
-        every = dynamics.compute_gravity_torques(moving.tree, moving.spread(poses.joints, values))
-        torques: Array = every[:, columns] @ coupling[:, of]
+        every = dynamics.compute_gravity_torques(built, data, dynamics.build_configurations(places, values))
+        torques: Array = every[:, places.velocity] @ coupling[:, of]
         return torques
 
     size = np.abs(compute_torques(slice(None), poses.values))
@@ -257,11 +249,12 @@ def _compute_statics(model: Model, poses: JointConfigurations) -> Arrays:
         involved = _find_involved_joints(model, poses, coupling=coupling, index=int(i))
         tried = np.flatnonzero(coupling[involved].any(axis=0)).tolist()
         starts = poses.values[np.argsort(-size[:, i], kind="stable")[:_CLIMB_STARTS]]
-        loads.append(
-            dynamics.find_largest_load(
-                partial(compute_torques, int(i)), starts, ranges=ranges, coupling=coupling, joints=tried
-            )
-        )
+        compute = partial(compute_torques, int(i))
+        tops = [
+            dynamics.find_largest_load(compute, start=start, ranges=ranges, coupling=coupling, joints=tried)
+            for start in starts
+        ]
+        loads.append(max(tops, key=lambda top: top.torque))
     values = np.array([load.values for load in loads]).reshape(-1, len(poses.joints))
     return {
         "joint": over,
@@ -277,43 +270,43 @@ def _measure_mass_matrix(model: Model, poses: JointConfigurations) -> Arrays:
     ``summary`` (5,): condition number, index of the light joint in ``poses`` or -1, its own and its moved inertia, decay rate;
     ``felt`` (J,): the effective inertias.
     """
-    moving = _list_loaded_bodies(model)
-    tree, columns = moving.tree, moving.locate(poses.joints)
-    values = moving.spread(poses.joints, poses.values)
-    matrices = dynamics.compute_mass_matrices(tree, values[:_MATRIX_SAMPLES])
+    built = _get_pinocchio_model(model)
+    data = built.createData()
+    places = dynamics.locate_joint_coordinates(built, [joint.name for joint in poses.joints])
+    columns = places.velocity
+    q = dynamics.build_configurations(places, poses.values)
+    matrices = dynamics.compute_mass_matrices(built, data, q[:_MATRIX_SAMPLES])
     felt = np.concatenate(
         [
-            dynamics.compute_effective_inertias(_compute_inverses(tree, values[start : start + _BATCH_SIZE]))
-            for start in range(0, len(values), _BATCH_SIZE)
+            dynamics.compute_effective_inertias(
+                dynamics.compute_inverse_mass_matrices(built, data, q[start : start + _BATCH_SIZE])
+            )
+            for start in range(0, len(q), _BATCH_SIZE)
         ]
     )[:, columns]
     worst = dynamics.measure_conditioning(matrices)
     light, own, moved = -1, 0.0, 0.0
     for i in _list_suspected_joints(columns, worst):
-        own_inertia = dynamics.compute_own_inertia(tree.bodies[columns[i]])
+        own_inertia = dynamics.compute_own_inertia(built, poses.joints[i].name, q[worst.index])
         moved_inertia = float(matrices[worst.index, columns[i], columns[i]])
         is_light = own_inertia < moved_inertia * dynamics.ADDED_INERTIA_SHARE
         if not is_light:
             continue
         # This question takes ten times as long as all else.
-        alike = [int(columns[k]) for k in (i, *_find_equal_mass_joints(model, poses.joints, i))]
+        alike = [poses.joints[k].name for k in (i, *_find_equal_mass_joints(model, poses.joints, i))]
         more = dict.fromkeys(alike, dynamics.ADDED_INERTIA_SHARE * moved_inertia)
-        relieved = matrices + dynamics.compute_added_matrices(tree, values[: len(matrices)], more)
+        relieved = matrices + dynamics.compute_added_matrices(built, q[: len(matrices)], more)
         if dynamics.measure_conditioning(relieved).number * _RELIEF < worst.number:
             light, own, moved = i, own_inertia, moved_inertia
             break
-    dampings = np.zeros(len(tree.bodies))
+    dampings = np.zeros(built.nv)
     implicit = list_implicit_joints(model)
     dampings[columns] = [0.0 if joint.name in implicit else read_damping(joint) for joint in poses.joints]
     fastest = int((dampings[columns] / felt).max(axis=1).argmax())
-    (inverse,) = _compute_inverses(tree, values[[fastest]])
+    (inverse,) = dynamics.compute_inverse_mass_matrices(built, data, q[[fastest]])
     rate = dynamics.compute_damping_rate(inverse, dampings) if dampings.any() else 0.0
     summary = np.array([worst.number, light, own, moved, rate])
     return {"summary": summary, "felt": felt.min(axis=0)}
-
-
-def _compute_inverses(tree: dynamics.BodyTree, values: Array) -> Array:
-    return dynamics.invert_mass_matrices(dynamics.compute_mass_matrices(tree, values))
 
 
 def _list_suspected_joints(columns: NDArray[np.intp], worst: dynamics.Conditioning) -> list[int]:

@@ -12,7 +12,7 @@ import os
 import re
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import IO, TYPE_CHECKING, Any
 
@@ -27,8 +27,8 @@ from urdfcheck.source.text.grammar import (
     iter_urdf_elements,
     parse_urdf_version,
 )
-from urdfcheck.source.text.values import is_computable, parse_number, parse_numbers, read_attribute_number
-from urdfcheck.source.text.xml import Attribute, Element, quote_attribute
+from urdfcheck.source.text.values import parse_numbers, read_attribute_number
+from urdfcheck.source.text.xml import Element, quote_attribute
 from urdfcheck.system.installation import compute_code_version, describe_left_out, find_library_origin
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def parser_verdict(model: Model) -> ParserVerdict:
     if library is None:
         return _make_verdict(pinocchio_model(model))
     _ensure_loadable(model)
-    parts = (compute_code_version(__name__, library=library), _write_without_geometry(model, _hide_inertial_number))
+    parts = (compute_code_version(__name__, library=library), write_without_geometry(model))
     entry = model.cache.entry("verdicts", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     if "verdict" not in entry:
         verdict = _make_verdict(pinocchio_model(model))
@@ -120,15 +120,10 @@ def pinocchio_model(model: Model) -> PinocchioModel:
 @fact
 def write_without_geometry(model: Model) -> str:
     """Write the expanded model as URDF text with links, inertials and joints only."""
-    return _write_without_geometry(model, lambda _element, attribute: attribute.value)
 
-
-def _write_without_geometry(model: Model, read_value: Callable[[Element, Attribute], str]) -> str:
     def write_element(element: Element) -> Iterator[str]:
         attributes = "".join(
-            f" {a.name}={quote_attribute(read_value(element, a))}"
-            for a in element.attributes.values()
-            if ":" not in a.name
+            f" {a.name}={quote_attribute(a.value)}" for a in element.attributes.values() if ":" not in a.name
         )
         children = [c for c in element.children if c.tag in _KEPT_CHILDREN.get(element.tag, set())]
         if not children:
@@ -140,19 +135,6 @@ def _write_without_geometry(model: Model, read_value: Callable[[Element, Attribu
         yield f"</{element.tag}>"
 
     return '<?xml version="1.0"?>\n' + "".join(write_element(model.robot))
-
-
-def _hide_inertial_number(element: Element, attribute: Attribute) -> str:
-    """Return the value of an attribute for a text that is equal for models of which the same is reported.
-
-    Nothing is reported about how large the numbers of an inertial are, as long as they can be computed with.
-    """
-    if element.parent is None or element.parent.tag != "inertial" or attribute.name == "quat_xyzw":
-        return attribute.value
-    return " ".join(
-        "0" if (number := parse_number(word)) is not None and is_computable(number) else word
-        for word in attribute.value.split()
-    )
 
 
 def _ensure_loadable(model: Model) -> None:
