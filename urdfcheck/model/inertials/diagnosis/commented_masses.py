@@ -54,7 +54,7 @@ def name_commented_masses(
 
 
 def _list_commented_masses(model: Model, link: Link) -> Iterator[float]:
-    """Yield the masses (kg) in the comments of a link's ``<inertial>``, but for those with a tensor of their own."""
+    """Yield the masses (kg) in the comments of a link's ``<inertial>`` that hold no tensor."""
     span = None if link.inertial is None else link.inertial.element.span
     file = None if span is None else model.source.files.get(span.file)
     if span is None or file is None:
