@@ -295,3 +295,25 @@ def test_numbers_of_one_export_have_no_other_mass(tmp_path: Path, mass: float, t
     part = format_inertial(replace(numbers, tensor=times * numbers.tensor), 16)
     found = find(tmp_path, arm_on_base(part, drawn_boxes(CASTING)), {"INR009"})
     assert [finding.cause and finding.cause.id for finding in found] == ["other_mass"] * is_named
+
+
+@pytest.mark.parametrize(
+    ("comment", "is_named"),
+    [
+        ('<mass value="{older}"/>', True),
+        ("was <mass value='{older}' />, too heavy for Gazebo", True),
+        ('<mass value="{other}"/>', False),
+        # An older inertial, which was replaced as a whole.
+        ('<mass value="{older}"/> <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>', False),
+    ],
+)
+def test_a_mass_in_a_comment_is_the_one_of_the_tensor(tmp_path: Path, comment: str, is_named: bool) -> None:
+    """1/24 of the mass is near the factor between kg·m² and lb·ft²: by the numbers alone, a unit fits as well."""
+    true = uniform(geometry(PLATE_BLOCKS).solid)
+    text = make_chain((replace(true, mass=true.mass / 23.99), PLATE_BLOCKS))
+    comment = comment.format(older=f"{true.mass:.9g}", other=f"{7.0 * true.mass:.9g}")
+    (finding,) = find(tmp_path, text.replace("<mass", f"<!-- {comment} --><mass", 1), {"INR009"})
+    assert finding.cause is not None
+    assert ("as a comment says" in finding.cause.text) == is_named
+    assert finding.fix is not None
+    assert not (is_named and finding.fix.edits), "the file does not show which of the two is right"

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 # Vertices of a mesh that are compared with those of another one, to see that both touch.
 _MOST_POINTS = 2000
+# Points that are compared with others at a time.
+_BATCH = 64
 
 
 class Gaps:
@@ -68,14 +70,24 @@ def sample_vertices(placed: PlacedGeometry) -> Array | None:
 
 
 def is_within(points: Array, others: Array, reach: float) -> bool:
-    """Whether one of some points (n, 3) is within ``reach`` (m) of one of others (m, 3)."""
-    from scipy.spatial import cKDTree  # loaded only where it is used
+    """Whether one of some points (n, 3) is nearer than ``reach`` (m) to one of others (m, 3).
 
-    if not len(others):
+    Both are sorted along the longest side of what they share, so that each is compared with those beside it. A k-d tree would be
+    quicker in itself; to load scipy's takes a third of the time in which a robot is checked.
+    """
+    if not len(points) or not len(others):
         return False
-    low, high = others.min(axis=0) - reach, others.max(axis=0) + reach
-    near = points[((points >= low) & (points <= high)).all(axis=1)]
-    if not len(near):
-        return False
-    distances, _ = cKDTree(others).query(near, distance_upper_bound=reach)
-    return bool(np.isfinite(distances).any())
+    low = np.maximum(points.min(axis=0), others.min(axis=0)) - reach
+    high = np.minimum(points.max(axis=0), others.max(axis=0)) + reach
+    axis = int((high - low).argmax())
+    near, far = (
+        inside[inside[:, axis].argsort()]
+        for some in (points, others)
+        for inside in (some[((some >= low) & (some <= high)).all(axis=1)],)
+    )
+    for start in range(0, len(near), _BATCH):
+        batch = near[start : start + _BATCH]
+        first, last = np.searchsorted(far[:, axis], (batch[0, axis] - reach, batch[-1, axis] + reach))
+        if (((batch[:, None] - far[first:last]) ** 2).sum(axis=-1) < reach**2).any():
+            return True
+    return False

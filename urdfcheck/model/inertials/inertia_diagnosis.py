@@ -14,6 +14,7 @@ from urdfcheck.facts.inertials.diagnosis import Diagnosis
 from urdfcheck.facts.inertials.mistakes.file_habits import Evidence, Habit, Key, decide_habit, list_candidates
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.diagnosis.added_pieces import join_added_pieces
+from urdfcheck.model.inertials.diagnosis.commented_masses import name_commented_masses
 from urdfcheck.model.inertials.diagnosis.computed_tensors import name_computed_mass
 from urdfcheck.model.inertials.diagnosis.edited_masses import name_edited_masses
 from urdfcheck.model.inertials.diagnosis.inertial_references import collect_references
@@ -94,7 +95,8 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     joined = join_unmoved_pieces(model, numbers, decoded | drop_weak_causes(model, numbers, others))
     added = join_added_pieces(model, numbers, joined)
     in_units = name_units_of_rounded_masses(model, numbers, added)
-    named = name_mesh_frames(model, numbers, name_edited_masses(model, numbers, in_units))
+    commented = name_commented_masses(model, numbers, in_units)
+    named = name_mesh_frames(model, numbers, name_edited_masses(model, numbers, commented))
     for name, diagnosis in named.items():
         is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
         own = diagnosis if is_habit else name_computed_mass(model, model.link_by_name[name], numbers[name], diagnosis)

@@ -14,7 +14,6 @@ from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.axes.bodies import DrawnBodies
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.system.installation import describe_left_out
 
 if TYPE_CHECKING:
@@ -75,7 +74,7 @@ def find_apart_part(bodies: DrawnBodies) -> ApartPart | None:
     least = (_APART if len(joints) > _OTHERS else _FAR_APART) * size
     gap, nearest = distances.measure_to_rest(found)
     # What is not known may be what it touches.
-    if gap < least or not all(_is_complete(bodies, name) for name in model.tree.order):
+    if gap < least or not all(map(bodies.is_complete, model.tree.order)):
         return None
     # A slide may leave its guide at zero; a bearing holds its part in every position.
     if found.type == "prismatic" and any(
@@ -95,20 +94,10 @@ def do_collisions_touch(model: Model, found: ApartPart) -> bool:
 
 def _is_compared(bodies: DrawnBodies, joint: Joint) -> bool:
     """Whether it is known what child and parent draw."""
-    ends = [bodies.model.link_by_name[name] for name in (joint.parent, joint.child)]
-    if any(link.inertial is not None and not (link.visuals or link.collisions) for link in ends):
-        return False  # a bracket that nobody drew
+    if any(map(bodies.is_undrawn, (joint.parent, joint.child))):
+        return False
     heads = joint.child, bodies.get_parent(joint)
-    return all(head in bodies.shapes and _is_complete(bodies, head) for head in heads)
-
-
-def _is_complete(bodies: DrawnBodies, name: str) -> bool:
-    """Whether all shapes of the body of a link are known."""
-    names = bodies.model.tree.list_body_links(name)
-    links = [bodies.model.link_by_name[name] for name in names]
-    drawn = [shape for link in links for shape in (link.visuals or link.collisions) if not is_dummy_shape(shape)]
-    known = {id(one.shape) for one in bodies.shapes.get(names[0], ())}
-    return all(id(shape) in known for shape in drawn)
+    return all(head in bodies.shapes and bodies.is_complete(head) for head in heads)
 
 
 def _list_positions(joint: Joint) -> list[float]:

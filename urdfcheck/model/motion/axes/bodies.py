@@ -92,11 +92,25 @@ class DrawnBodies:
         """List the bodies with shapes that a joint moves, the nearest first."""
         return [head for head in self.shapes if joint in self.model.tree.find_path_to(head)]
 
+    def is_complete(self, name: str) -> bool:
+        """Whether all shapes of the body of a link are known."""
+        names = self.model.tree.list_body_links(name)
+        links = [self.model.link_by_name[name] for name in names]
+        drawn = [shape for link in links for shape in (link.visuals or link.collisions) if not is_dummy_shape(shape)]
+        known = {id(one.shape) for one in self.shapes.get(names[0], ())}
+        return all(id(shape) in known for shape in drawn)
+
+    def is_undrawn(self, name: str) -> bool:
+        """Whether a link is a part that no one drew: a bracket."""
+        link = self.model.link_by_name[name]
+        return link.inertial is not None and not (link.visuals or link.collisions)
+
     def compute_key(self) -> str:
         """Return a digest of all that decides how the bodies fit and move."""
         words = [compute_code_version(*_CODE_MODULES, library=find_library_origin("coal"))]
         for head, placed in self.shapes.items():
             words += [f"{head} {self._describe(one.shape)} {one.pose.tolist()}" for one in placed]
+        words += [f"{name} {self.is_complete(name)} {self.is_undrawn(name)}" for name in self.model.tree.order]
         words += [describe_joint(self.model.tree.parent_joint[name]) for name in self.model.tree.order[1:]]
         return hashlib.sha256("\0".join(words).encode()).hexdigest()
 
