@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field
 from pathlib import Path
+from typing import Any
 from xml.parsers import expat
 
 from urdfcheck.core import NEWLINE, Location, Span
@@ -127,6 +128,8 @@ class Element:
     via: tuple[Span, ...] = ()
     """The macro calls and includes that brought it in, outermost first."""
     _label_cache: tuple[int, dict[int, str]] | None = field(default=None, repr=False)
+    facts: dict[Any, Any] | None = field(default=None, repr=False)
+    """What `urdfcheck.source.text.tree_facts` remembers of a whole file, at its root."""
 
     def get(self, name: str, default: str = "") -> str:
         """Return the value of an attribute, or ``default``."""
