@@ -11,7 +11,7 @@ from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from types import SimpleNamespace
 from typing import Any
 from xml.dom import minidom
@@ -186,6 +186,26 @@ class Tracer:
 
     def wrap_eval_text(self, original: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap ``eval_text``: note what the text of an attribute reads."""
+        import xacro
+
+        def evaluate_parts(text: Any, symbols: Any) -> Any:
+            """Do what ``eval_text`` does, which takes a text apart each time that it is evaluated."""
+            try:
+                parts = _split_text(text)
+            except (xacro.XacroException, TypeError):  # after the parts before it are evaluated
+                return original(text, symbols)
+            values = [part if kind is None else evaluate_part(kind, part, symbols) for kind, part in parts]
+            return values[0] if len(values) == 1 else "".join(map(xacro.str, values))
+
+        def evaluate_part(kind: str, part: str, symbols: Any) -> Any:
+            if kind == "extension":
+                return xacro.eval_extension(f"$({evaluate_bounded(part, symbols)})")
+            try:
+                return xacro.safe_eval(evaluate_bounded(part, symbols), symbols)
+            except Exception as error:
+                raise xacro.XacroException(
+                    exc=error, suffix=f"{os.linesep}when evaluating expression '{part}'"
+                ) from None
 
         def evaluate_bounded(text: Any, symbols: Any) -> Any:
             if self.is_plain(text):
@@ -193,7 +213,7 @@ class Tracer:
             try:
                 if isinstance(text, str):  # xacro copies the rest of the text at each of its parts
                     self.guards.charge(text.count("$") * len(text) // 4096)
-                result = original(text, symbols)
+                result = evaluate_parts(text, symbols)
                 if isinstance(result, str):
                     self.guards.measure(result)
             except ExpressionRefusedError as refused:
@@ -227,8 +247,9 @@ class Tracer:
             origin = get_origin(self.trace.node)
             if is_attribute and origin is not None and self.trace.attribute is not None:
                 # A block is evaluated by the caller and again where it is inserted, when nothing is left to read.
-                before = origin.reads.get(self.trace.attribute, ())
-                origin.reads[self.trace.attribute] = tuple(dict.fromkeys((*before, *self.last_reads)))
+                before = origin.reads.setdefault(self.trace.attribute, self.last_reads)
+                if before is not self.last_reads and self.last_reads:
+                    origin.reads[self.trace.attribute] = tuple(dict.fromkeys((*before, *self.last_reads)))
             elif self.adding is not None:
                 self.add_attribute(*self.adding, result=result if isinstance(result, str) else "")
             elif self.last_reads and self.trace.node is not None and self.trace.node.tagName == "xacro:arg":
@@ -236,7 +257,7 @@ class Tracer:
                 self.trace.argument_definitions[name] = replace(
                     self.trace.argument_definitions[name], reads=self.last_reads
                 )
-            else:
+            elif self.last_reads:
                 self.trace.record_loose_reads(self.last_reads)
             return result
 
@@ -617,6 +638,28 @@ class Tracer:
         """Record a warning of xacro."""
         text = " ".join(" ".join(map(str, args)).split())
         self.trace.report_problem("xacro-warning", text, self.trace.locate_cause())
+
+
+@lru_cache(maxsize=4096)
+def _split_text(text: str) -> tuple[tuple[str | None, str], ...]:
+    """Return the parts of a text as xacro takes it apart: an ``expression``, an ``extension``, or (None) what stays as it is.
+
+    :raises xacro.XacroException: where it finds none.
+    """
+    import xacro
+
+    lexer = xacro.QuickLexer(xacro.LEXER)
+    lexer.lex(text)
+    parts: list[tuple[str | None, str]] = []
+    while lexer.peek():
+        kind, part = lexer.next()
+        if kind == lexer.EXPR:
+            parts.append(("expression", part[2:-1]))
+        elif kind == lexer.EXTENSION:
+            parts.append(("extension", part[2:-1]))
+        else:
+            parts.append((None, part[1:] if kind == lexer.DOLLAR_DOLLAR_BRACE else part))
+    return tuple(parts)
 
 
 def _get_definitions(table: Any) -> dict[str, Definition]:
