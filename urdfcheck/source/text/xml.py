@@ -221,8 +221,14 @@ class SourceFile:
         self.declared = declared
         self.comments: list[Comment] = []
         self.instruction: Span | None = None
+
+    def __getattr__(self, name: str) -> Any:
+        """Return the offsets of the lines when they are first asked for: of a file whose tree is known they never are."""
+        if name != "_starts":
+            raise AttributeError(name)
         self._starts = array("q", (0,))  # a list would take forty bytes for each line
-        self._starts.extend(m.end() for m in NEWLINE.finditer(text))
+        self._starts.extend(m.end() for m in NEWLINE.finditer(self.text))
+        return self._starts
 
     @classmethod
     def read(cls, path: Path, name: str, *, declares: bool = True) -> SourceFile:

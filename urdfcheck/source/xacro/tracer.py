@@ -186,26 +186,6 @@ class Tracer:
 
     def wrap_eval_text(self, original: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap ``eval_text``: note what the text of an attribute reads."""
-        import xacro
-
-        def evaluate_parts(text: Any, symbols: Any) -> Any:
-            """Do what ``eval_text`` does, which takes a text apart each time that it is evaluated."""
-            try:
-                parts = _split_text(text)
-            except (xacro.XacroException, TypeError):  # after the parts before it are evaluated
-                return original(text, symbols)
-            values = [part if kind is None else evaluate_part(kind, part, symbols) for kind, part in parts]
-            return values[0] if len(values) == 1 else "".join(map(xacro.str, values))
-
-        def evaluate_part(kind: str, part: str, symbols: Any) -> Any:
-            if kind == "extension":
-                return xacro.eval_extension(f"$({evaluate_bounded(part, symbols)})")
-            try:
-                return xacro.safe_eval(evaluate_bounded(part, symbols), symbols)
-            except Exception as error:
-                raise xacro.XacroException(
-                    exc=error, suffix=f"{os.linesep}when evaluating expression '{part}'"
-                ) from None
 
         def evaluate_bounded(text: Any, symbols: Any) -> Any:
             if self.is_plain(text):
@@ -213,7 +193,7 @@ class Tracer:
             try:
                 if isinstance(text, str):  # xacro copies the rest of the text at each of its parts
                     self.guards.charge(text.count("$") * len(text) // 4096)
-                result = evaluate_parts(text, symbols)
+                result = self.evaluate_parts(text, symbols, original)
                 if isinstance(result, str):
                     self.guards.measure(result)
             except ExpressionRefusedError as refused:
@@ -242,26 +222,52 @@ class Tracer:
                 finally:
                     self.evaluating -= 1
                     self.last_reads = tuple(dict.fromkeys(self.trace.readers.pop()))
-            if self.last_reads and self.trace.is_condition():
-                self.trace.report_environment_decision(self.last_reads)
-            origin = get_origin(self.trace.node)
-            if is_attribute and origin is not None and self.trace.attribute is not None:
-                # A block is evaluated by the caller and again where it is inserted, when nothing is left to read.
-                before = origin.reads.setdefault(self.trace.attribute, self.last_reads)
-                if before is not self.last_reads and self.last_reads:
-                    origin.reads[self.trace.attribute] = tuple(dict.fromkeys((*before, *self.last_reads)))
-            elif self.adding is not None:
-                self.add_attribute(*self.adding, result=result if isinstance(result, str) else "")
-            elif self.last_reads and self.trace.node is not None and self.trace.node.tagName == "xacro:arg":
-                name = self.trace.node.getAttribute("name")
-                self.trace.argument_definitions[name] = replace(
-                    self.trace.argument_definitions[name], reads=self.last_reads
-                )
-            elif self.last_reads:
-                self.trace.record_loose_reads(self.last_reads)
+            self.note_text(result, is_attribute=is_attribute)
             return result
 
         return trace_text
+
+    def note_text(self, result: Any, *, is_attribute: bool) -> None:
+        """Note what the text was computed from that was just evaluated, for the attribute or argument that it is of."""
+        if self.last_reads and self.trace.is_condition():
+            self.trace.report_environment_decision(self.last_reads)
+        origin = get_origin(self.trace.node)
+        if is_attribute and origin is not None and self.trace.attribute is not None:
+            # A block is evaluated by the caller and again where it is inserted, when nothing is left to read.
+            before = origin.reads.setdefault(self.trace.attribute, self.last_reads)
+            if before is not self.last_reads and self.last_reads:
+                origin.reads[self.trace.attribute] = tuple(dict.fromkeys((*before, *self.last_reads)))
+        elif self.adding is not None:
+            self.add_attribute(*self.adding, result=result if isinstance(result, str) else "")
+        elif self.last_reads and self.trace.node is not None and self.trace.node.tagName == "xacro:arg":
+            name = self.trace.node.getAttribute("name")
+            self.trace.argument_definitions[name] = replace(
+                self.trace.argument_definitions[name], reads=self.last_reads
+            )
+        elif self.last_reads:
+            self.trace.record_loose_reads(self.last_reads)
+
+    def evaluate_parts(self, text: Any, symbols: Any, original: Callable[..., Any]) -> Any:
+        """Do what ``eval_text`` does, which takes a text apart each time that it is evaluated."""
+        import xacro
+
+        try:
+            parts = _split_text(text)
+        except (xacro.XacroException, TypeError):  # it is not a text, or its parts are evaluated up to the broken one
+            return original(text, symbols)
+        values = []
+        for kind, part in parts:
+            if kind is None:
+                values.append(part)
+            elif kind == "extension":
+                values.append(xacro.eval_extension(f"$({xacro.eval_text(part, symbols)})"))
+            else:
+                try:
+                    values.append(xacro.safe_eval(xacro.eval_text(part, symbols), symbols))
+                except Exception as error:
+                    suffix = f"{os.linesep}when evaluating expression '{part}'"
+                    raise xacro.XacroException(exc=error, suffix=suffix) from None
+        return values[0] if len(values) == 1 else "".join(map(xacro.str, values))
 
     def add_attribute(self, node: minidom.Element, values: list[str], *, result: str) -> None:
         """Take one of the two values of ``<xacro:attribute name= value=/>``: the second completes the attribute."""
