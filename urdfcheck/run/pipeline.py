@@ -534,8 +534,8 @@ def stream_reports(
     if execution.audit is not None:
         yield from ((index, execution.audit(unit, settings)) for index, unit in enumerate(units))
         return
-    # A package or a launch file takes less time than to start a process for it.
-    at_once = max(1, min(jobs, sum(execution.spare_workers is not None or unit.kind == "model" for unit in units)))
+    # A package or a launch file takes less time than a process for it.
+    at_once = max(1, min(jobs, sum(unit.kind == "model" for unit in units)))
     # The large ones first, so that none of them is left alone at the end.
     order = sorted(range(len(units)), key=lambda index: -_get_file_size(units[index].path))
     work = [(units[index], settings) for index in order]
