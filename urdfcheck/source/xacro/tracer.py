@@ -181,7 +181,7 @@ class Tracer:
         """Whether a text is its own value, as most are, and within the limits, towards which it counts."""
         if type(text) is not str or "$" in text or len(text) > min(_LONGEST_PLAIN, self.guards.steps):
             return False
-        self.guards.measure(text)
+        self.guards.charge_text(text)
         return True
 
     def wrap_eval_text(self, original: Callable[..., Any]) -> Callable[..., Any]:
@@ -550,14 +550,11 @@ class Tracer:
 
     def find_parameter_span(self, params: Attribute, name: str) -> Span | None:
         """Return the place of ``name:=default`` in the parameters of a macro, which may take many lines."""
-        import xacro
-
-        spec = rf"(?<!\S){re.escape(name)}\s*:?=\s*(\^\|?)?({xacro.default_value})"
-        match = re.search(spec, params.typed)
-        if match is None or params.span is None:
+        place = _find_parameter(params.typed, name)
+        if place is None or params.span is None:
             return params.span
         start = params.span.start
-        return self.access.files[params.span.file].make_span(start + match.start(), start + match.end())
+        return self.access.files[params.span.file].make_span(start + place[0], start + place[1])
 
     def wrap_set_item(self, original: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap ``Table._setitem``: record the definition of a property or parameter."""
@@ -644,6 +641,15 @@ class Tracer:
         """Record a warning of xacro."""
         text = " ".join(" ".join(map(str, args)).split())
         self.trace.report_problem("xacro-warning", text, self.trace.locate_cause())
+
+
+@lru_cache(maxsize=1024)
+def _find_parameter(parameters: str, name: str) -> tuple[int, int] | None:
+    """Return where ``name:=default`` begins and ends in the parameters of a macro."""
+    import xacro
+
+    match = re.search(rf"(?<!\S){re.escape(name)}\s*:?=\s*(\^\|?)?({xacro.default_value})", parameters)
+    return None if match is None else match.span()
 
 
 @lru_cache(maxsize=4096)
