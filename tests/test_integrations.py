@@ -21,6 +21,8 @@ from conftest import REPOSITORY
 from services import accepts
 from versions import ARM
 
+from urdfcheck.cli.commands.setup import init
+
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 INTEGRATIONS = REPOSITORY / "integrations"
@@ -81,6 +83,15 @@ def test_no_text_of_a_workflow_becomes_a_part_of_a_script() -> None:
 def test_every_action_is_pinned_by_its_digest_and_its_version_is_named(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     assert len(PINNED.findall(text)) == len(re.findall(r"\buses:", text)) > 0
+
+
+def test_what_users_get_has_the_pins_of_our_own_workflows() -> None:
+    ours = {pin for path in (ACTION, *OWN_WORKFLOWS) for pin in PINNED.findall(path.read_text(encoding="utf-8"))}
+    texts = [path.read_text(encoding="utf-8") for path in (*WORKFLOWS, REPOSITORY / "docs/diff.md")]
+    for text in (*texts, init.JOB, init.INSTALLED):
+        used = re.findall(r"uses: actions/.*$", text, re.MULTILINE)
+        assert used
+        assert {*used} <= ours
 
 
 def test_zizmor_finds_nothing_in_workflows_and_action() -> None:

@@ -129,6 +129,8 @@ def test_the_page_of_a_rule_shows_what_can_be_seen_of_it() -> None:
     assert pictures.headline.startswith("front_left: zero is")
     red, quiet = (count_marked(picture) for picture in (pictures.bad, pictures.good))
     assert red > quiet
+    # Both show four wheels: the Good example is the one that is most like the Bad one.
+    assert (decoded(pictures.bad) != decoded(pictures.good)).any(axis=-1).mean() < 0.05
     for code in ("XML004", "INR017", "LCH001", "MSH008"):
         assert rule_pictures.draw_rule(rules[code]) is None, code
     page = rule_pages.render_rule(rules["SYM001"], 'a "b" is off')

@@ -8,7 +8,9 @@ import importlib.util
 import os
 import posixpath
 import re
+import subprocess
 import threading
+import zipfile
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -18,6 +20,7 @@ from urllib.parse import unquote, urlsplit
 import pytest
 from conftest import REPOSITORY, make_once, unproven
 from make_site import build_site
+from website.navigation import list_archives
 
 from urdfcheck.rules import load_rules
 
@@ -107,6 +110,17 @@ def test_no_page_loads_anything_from_another_host(site: Path) -> None:
     for sheet in site.rglob("*.css"):
         outside = re.findall(r"(?:@import|url\()\s*[\"']?(?:https?:)?//[^\"')]*", sheet.read_text(encoding="utf-8"))
         assert not outside, sheet.relative_to(site)
+
+
+def test_a_folder_that_readers_copy_is_an_archive_of_what_git_has(site: Path) -> None:
+    linked = {link.rpartition("/")[2] for link in read_html(site / "guides/integrations/index.html").links}
+    assert {"ament.zip", "ros2.zip", "vscode.zip"} <= linked
+    for folder, address in list_archives().items():
+        listed = subprocess.run(["git", "ls-files", folder], cwd=REPOSITORY, capture_output=True, text=True, check=True)
+        with zipfile.ZipFile(site / address) as packed:
+            assert packed.testzip() is None
+            names = sorted(f"{Path(folder).parent}/{name}" for name in packed.namelist())
+        assert names == sorted(listed.stdout.splitlines())
 
 
 def test_every_rule_has_its_address_and_nothing_names_this_machine(site: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from string import Formatter
 
 import numpy as np
 import pytest
@@ -14,7 +15,8 @@ from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.inertials.certainty import has_coarse_products
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
-from urdfcheck.model.inertials.diagnosis_words import compare_sizes
+from urdfcheck.model.inertials.diagnosis_words import collect_cause_data, compare_sizes
+from urdfcheck.rules import load_rules
 
 # Edges in m of parts that differ, and the axes of their joints.
 EDGES = ((0.1, 0.08, 0.3), (0.12, 0.1, 0.25), (0.09, 0.11, 0.2), (0.07, 0.06, 0.15), (0.08, 0.05, 0.12))
@@ -271,3 +273,10 @@ def test_one_tensor_of_a_line_for_links_of_all_masses_is_a_placeholder(
 def test_moments_that_are_wrong_alike_are_counted(moments: tuple[float, ...], words: str) -> None:
     wrong, right = np.sort(np.array(moments)), np.ones(3)
     assert compare_sizes(wrong, right, "{inertia} {factor}× too {size}", digits=2) == words
+
+
+def test_the_sentence_of_each_cause_can_be_said_of_most_links_of_a_file() -> None:
+    """A file in which all links are turned alike is told by the same sentence as one link."""
+    for cause, sentence in load_rules()["INR009"].causes.items():
+        needed = {name for _, name, _, _ in Formatter().parse(sentence) if name}
+        assert needed <= collect_cause_data(cause, "x").keys(), cause

@@ -369,7 +369,9 @@ def test_a_model_of_one_link_has_no_joint_to_move(tmp_path: Path) -> None:
     one = '<robot name="plane"><link name="plane"><inertial><mass value="0"/></inertial></link></robot>'
     (finding,) = check_text(tmp_path, one, codes={"KIN010"}).findings
     assert finding.fix is not None
-    assert finding.fix.title.endswith("to a link that has one")
+    assert "to a link that has one; nothing if the model is for Bullet only" in finding.fix.title
+    assert finding.severity is Severity.INFO, "Bullet's own ground is such a file"
+    assert "fixed to the world" in finding.consequences["bullet"]
 
 
 def test_an_empty_model_is_an_error_where_gazebo_is_the_target(tmp_path: Path) -> None:

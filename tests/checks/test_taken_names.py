@@ -9,7 +9,7 @@ import pytest
 from builders import joint, link, robot
 from conftest import check, check_text
 
-from urdfcheck.core import Finding, Location, Severity, Span
+from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Severity, Span
 from urdfcheck.core.merging import merge_same_text
 from urdfcheck.rules import load_rules
 
@@ -141,3 +141,21 @@ def test_several_claims_about_one_element_stay_apart() -> None:
     finding = load_rules()["PKG006"].finding("short", at=place, name="x")
     other = replace(finding, message="another", subjects=("package[b]",))
     assert [f.message for f in merge_same_text([finding, other, finding])] == [finding.message, "another"]
+
+
+def test_a_text_whose_elements_want_other_numbers_has_no_edit_and_says_so() -> None:
+    """One line of a macro is the left and the right link: the number of one is wrong in the other."""
+    place = Location("link[left]", Span("arm.xacro", 1, 1, 1, 2, 0, 1))
+    finding = load_rules()["PKG006"].finding("short", at=place, name="x")
+
+    def repair(side: str, number: str, *, edited: bool = True) -> Finding:
+        edits = (Edit(place.span, "0", number),) if edited and place.span else ()
+        applicability = Applicability.UNSAFE if edits else Applicability.DISPLAY
+        return replace(finding, subjects=(f"link[{side}]",), fix=Fix(f"write y {number}", applicability, edits))
+
+    (merged,) = merge_same_text([repair("left", "0.06"), repair("right", "-0.06")])
+    assert merged.fix == Fix("write y 0.06; right: write y -0.06")
+    (merged,) = merge_same_text([repair(side, str(n), edited=False) for n, side in enumerate(("a", "b", "c"))])
+    assert merged.fix == Fix("write y 0; each of the others has its own")
+    (merged,) = merge_same_text([repair("left", "0.06"), repair("right", "0.06")])
+    assert merged.fix == repair("left", "0.06").fix

@@ -406,6 +406,7 @@ def test_only_what_collides_lifts_the_robot(tmp_path: Path) -> None:
     both = text.replace(drawn, drawn + drawn.replace("visual>", "collision>"), 1)
     (felt,) = find_in_car(tmp_path / "b", "JNT015", both)
     assert "lifts the robot" in felt.message
+    assert felt.data["kind"] == "visual and collision", "moving the drawing alone leaves what lifts the robot"
 
 
 def test_only_round_things_are_judged(tmp_path: Path) -> None:

@@ -44,6 +44,7 @@ def only(run: Run) -> Finding:
          "<xacro:w><a/></xacro:w>",
          "undefined-block", "'origin'"),
         ('<xacro:include filename="nothing.xacro"/>', "file-missing", "nothing.xacro does not exist"),
+        ('<xacro:include filename="package://arm/urdf/arm.xacro"/>', "file-missing", "xacro does not know package://"),
         ("""<link name="${xacro.load_yaml('nothing.yaml')}"/>""", "file-missing", "nothing.yaml does not exist"),
         ('<xacro:if value="maybe"><link name="a"/></xacro:if>', "condition", "neither true nor false"),
         ('<xacro:include file="a.xacro"/>', "attribute-missing", "requires the attribute filename"),

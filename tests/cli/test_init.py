@@ -351,6 +351,9 @@ def test_what_came_from_an_index_is_installed_by_its_version(
     job = yaml.safe_load((repository / ".github/workflows/urdfcheck.yml").read_text(encoding="utf-8"))
     steps = job["jobs"]["urdfcheck"]["steps"]
     assert [step["env"]["URDFCHECK"] for step in steps if "URDFCHECK" in step.get("env", {})] == ["urdfcheck==1.2.3"]
+    zizmor = Path(sys.executable).with_name("zizmor")
+    done = subprocess.run([zizmor, "--offline", ".github"], cwd=repository, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
 
 
 def test_files_for_vs_code_are_written_where_it_looks(
@@ -373,3 +376,63 @@ def test_files_for_vs_code_are_written_where_it_looks(
     assert "kept      .vscode/settings.json: it may have comments" in capsys.readouterr().out
     before[repository / ".vscode/settings.json"] = b'{ "a": 1 } // mine'
     assert {path: path.read_bytes() for path in repository.rglob("*") if path.is_file()} == before
+
+
+CMAKE = "project(r)\nfind_package(ament_cmake REQUIRED)\n{linters}ament_package()\n"
+CMAKE_TEST = "if(BUILD_TESTING)\n  find_package(ament_cmake_urdfcheck REQUIRED)\n  ament_urdfcheck()\nendif()\n\n"
+
+
+def write_package(folder: Path, build: str, depends: str = "  <depend>xacro</depend>\n") -> None:
+    export = f"  <export><build_type>{build}</build_type></export>\n"
+    (folder / "package.xml").write_text(f'<package format="3">\n  <name>r</name>\n{depends}{export}</package>\n')
+
+
+@pytest.mark.parametrize("finds_linters", [False, True])
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_a_package_of_ament_gets_its_test(
+    repository: Path, capsys: pytest.CaptureFixture[str], finds_linters: bool, newline: str
+) -> None:
+    write_package(repository, "ament_cmake")
+    cmake, manifest = repository / "CMakeLists.txt", repository / "package.xml"
+    linters = "ament_lint_auto_find_test_dependencies()\n" if finds_linters else ""
+    cmake.write_text(CMAKE.format(linters=linters))
+    for path in (cmake, manifest):
+        path.write_text(path.read_text(), newline=newline)
+    assert cli.main(["init", "--ament"]) == cli.OK
+    assert "copy integrations/ament of urdfcheck" in capsys.readouterr().out
+    expected = CMAKE.format(linters=linters or CMAKE_TEST)
+    assert cmake.read_bytes().decode() == expected.replace("\n", newline)
+    added = "  <depend>xacro</depend>\n  <test_depend>ament_cmake_urdfcheck</test_depend>\n".replace("\n", newline)
+    assert added in manifest.read_bytes().decode()
+    written = manifest.read_bytes(), cmake.read_bytes()
+    assert cli.main(["init", "--ament"]) == cli.OK
+    said = capsys.readouterr().out
+    assert "kept      package.xml: it depends on ament_cmake_urdfcheck already" in said
+    assert "copy integrations/ament" not in said
+    assert (manifest.read_bytes(), cmake.read_bytes()) == written
+
+
+def test_a_package_of_python_gets_a_test_file(repository: Path) -> None:
+    write_package(repository, "ament_python")
+    assert cli.main(["init", "--ament"]) == cli.OK
+    assert "<test_depend>ament_urdfcheck</test_depend>" in (repository / "package.xml").read_text()
+    compile((repository / "test/test_urdfcheck.py").read_text(), "test_urdfcheck.py", "exec")
+
+
+@pytest.mark.parametrize(
+    ("build", "depends", "cmake", "says"),
+    [
+        ("catkin", "", None, "package.xml: its build type is not ament_cmake or ament_python"),
+        ("ament_cmake", "", CMAKE.format(linters=""), "package.xml: it has no dependency: add what follows"),
+        ("ament_cmake", "<depend>a</depend>", "project(r)\n", "CMakeLists.txt: it does not call ament_package()"),
+        ("ament_cmake", "<depend>a</depend>", None, "CMakeLists.txt: "),
+    ],
+)
+def test_a_package_that_cannot_be_added_to_says_why(
+    repository: Path, capsys: pytest.CaptureFixture[str], build: str, depends: str, cmake: str | None, says: str
+) -> None:
+    write_package(repository, build, depends)
+    if cmake is not None:
+        (repository / "CMakeLists.txt").write_text(cmake)
+    assert cli.main(["init", "--ament"]) == cli.OK
+    assert f"kept      {says}" in capsys.readouterr().out

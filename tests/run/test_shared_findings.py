@@ -150,7 +150,9 @@ class TestKinds:
         assert found.fix is not None
         titles = [own.fix.title for own in found.occurrences if own.fix is not None]
         assert len(set(titles)) > 1
-        assert found.fix.title == f"{titles[0]}; the others likewise"
+        assert found.fix.title == f"{titles[0]}; each of the others has its own"
+        shown = text.render(find(write_robots(tmp_path, "", hand=HAND), "JNT005"), width=200)
+        assert all(f"→ {title}" in shown for title in titles[1:] if title != titles[0])
 
     def test_the_brief_report_names_its_places_however_long_the_path(self, tmp_path: Path) -> None:
         run = find(write_robots(tmp_path, "", hand=HAND))

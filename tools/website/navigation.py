@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -176,6 +176,8 @@ COPIED = (
     "reports/car-3.png",
     "reports/car-3*.txt",
 )
+# Folders that readers copy as a whole: a link to one leads to an archive of it.
+PACKED = ("integrations/ament", "integrations/ros2", "integrations/vscode", "fixtures/car-3", "fixtures/car-3-fixed")
 
 
 def iter_pages(entries: tuple[Page | Section, ...] = NAVIGATION) -> Iterator[Page]:
@@ -190,9 +192,23 @@ def iter_pages(entries: tuple[Page | Section, ...] = NAVIGATION) -> Iterator[Pag
 def list_copied_files() -> dict[str, str]:
     """Return the addresses of the files that are copied, by their paths in the repository."""
     pages = {page.source for page in iter_pages()}
-    files = sorted({path for pattern in COPIED for path in REPOSITORY.glob(pattern) if path.is_file()})
-    found = [path.relative_to(REPOSITORY) for path in files if "__pycache__" not in path.parts]
+    found = _find_files(COPIED)
     return {path.as_posix(): _place_file(path) for path in found if path.as_posix() not in pages}
+
+
+def list_archives() -> dict[str, str]:
+    """Return the addresses of the archives, by the folders that they hold."""
+    return {folder: f"files/{folder}.zip" for folder in PACKED}
+
+
+def list_packed_files(folder: str) -> list[Path]:
+    """Return the files of a folder, relative to the repository."""
+    return _find_files((f"{folder}/**/*",))
+
+
+def _find_files(patterns: Iterable[str]) -> list[Path]:
+    files = sorted({path for pattern in patterns for path in REPOSITORY.glob(pattern) if path.is_file()})
+    return [path.relative_to(REPOSITORY) for path in files if "__pycache__" not in path.parts]
 
 
 def _place_file(path: Path) -> str:

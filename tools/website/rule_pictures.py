@@ -48,16 +48,15 @@ class RulePictures:
 
 
 def draw_rule(rule: Rule) -> RulePictures | None:
-    """Draw the first Bad example that has something to mark, and the first Good one that has anything to draw.
+    """Draw the first Bad example that has something to mark, and the Good one whose links are most like its own.
 
     None if there are no such examples, if only the mark tells them apart, or if the rule is about a text.
     """
     if rule.layers == ("visual",) and not rule.code.startswith("MSH"):
         return None
-    good = next(_iter_drawn(rule, "Good"), None)
-    if good is None:
-        return None
-    for bad in _iter_drawn(rule, "Bad"):
+    goods = [*_iter_drawn(rule, "Good")]
+    for bad in _iter_drawn(rule, "Bad") if goods else ():
+        good = min(goods, key=lambda good: len(_name_links(good.scene) ^ _name_links(bad.scene)))
         marked = _draw(bad.scene, rule, bad.findings)
         if bad.picture not in (marked, good.picture) and _is_mark_seen(bad.scene, rule, bad.findings):
             return RulePictures(marked, good.picture, bad.findings[0].headline)
@@ -103,6 +102,10 @@ def _draw(scene: Scene, rule: Rule, findings: Iterable[Finding]) -> bytes:
         return b""
     links = tuple(replace(link, shapes=(*_iter_shapes(link, rule, size, link.name in marked),)) for link in scene.links)
     return render_scene(replace(scene, links=_add_joints(scene, links, rule, size, marked)), WIDTH, HEIGHT)
+
+
+def _name_links(scene: Scene) -> set[str]:
+    return {link.name for link in scene.links}
 
 
 def _list_links(scene: Scene, findings: Iterable[Finding]) -> set[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,9 @@ from website.navigation import (
     Page,
     Section,
     iter_pages,
+    list_archives,
     list_copied_files,
+    list_packed_files,
 )
 from website.rule_pictures import draw_rule
 
@@ -56,6 +59,8 @@ def write_source_tree(folder: Path) -> Path:
         _write(pages / address, text)
     for path, address in list_copied_files().items():
         _copy(REPOSITORY / path, pages / address)
+    for path, address in list_archives().items():
+        _pack(path, pages / address)
     for name in ("logo.svg", "regions.js", "rules.js", "site.css"):
         _copy(start_page.ASSETS / name, pages / "assets" / name)
     _copy(start_page.ASSETS / "theme/main.html", folder / "theme/main.html")
@@ -116,7 +121,7 @@ def list_addresses() -> dict[str, str]:
     pages = {page.source: page.address for page in iter_pages() if page.source}
     rules = {_name_source(code): rule_pages.place_rule(rule) for code, rule in load_rules().items()}
     samples = {"reports": SAMPLE.address, "reports/car-3.html": start_page.REPORT, "README.md": START.address}
-    return {**list_copied_files(), **pages, **rules, **samples}
+    return {**list_copied_files(), **list_archives(), **pages, **rules, **samples}
 
 
 def _name_source(code: str) -> str:
@@ -151,6 +156,14 @@ def _write(path: Path, text: str) -> Path:
 
 def _copy(source: Path, target: Path) -> None:
     shutil.copyfile(source, _make_room(target))
+
+
+def _pack(folder: str, archive: Path) -> None:
+    """Write an archive with a folder; its files begin with the folder's own name."""
+    above = Path(folder).parent
+    with zipfile.ZipFile(_make_room(archive), "w", zipfile.ZIP_DEFLATED) as packed:
+        for path in list_packed_files(folder):
+            packed.write(REPOSITORY / path, path.relative_to(above))
 
 
 def _make_room(path: Path) -> Path:

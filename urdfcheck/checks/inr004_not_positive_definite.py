@@ -301,7 +301,11 @@ def _collect_remedy(
     elif placeholder is not None:
         remedy = "compute the tensor of each link from its mesh or dimensions and its mass"
     elif drawn := describe_drawn_inertial(model, links[0].link):
-        remedy = f"write {drawn}" if len(links) == 1 else f"{links[0].link.name}: write {drawn}; the others likewise"
+        remedy = (
+            f"write {drawn}"
+            if len(links) == 1
+            else f"{links[0].link.name}: write {drawn}; each of the others has its own"
+        )
     elif any(has_drawn_shape(declared.link) for declared in links):  # a part of some shape: no bar, no ball
         remedy = "compute the tensor from the shape of the part and its mass"
     return {"found": placeholder or "", "remedy": remedy}

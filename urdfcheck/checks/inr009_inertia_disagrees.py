@@ -20,6 +20,7 @@ from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
     NOTABLE,
     SHORT_CAUSES,
+    collect_cause_data,
     collect_message_data,
     describe_median_agreement,
     describe_other_shape,
@@ -46,7 +47,7 @@ from urdfcheck.model.inertials.inertial_effects import (
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, format_comparison
-from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake, name_mistake
+from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import (
     find_disputed_units,
@@ -299,8 +300,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         known=len(diagnoses),
         faulty=name_faulty_numbers(cause, detail),
         why=SHORT_CAUSES.get(cause, name_mistake(cause)).format(detail=detail),
-        detail=detail,
-        mistake=describe_mistake(cause, detail),
+        **collect_cause_data(cause, detail),
         before=float(f"{_compute_median_mismatch(judged, is_mended=False):.2g}"),
         after=float(f"{_compute_median_mismatch(judged, is_mended=True):.2g}"),
         better=describe_median_agreement(model, links),

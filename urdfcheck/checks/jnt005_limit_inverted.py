@@ -51,7 +51,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
             instead=_describe_instead(model, joints, value),
-            keep=_describe_keeping([joint for joint in joints if joint.child in named]),
+            keep=_describe_keeping([joint for joint in joints if joint.child in named], has_plugins=bool(named)),
             also=". Effort and velocity are 0 too" if is_empty else "",
             explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
         )
@@ -84,10 +84,13 @@ def _describe_instead(model: Model, joints: Sequence[Joint], value: float) -> st
     return f"give the real range, or make the joint fixed{moved}"
 
 
-def _describe_keeping(joints: Sequence[Joint]) -> str:
-    """Return what keeps the links of joints that are made fixed: Gazebo merges them, and a plugin finds them no longer."""
+def _describe_keeping(joints: Sequence[Joint], *, has_plugins: bool) -> str:
+    """Return what keeps the links of joints that are made fixed: Gazebo merges them, and a plugin finds them no longer.
+
+    :param joints: those whose links a plugin names. Others may be named in the plugin's code.
+    """
     if not joints:
-        return ""
+        return "; Gazebo merges the links of fixed joints, and plugins find them no longer" if has_plugins else ""
     first = joints[0]
     others = "" if len(joints) == 1 else f", and likewise for {join_names(joint.name for joint in joints[1:])}"
     return (

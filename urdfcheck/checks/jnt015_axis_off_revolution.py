@@ -114,16 +114,19 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
         if witness.shape is not None and witness not in against:
             part = _measure_offset(witness, axis)
             if part > eccentric:
+                alike = [one for one in drawn if _measure_offset(one, axis) > eccentric]
                 yield rule.finding(
                     "eccentric",
                     at=witness.location,
-                    kind=witness.kind,
+                    related=[one.location for one in alike if one is not witness],
+                    kind=" and ".join(one.kind for one in alike),
+                    are="is" if len(alike) == 1 else "are",
                     offset=part * witness.shape.radius * 1e3,
                     part=part,
                     centre=format_point(witness.shape.centre, decimals=5),
-                    effect="it lifts the robot once per turn"
-                    if any(one.kind == "collision" and _measure_offset(one, axis) > eccentric for one in drawn)
-                    else "it is seen to wobble when the joint turns",
+                    effect="the wheel lifts the robot once per turn"
+                    if any(one.kind == "collision" for one in alike)
+                    else "the wheel is seen to wobble when the joint turns",
                     **wheel.names,
                 )
                 return

@@ -14,6 +14,9 @@ _NO_MASS = 1e-6
 # A model in which more of the moving bodies have no inertial is displayed, and INR001 says what it lacks: of published models
 # with a massless root, 5 of 6 in one that is only displayed, 12 of 20 in a hand that is simulated.
 _DRAWING_SHARE = 0.75
+# A root whose mass is typed as 0 is how files for Bullet say that it is part of the world.
+_STATIC = "; nothing if the model is for Bullet only, where a root of mass 0 is fixed to the world"
+_FIXED = {"bullet": "replaces the free base by one fixed to the world"}
 _KEPT = frozenset({"preserveFixedJoint", "disableFixedJointLumping"})
 
 
@@ -38,6 +41,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     head, links = next(iter(bodies.items()))
     attached = {joint.name for link in links for joint in model.tree.child_joints[link.name] if joint.type != "fixed"}
+    is_static = links[0].inertial is not None and not len(bodies) > 1
     root_mass = sum(link.inertial.mass or 0.0 for link in links if link.inertial is not None)
     yield rule.finding(
         "tiny" if root_mass > 0.0 else "vanishes",
@@ -49,6 +53,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         count=len(model.links),
         joints=join_names(joint.name for joint in model.joints if joint.name in attached),
         mass=sum(declared.mass for declared in model.masses),
+        # Such as the ground that comes with PyBullet.
+        severity=Severity.INFO if is_static and len(model.links) == 1 else None,
+        also=_STATIC if is_static else "",
+        consequences=_FIXED if is_static else None,
     )
 
 

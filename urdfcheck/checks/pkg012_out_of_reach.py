@@ -17,6 +17,7 @@ from urdfcheck.source.resources import (
     ResourceUse,
     find_in_package,
     find_machine_path,
+    find_package_address,
     is_misspelt,
     list_resource_uses,
 )
@@ -76,7 +77,9 @@ def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule
     related = [*others, *(r for r in problem.related if r.span != at.span)]
     remedy = f"--allow-read {shlex.quote(folder)}"
     inside = find_in_package(Path(path), subject.package, subject.finder)
-    if subject.package is None or inside is None:
+    if (typed := find_package_address(path)) is not None:
+        repair = f"write `{typed}`: xacro does not know package://"
+    elif subject.package is None or inside is None:
         repair = _MOVE.format(folder=folder)
     else:
         repair = f"write `$(find {subject.package.name})/{inside}`: the package has the file"

@@ -29,6 +29,7 @@ from urdfcheck.source.path_arguments import (
     list_path_arguments,
     select_guilty,
 )
+from urdfcheck.source.resources import find_package_address
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.xml import Element
@@ -306,6 +307,8 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     if "\\" in path.name and Path(str(path).replace("\\", "/")).is_file():
         repair = "write `/` for each backslash"
         near = "; with `/` in place of each backslash, which only Windows reads as a separator, it exists"
+    if (typed := find_package_address(str(path))) is not None:
+        repair, near = f"write `{typed}`", "; xacro does not know package://, which it takes for a folder"
     near = near if elsewhere is None else describe_uninstalled_file(elsewhere)
     if elsewhere is not None:
         repair = f"install its folder (CMakeLists.txt or setup.py), or {_PATH_REPAIR}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -9,10 +10,13 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count, join_names
-from urdfcheck.export.outline import ModelOutline
+from urdfcheck.export.outline import ModelOutline, Value
+from urdfcheck.source.text.values import parse_number
 
 # No typed name of a part has more characters.
 _MAX_NAME_LENGTH = 1_000
+# Python 2 prints 12 significant digits.
+_PRINTED = 1e-11
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,7 +96,7 @@ def _compare_outlines(urdf: ModelOutline, xacro: ModelOutline) -> _ModelDifferen
     tags = sorted({*urdf.extensions, *xacro.extensions})
     return _ModelDifference(
         names=urdf.robot != xacro.robot,
-        values=tuple(sorted(p for p in both if urdf.parts[p] != xacro.parts[p])),
+        values=tuple(sorted(p for p in both if not _are_equal(urdf.parts[p], xacro.parts[p]))),
         only_urdf=_reduce_to_top_parts(urdf.parts.keys() - both, xacro.parts),
         only_xacro=_reduce_to_top_parts(xacro.parts.keys() - both, urdf.parts),
         extensions=tuple(
@@ -101,6 +105,16 @@ def _compare_outlines(urdf: ModelOutline, xacro: ModelOutline) -> _ModelDifferen
             if urdf.extensions.get(t, 0) != xacro.extensions.get(t, 0)
         ),
     )
+
+
+def _are_equal(one: Value, other: Value) -> bool:
+    """Whether two values are the same words and numbers, except for the last digits that two versions of Python print."""
+    return len(one) == len(other) and all(a == b or _are_same_number(a, b) for a, b in zip(one, other, strict=True))
+
+
+def _are_same_number(one: str, other: str) -> bool:
+    a, b = parse_number(one), parse_number(other)
+    return a is not None and b is not None and math.isclose(a, b, rel_tol=_PRINTED)
 
 
 def _reduce_to_top_parts(parts: Iterable[str], other: Iterable[str]) -> tuple[str, ...]:

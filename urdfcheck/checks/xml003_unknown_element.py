@@ -267,7 +267,11 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
     if homes:
         listed = " or ".join(f"<{home}>" for home in homes)
         held = [home for home in homes if home in CHILDREN.get(parent, ())]
-        if all(map(_is_empty, places)):
+        if all(_lost_its_root(place, homes, model) for place in places):
+            repair = (
+                f"put <robot> … </robot> around {listed} in its file: <xacro:include> drops the root element of a file"
+            )
+        elif all(map(_is_empty, places)):
             repair = "delete it: it is empty"
         elif any(map(_holds_texts, places)):
             repair = f"delete it, or write its numbers as attributes in {listed}: they are typed as in SDF"
@@ -294,6 +298,12 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         return "sdf", Severity.WARNING, {"repair": _describe_sdf_repair(parent, places)}
     is_call = model.source.is_xacro and child.attributes and not child.children
     return "ignored", Severity.INFO, {"call": _CALL if is_call else ""}
+
+
+def _lost_its_root(place: Element, homes: list[str], model: Model) -> bool:
+    """Whether the element is typed in its home, which is the root of an included file and is dropped with it."""
+    root = None if place.span is None else model.source.trees.get(place.span.file)
+    return root is not None and root.tag in homes and any(child.span == place.span for child in root.children)
 
 
 def _list_tags(tags: list[str]) -> str:

@@ -20,6 +20,8 @@ from urdfcheck.core.headlines import (
 from urdfcheck.core.text import join_names
 
 _BLOCKS = "<gazebo> blocks"
+# The longest repair of a second place that is told beside the first one's.
+_SHORT_REPAIR = 80
 _NAMED = re.compile(r"\w+\[(.*?)\](?=[/@]|$)", re.DOTALL)
 
 
@@ -42,9 +44,20 @@ def merge_same_text(findings: Iterable[Finding]) -> list[Finding]:
             group[0],
             subjects=tuple(dict.fromkeys(subject for finding in group for subject in finding.subjects)),
             severity=max(finding.severity for finding in group),
+            fix=_agree_on_fix(group),
         )
         for group in groups.values()
     ]
+
+
+def _agree_on_fix(group: Sequence[Finding]) -> Fix | None:
+    """Return the repair of elements that one text makes; where each wants other numbers in that text, no edit repairs all."""
+    fix = group[0].fix
+    if fix is None or all(finding.fix == fix for finding in group):
+        return fix
+    if _has_overlap({edit: None for finding in group if finding.fix for edit in finding.fix.edits}):
+        return Fix(fix.title + _refer_to_others(group))
+    return _join_fixes(group)
 
 
 def merge_identical(
@@ -100,7 +113,7 @@ def _quote_first_text(group: Sequence[Finding], key: str, name: str) -> Any:
     text = data[key]
     if not isinstance(text, str) or all(finding.data[key] == text for finding in group):
         return text
-    return f"{text} (for {data[name]}, likewise for the others)"
+    return f"{text} (for {data[name]}; each of the others has its own)"
 
 
 def _collect_edits(group: Iterable[Finding]) -> list[Edit]:
@@ -225,7 +238,11 @@ def _join_consequences(ordered: Iterable[Finding]) -> dict[str, str]:
 
 
 def _join_fixes(ordered: Sequence[Finding]) -> Fix | None:
-    """Return the repair of all places, in the words of the first; of repairs that exclude each other the first."""
+    """Return the repair of all places; of repairs that exclude each other the first.
+
+    Its words are those of the first place. Where they hold for that place alone, they say so: numbers of one link are wrong in
+    another.
+    """
     fixes = [own.fix for own in ordered if own.fix is not None]
     if not fixes:
         return None
@@ -239,8 +256,19 @@ def _join_fixes(ordered: Sequence[Finding]) -> Fix | None:
     if len(firsts) > 1:
         title = "; elsewhere ".join(firsts.values())
     elif len({fix.title for fix in fixes}) > 1:
-        title += "; the others likewise" if len(ordered) > 2 or len(ordered[1].subjects) > 1 else "; the other likewise"
+        title += _refer_to_others(ordered)
     return Fix(title, max((fix.applicability for fix in fixes), key=list(Applicability).index), edits)
+
+
+def _refer_to_others(ordered: Sequence[Finding]) -> str:
+    """Return the end of a repair that is another one at the other places: the other one if short, or that there are more."""
+    if len(ordered) > 2:
+        return "; each of the others has its own"
+    other = ordered[1]
+    name = match[1] if (match := _NAMED.match(other.subjects[0])) is not None else ""
+    if name and len(other.subjects) == 1 and other.fix is not None and len(other.fix.title) <= _SHORT_REPAIR:
+        return f"; {name}: {other.fix.title}"
+    return "; the other has its own"
 
 
 def _join_variants(ordered: Sequence[Finding]) -> dict[str, tuple[str, ...]]:

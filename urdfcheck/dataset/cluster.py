@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 BACKENDS = ("dask", "ray")
 # Least and most models of a task, and tasks per core: enough models that loading the libraries costs little, and few enough
 # that a lost machine loses little work and no core waits long for the last task.
-LEAST, MOST, TASKS = 8, 32, 4
+LEAST, MOST, TASKS = 8, 128, 4
 # Environment variables that say where packages are; those of this machine count, not those of the cluster.
 _OURS = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "ROS_DISTRO", "ROS_VERSION")
 # With `-c`, Python imports from its working directory: it is started in a folder with nothing but its own modules.

@@ -19,6 +19,8 @@ from urdfcheck.system.files import note_lookup
 
 # What Bullet leaves out of a path.
 _DROPPED_SCHEME = re.compile(r"^(?:package|model)://")
+# What xacro makes of `package://NAME/file` in an include: a folder `package:` beside the file.
+_ADDRESS = re.compile(r"(?:^|/)package:/+([^/]+)(/.+)$")
 _ONE_SLASH = re.compile(r"^(package|model|file):/?(?=[^/])")
 _COMPUTED = re.compile(r"\$\((?:find|dirname|cwd|env|optenv|eval)\b|abs_filename")
 
@@ -105,6 +107,12 @@ def find_in_package(path: Path, package: Package | None, finder: PackageFinder) 
         if part in {package.name, package.path.name} and finder.can_open(place) and os.path.isfile(place):
             return inside
     return None
+
+
+def find_package_address(path: str) -> str | None:
+    """Return how xacro names the file of a path in which it took ``package://NAME/…`` for folders: ``$(find NAME)/…``."""
+    match = _ADDRESS.search(path.replace("\\", "/"))
+    return None if match is None else f"$(find {match[1]}){match[2]}"
 
 
 def find_missing_path(use: ResourceUse, source: Source) -> Path | None:

@@ -176,6 +176,16 @@ def shows_com(mismatch: float, drawn: VisualGeometry) -> bool:
     return drawn.closed or mismatch > FAR
 
 
+def collect_cause_data(cause: str, detail: str) -> dict[str, str]:
+    """Return what the sentences about a cause need, whether one link has it or most of a file."""
+    return {
+        "detail": detail,
+        "mistake": describe_mistake(cause, detail),
+        "mirrored": _describe_mirrored(detail) if cause == "unmirrored" else "",
+        "upward": "" if "about z" in detail else ", as when a program with another upward axis exported them",
+    }
+
+
 def collect_message_data(
     model: Model, link: Link, judged: DiagnosedInertial, *, is_certain: bool = False
 ) -> dict[str, Any]:
@@ -196,14 +206,11 @@ def collect_message_data(
     doubted = f"{'wrong' if is_certain else 'suspect'} {name_faulty_numbers(cause, diagnosis.detail)}"
     return {
         "link": link.name,
-        "detail": diagnosis.detail,
-        "mirrored": _describe_mirrored(diagnosis.detail) if cause == "unmirrored" else "",
-        "mistake": describe_mistake(cause, diagnosis.detail),
+        **collect_cause_data(cause, diagnosis.detail),
         "why": SHORT_CAUSES.get(cause, "").format(detail=diagnosis.detail),
         "fault": _describe_fault(cause, size=size, apart=apart) or doubted,
         "fault_short": doubted,  # the cause says more than how far off the numbers are
         "source": source,
-        "upward": "" if "about z" in diagnosis.detail else ", as when a program with another upward axis exported them",
         "off": f", {apart} from {'the drawn part' if source == 'the drawn part' else 'the shape'}'s" if apart else "",
         "apart": apart,
         "twins": join_names(judged.twins),

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 from urdfcheck.cli.install_origin import InstallOrigin, find_install_origin
 from urdfcheck.cli.options import CommandParser
 from urdfcheck.cli.output_files import CheckedFolders, write_file
+from urdfcheck.cli.setup_step import SetupStep
 from urdfcheck.cli.terminal import NOTHING, OK, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.core.records import dataclass
 
 if TYPE_CHECKING:
     from urdfcheck.core import ModelInfo, Run
@@ -45,7 +45,7 @@ jobs:
   urdfcheck:
     runs-on: ubuntu-latest
     steps:
-      - uses: actions/checkout@v6
+      - uses: actions/checkout@3d3c42e5aac5ba805825da76410c181273ba90b1 # v7.0.1
         with:
           persist-credentials: false
 {steps}"""
@@ -57,7 +57,7 @@ ACTION = """\
 """
 # Python lies outside of the checkout, and -I keeps it from taking modules there.
 INSTALLED = """\
-      - uses: actions/setup-python@v6
+      - uses: actions/setup-python@5fda3b95a4ea91299a34e894583c3862153e4b97 # v7.0.0
         with:
           python-version: "3.12"
       - shell: bash
@@ -76,7 +76,7 @@ INSTALLED = """\
           if [ "$FROM" = "$GITHUB_REPOSITORY" ]; then isolated=""; fi
           "$RUNNER_TEMP/urdfcheck/bin/python" -I -m urdfcheck check $isolated \\
             --format github -o html="$RUNNER_TEMP/urdfcheck.html" -- "$CHECKED"
-      - uses: actions/upload-artifact@v7
+      - uses: actions/upload-artifact@bbbca2ddaa5d8feaa63e36b76fdaad77386f024f # v7.0.0
         if: always()
         with:
           path: ${{{{ runner.temp }}}}/urdfcheck.html
@@ -148,21 +148,6 @@ HOOKS = """\
 """
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SetupStep:
-    """What happens to a file."""
-
-    path: Path
-    verb: str
-    """wrote | extended | kept."""
-    text: str | None = None
-    """Its content afterwards; None where it stays as it is."""
-    added: str = ""
-    """The new part of the content."""
-    reason: str = ""
-    """Why it stays as it is."""
-
-
 def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck init``."""
     p = CommandParser(
@@ -177,6 +162,11 @@ def build_parser() -> argparse.ArgumentParser:
         "--vscode",
         action="store_true",
         help="also write a task that lists findings as problems, the settings and the JSON Schema of the configuration",
+    )
+    p.add_argument(
+        "--ament",
+        action="store_true",
+        help="also give each package of ament the test of urdfcheck, for which ament_urdfcheck must be in the workspace",
     )
     p.add_argument("--dry-run", action="store_true", help="write nothing, and print what would be written")
     return p
@@ -205,12 +195,15 @@ def main(words: Sequence[str]) -> int:
         _plan_hooks(root / PRE_COMMIT, format_hooks(origin)),
         _plan_job(root, install, action=action, folder=inside),
     ]
-    more = _plan_vscode(root, inside) if options.vscode else []
+    tested = _plan_ament(outcome, folder) if options.ament else []
+    more = [*(_plan_vscode(root, inside) if options.vscode else []), *tested]
     _report_found(outcome)
     for step in (*steps, *more):
         _run_step(step, root, dry=options.dry_run)
     failed = any(info.status == "failed" for info in outcome.models)
-    _report_next_steps(steps, needing, known=bool(origin.requirement), failed=failed, dry=options.dry_run)
+    needs_packages = any(step.text is not None for step in tested)
+    if not options.dry_run:
+        _report_next_steps(steps, needing, known=bool(origin.requirement), failed=failed, needs_packages=needs_packages)
     return OK
 
 
@@ -492,6 +485,21 @@ def _plan_vscode(root: Path, folder: str) -> list[SetupStep]:
     return steps
 
 
+def _plan_ament(outcome: Run, folder: Path) -> list[SetupStep]:
+    """Plan the tests of the packages that have the models."""
+    from urdfcheck.cli.ament_files import plan_ament_files
+    from urdfcheck.source.package.finder import PackageFinder
+    from urdfcheck.source.reach import FileReach
+
+    packages = {}
+    for info in outcome.models:
+        path = Path(info.path).absolute()
+        package = PackageFinder(path, reach=FileReach.from_paths([folder], [])).find_package_of(path)
+        if package is not None:
+            packages[package.path] = package
+    return [step for _, package in sorted(packages.items()) for step in plan_ament_files(package)]
+
+
 def _append_text(before: str, added: str, *, blank: bool = True) -> str:
     """Append a text to another, with the line ends of the latter."""
     newline = "\r\n" if "\r\n" in before else "\n"
@@ -548,12 +556,15 @@ def _report_found(outcome: Run) -> None:
 
 
 def _report_next_steps(
-    steps: Sequence[SetupStep], needing: Mapping[Path, object], *, known: bool, failed: bool, dry: bool
+    steps: Sequence[SetupStep],
+    needing: Mapping[Path, object],
+    *,
+    known: bool,
+    failed: bool,
+    needs_packages: bool,
 ) -> None:
     from urdfcheck.source.package.finder import format_path
 
-    if dry:
-        return
     configuration, hooks, job = steps
     steps_left = []
     if needing and configuration.text is not None:
@@ -566,6 +577,11 @@ def _report_next_steps(
         )
     if hooks.text is not None:
         steps_left.append("pre-commit install           the hook runs at each commit")
+    if needs_packages:
+        steps_left.append(
+            "colcon test                  needs ament_urdfcheck and ament_cmake_urdfcheck in the workspace: "
+            "copy integrations/ament of urdfcheck"
+        )
     steps_left.append("urdfcheck .                  what is wrong today")
     if failed:
         steps_left.append(

@@ -20,6 +20,7 @@ from urdfcheck.output.shared.verdict.effects import (
     join_programs,
     list_effects,
 )
+from urdfcheck.output.shared.verdict.finding_details import describe_own_repair
 from urdfcheck.output.shared.verdict.not_checked import explain_block
 from urdfcheck.output.shared.wording import (
     describe_models,
@@ -203,7 +204,7 @@ def _render_occurrences(finding: Finding) -> str:
     items = [
         "<li>"
         + ("" if own.location.span is None else f"{_render_file_line(own.location.span)} ")
-        + f"{escape_html(own.headline)}</li>"
+        + f"{escape_html(own.headline + describe_own_repair(own, finding))}</li>"
         for own in finding.occurrences
     ]
     if not items:

@@ -37,11 +37,25 @@ def iter_details(run: Run, finding: Finding, told: ToldEffects) -> Iterator[tupl
 
 
 def describe_other_places(finding: Finding) -> list[str]:
-    """Return a line for each place of a finding beside its own, with the claim there: ``arm.urdf:12 arm_2: … (2 % short)``."""
+    """Return a line for each place of a finding beside its own, with the claim there: ``arm.urdf:12 arm_2: … (2 % short)``.
+
+    Where its repair is another one, it follows: `` → write izz="0.02"``.
+    """
     others = finding.occurrences[1:]
-    lines = [f"{_describe_place(own, finding)}{own.headline}" for own in others[:MOST_OCCURRENCES]]
+    lines = [
+        f"{_describe_place(own, finding)}{own.headline}{describe_own_repair(own, finding)}"
+        for own in others[:MOST_OCCURRENCES]
+    ]
     rest = len(others) - len(lines)
     return [*lines, f"{format_count(rest, 'more place')}"] if rest else lines
+
+
+def describe_own_repair(occurrence: Finding, finding: Finding) -> str:
+    """Return `` → write izz="0.02"`` where the repair of a place is another one than that of the first place."""
+    first = finding.occurrences[0].fix
+    if occurrence.fix is None or (first is not None and occurrence.fix.title == first.title):
+        return ""
+    return f" → {occurrence.fix.title}"
 
 
 def _describe_place(occurrence: Finding, finding: Finding) -> str:
