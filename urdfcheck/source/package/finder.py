@@ -94,7 +94,9 @@ class Resource:
     """False for a file out of reach, whose existence is not probed: then ``exists`` is False."""
 
 
-# What was found around models, by the state of the disk: that of the last one that was named, see `PackageFinder`.
+# What was found around models, by the states of the disk that were named last, see `PackageFinder`: while one types there are
+# that of the quick checks and that of the last complete one.
+_MOST_STATES = 2
 _scanned: dict[str, dict[tuple[FileReach | None, tuple[Path, ...]], Mapping[str, Sequence[Path]]]] = {}
 
 
@@ -210,9 +212,9 @@ class PackageFinder:
         """Return the folders of each package below these levels, those of the first level first."""
         if not self.disk_state:
             return self._walk_folders(levels)
-        for state in _scanned.keys() - {self.disk_state}:
-            del _scanned[state]
-        scans = _scanned.setdefault(self.disk_state, {})
+        scans = _scanned[self.disk_state] = _scanned.pop(self.disk_state, {})
+        while len(_scanned) > _MOST_STATES:
+            del _scanned[next(iter(_scanned))]
         place = self.reach, tuple(levels)
         if place not in scans:
             scans[place] = self._walk_folders(levels)
