@@ -14,7 +14,7 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
-from urdfcheck.source.text.text_facts import text_fact
+from urdfcheck.source.text.remembered import text_fact
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     FORWARDED,

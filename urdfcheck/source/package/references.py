@@ -16,7 +16,7 @@ from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.text.python import parse_python
-from urdfcheck.source.text.text_facts import text_fact
+from urdfcheck.source.text.remembered import text_fact
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular, walk
 

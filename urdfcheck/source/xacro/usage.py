@@ -9,7 +9,7 @@ from urdfcheck.core import Span
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.handed_values import EXPRESSION
-from urdfcheck.source.text.tree_facts import tree_fact
+from urdfcheck.source.text.remembered import tree_fact
 from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.xacro.expressions.compile_expression import find_names
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.text import text_facts
-from urdfcheck.source.text.text_facts import text_fact
-from urdfcheck.source.text.tree_facts import tree_fact
+from urdfcheck.source.text import remembered
+from urdfcheck.source.text.remembered import text_fact, tree_fact
 from urdfcheck.source.text.xml import Element, SourceFile, parse_xml
 
 
@@ -34,17 +33,17 @@ def test_two_facts_of_one_text_are_apart() -> None:
 
 
 def test_the_texts_that_were_asked_for_last_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(text_facts, "_kept", type(text_facts._kept)())
-    monkeypatch.setattr(text_facts, "_characters", 0)
-    monkeypatch.setattr(text_facts, "_MOST_CHARACTERS", 30)
+    monkeypatch.setattr(remembered, "_kept", type(remembered._kept)())
+    monkeypatch.setattr(remembered, "_characters", 0)
+    monkeypatch.setattr(remembered, "_MOST_CHARACTERS", 30)
     measure = text_fact(len)
     for letter in "abcab":
         measure(letter * 10)
     measure("d" * 10)
-    assert [text[0] for _, text, _ in text_facts._kept] == ["a", "b", "d"]
-    assert text_facts._characters == 30
+    assert [text[0] for _, text, _ in remembered._kept] == ["a", "b", "d"]
+    assert remembered._characters == 30
     measure("e" * 100)
-    assert [text[0] for _, text, _ in text_facts._kept] == ["e"]
+    assert [text[0] for _, text, _ in remembered._kept] == ["e"]
 
 
 def test_a_fact_of_a_tree_is_remembered_on_it() -> None:

@@ -1,4 +1,5 @@
-"""What is found in the text of a file, remembered by the text: after an edit, a check reads the other files again."""
+"""What is found in files as typed, remembered: a check asks for it several times, and after an edit the next one reads the other
+files again. Who gets it must not change it."""
 
 from __future__ import annotations
 
@@ -7,6 +8,8 @@ from collections.abc import Callable, Hashable
 from functools import wraps
 from typing import Any, TypeVar
 
+from urdfcheck.source.text.xml import Element
+
 T = TypeVar("T")
 # Characters of all texts of which something is remembered.
 _MOST_CHARACTERS = 2_000_000
@@ -14,8 +17,23 @@ _kept: OrderedDict[tuple[Callable[..., Any], str, tuple[Hashable, ...]], Any] = 
 _characters = 0
 
 
+def tree_fact(compute: Callable[[Element], T]) -> Callable[[Element], T]:
+    """Compute a fact once for the tree of a file, as long as there is the tree: expansions share those of unchanged files."""
+
+    @wraps(compute)
+    def get(tree: Element) -> T:
+        if tree.facts is None:
+            tree.facts = {}
+        if compute not in tree.facts:
+            tree.facts[compute] = compute(tree)
+        found: T = tree.facts[compute]
+        return found
+
+    return get
+
+
 def text_fact(compute: Callable[..., T]) -> Callable[..., T]:
-    """Compute what is in a text once for the text and the other arguments. Who gets it must not change it."""
+    """Compute a fact once for a text and the other arguments, as long as the text is among those that were asked for last."""
 
     @wraps(compute)
     def get(text: str, *others: Hashable) -> T:
