@@ -156,6 +156,6 @@ def test_a_text_whose_elements_want_other_numbers_has_no_edit_and_says_so() -> N
     (merged,) = merge_same_text([repair("left", "0.06"), repair("right", "-0.06")])
     assert merged.fix == Fix("write y 0.06; right: write y -0.06")
     (merged,) = merge_same_text([repair(side, str(n), edited=False) for n, side in enumerate(("a", "b", "c"))])
-    assert merged.fix == Fix("write y 0; each of the others has its own")
+    assert merged.fix == Fix("write y 0; each of the others has its own repair")
     (merged,) = merge_same_text([repair("left", "0.06"), repair("right", "0.06")])
     assert merged.fix == repair("left", "0.06").fix

@@ -150,7 +150,7 @@ class TestKinds:
         assert found.fix is not None
         titles = [own.fix.title for own in found.occurrences if own.fix is not None]
         assert len(set(titles)) > 1
-        assert found.fix.title == f"{titles[0]}; each of the others has its own"
+        assert found.fix.title == f"{titles[0]}; each of the others has its own repair"
         shown = text.render(find(write_robots(tmp_path, "", hand=HAND), "JNT005"), width=200)
         assert all(f"→ {title}" in shown for title in titles[1:] if title != titles[0])
 

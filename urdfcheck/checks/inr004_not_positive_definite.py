@@ -304,7 +304,7 @@ def _collect_remedy(
         remedy = (
             f"write {drawn}"
             if len(links) == 1
-            else f"{links[0].link.name}: write {drawn}; each of the others has its own"
+            else f"{links[0].link.name}: write {drawn}; each of the others has its own repair"
         )
     elif any(has_drawn_shape(declared.link) for declared in links):  # a part of some shape: no bar, no ball
         remedy = "compute the tensor from the shape of the part and its mass"

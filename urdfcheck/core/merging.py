@@ -263,12 +263,12 @@ def _join_fixes(ordered: Sequence[Finding]) -> Fix | None:
 def _refer_to_others(ordered: Sequence[Finding]) -> str:
     """Return the end of a repair that is another one at the other places: the other one if short, or that there are more."""
     if len(ordered) > 2:
-        return "; each of the others has its own"
+        return "; each of the others has its own repair"
     other = ordered[1]
     name = match[1] if (match := _NAMED.match(other.subjects[0])) is not None else ""
     if name and len(other.subjects) == 1 and other.fix is not None and len(other.fix.title) <= _SHORT_REPAIR:
         return f"; {name}: {other.fix.title}"
-    return "; the other has its own"
+    return "; the other has its own repair"
 
 
 def _join_variants(ordered: Sequence[Finding]) -> dict[str, tuple[str, ...]]:
