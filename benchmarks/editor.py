@@ -2,7 +2,7 @@
 
 ``python benchmarks/editor.py MODEL…`` starts ``urdfcheck server``, opens the model, and toggles a link without a joint
 in its buffer: each change makes the server send other diagnostics. The time is from the notification to the diagnostics, with the
-pause of 0.05 or 0.1 s in which the server waits for more typing. All rows are medians of one run that takes turns. The processor
+pause of 0.035 or 0.1 s in which the server waits for more typing. All rows are medians of one run that takes turns. The processor
 time of the server's processes (Linux) is about what an edit takes where nothing else runs, without the pause: one process after
 the other uses nearly all of it. Of several models each has a line with the times of an edit, and the last line says how many are
 within the budget. ``--arg NAME:=VALUE`` is an argument of the models.

@@ -63,3 +63,22 @@ def test_files_that_may_have_changed_are_searched_again(tmp_path: Path) -> None:
     (tmp_path / "user.xacro").write_text(USER)
     assert not before.plan.models
     assert run_audit(request, IN_THIS_PROCESS, previous=before).plan.models
+
+
+def test_packages_are_searched_again_where_files_may_have_changed(tmp_path: Path) -> None:
+    (tmp_path / ".git").mkdir()
+    folder = tmp_path / "car"
+    folder.mkdir()
+    (folder / "package.xml").write_text("<package><name>car</name></package>")
+    path = folder / "car.xacro"
+    path.write_text(text := USER.replace('"part.xacro"', '"$(find arm)/part.xacro"'))
+    run, audited, models = type_text(make_request(path), path, text), None, []
+    for number, differ in enumerate((True, True, True, False, True)):
+        if number == 2:  # nothing tells that it has come
+            (tmp_path / "other").mkdir()
+            (tmp_path / "other/package.xml").write_text("<package><name>arm</name></package>")
+            (tmp_path / "other/part.xacro").write_text(PART)
+        run = type_text(run, path, text.replace('"base"', f'"base_{number}"'))
+        audited = run_audit(run, IN_THIS_PROCESS, previous=audited, only_texts_differ=differ)
+        models.append(audited.outcome.models[0].links)
+    assert models == [0, 0, 0, 1, 1]

@@ -9,6 +9,7 @@ import pytest
 
 from urdfcheck.source.package import package_folders
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
+from urdfcheck.source.reach import FileReach
 
 
 def make(folder: Path, name: str | None = None) -> Path:
@@ -41,6 +42,24 @@ def test_the_places_come_in_a_fixed_order(tmp_path: Path) -> None:
         (expected / "package.xml").unlink(missing_ok=True)
         expected.rmdir()
     assert find() is None
+
+
+def test_finders_of_one_state_of_the_disk_search_once(tmp_path: Path) -> None:
+    start = make(tmp_path / "ws/src/start", "start")
+    (tmp_path / "ws/.git").mkdir()
+    reach, other = FileReach((str(tmp_path),)), FileReach((str(start),))
+
+    def find(state: str, reach: FileReach = reach) -> Path | None:
+        finder = PackageFinder(start, {}, [], {}, reach=reach, disk_state=state)
+        assert finder.list_workspace_packages().get("arm") == finder.find("arm")
+        return finder.find("arm")
+
+    assert [find("1"), find(""), find("2")] == [None, None, None]
+    arm = make(tmp_path / "ws/src/arm_folder", "arm")
+    assert find("2") is None  # of the state before
+    assert [find(""), find("2", other), find("3"), find("3")] == [arm, arm, arm, arm]
+    find("4")
+    assert find("2") == arm  # the last two states are kept
 
 
 def test_of_two_packages_of_one_name_the_one_around_the_start_comes_first(tmp_path: Path) -> None:

@@ -41,11 +41,12 @@ def build_outline(model: Model) -> ModelOutline:
     for element in model.robot.children:
         if element.tag in {"link", "joint"}:
             for inner in element.walk():
+                subject = inner.subject
                 for name, attribute in inner.attributes.items():
                     value = normalize_path(model, attribute.value) if name == "filename" else attribute.value
-                    parts[f"{inner.subject}@{name}"] = normalize_value(value)
+                    parts[f"{subject}@{name}"] = normalize_value(value)
                 if not inner.attributes:
-                    parts[inner.subject] = ()
+                    parts[subject] = ()
         else:
             extensions[element.tag] = extensions.get(element.tag, 0) + 1
     package = model.package

@@ -13,7 +13,7 @@ from urdfcheck.model.robot import Model
 from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names
+from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag
 
 # Elements of a robot that only simulators read.
 _ELEMENTS = ("gazebo", "mujoco")
@@ -85,7 +85,7 @@ def has_successor_branch(model: Model, element: Element) -> bool:
     """
     read = _collect_condition_names(model, element)
     here = {_get_place(other) for other in model.robot.walk() if other.tag == "plugin"} if read else set()
-    others = (e for tree in model.source.trees.values() for e in tree.walk() if e.tag == "plugin")
+    others = iter_elements_by_tag(model.source.trees, "plugin")
     return bool(read) and any(
         _NEW_PLUGIN.match(other.get("filename") or other.text.strip()) is not None
         and _get_place(other) not in here

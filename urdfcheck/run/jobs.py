@@ -191,6 +191,8 @@ class AuditSettings:
     """The folders of each package that the search for models came across, by its name."""
     visible_folders: tuple[str, ...] = ()
     """Folders that the worker process must see."""
+    disk_state: str = ""
+    """Names the files on the disk, as far as is known: jobs with the same one search packages once; empty: each does."""
     replay_key: str = ""
     """What decides about every report beside its unit, as a digest; empty where reports are not kept."""
 

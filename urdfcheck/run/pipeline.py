@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import itertools
 import os
 import signal
 import tempfile
@@ -91,8 +92,12 @@ class AuditedRun:
     reports: Mapping[int, UnitReport]
     """By index of the unit."""
     outcome: Run
+    disk_state: str
+    """Names the files on the disk, as the search for models found them."""
 
 
+# Numbers the searches for models of this process.
+_searches = itertools.count(1)
 # What most runs use.
 IN_WORKERS = Execution()
 # For tests and for embedding: no processes, no limits.
@@ -120,7 +125,9 @@ def run_audit(
     start = time.perf_counter()
     if previous is not None and only_texts_differ and _leads_to_same_models(previous, request, execution):
         search, units = previous.search, _build_units(previous.search, request)
+        disk_state = previous.disk_state
     else:
+        disk_state = f"{os.getpid()} {next(_searches)}"
         search, units = plan_units(
             request,
             in_process=execution.audit is not None,
@@ -138,6 +145,8 @@ def run_audit(
     reports = {index: bound(report, units[index]) for index, report in reports.items()}
     with audit_session(request, units, plan, in_process=execution.audit is not None) as session:
         settings = session if request.cache is None else enable_replay(session)
+        if previous is not None and request.options.texts:  # others will follow, and what this one observes is not kept
+            settings = replace(settings, disk_state=disk_state)
         known = KnownReports(settings)
         while missing := list_next_units(units, reports):
             recalled = {index: report for index in missing if (report := known.recall(units[index])) is not None}
@@ -172,7 +181,9 @@ def run_audit(
         reason = f"interrupted after {len(reports)} of {count} models and files: the rest was not checked"
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
     outcome = strip_volatile_values(outcome) if read_variable("SOURCE_DATE_EPOCH") is not None else outcome
-    return AuditedRun(request=request, plan=plan, search=search, units=units, reports=reports, outcome=outcome)
+    return AuditedRun(
+        request=request, plan=plan, search=search, units=units, reports=reports, outcome=outcome, disk_state=disk_state
+    )
 
 
 def keep_valid_reports(last: AuditedRun | None, request: Request) -> AuditedRun | None:

@@ -158,6 +158,7 @@ class _UnitAudit:
             self.packages.search_path,
             reach=None if self.settings.reach is None else FileReach(self.settings.reach),
             known={name: list(folders) for name, folders in self.settings.known_packages.items()},
+            disk_state=self.settings.disk_state,
         )
 
     def list_machine_folders(self) -> set[str]:

@@ -6,6 +6,7 @@ import errno
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import field
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -226,7 +227,8 @@ def has_unbound_xacro(source: Source) -> bool:
     return unbound is not None and unbound[1] == "xacro"
 
 
-def select_own_trees(source: Source) -> dict[str, Element]:
+@lru_cache(maxsize=1)
+def select_own_trees(source: Source) -> Mapping[str, Element]:
     """Return the trees of the files in the model's own package; without a package, only the model's file."""
     package = source.package
     return {

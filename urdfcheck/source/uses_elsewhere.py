@@ -14,6 +14,7 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
+from urdfcheck.source.text.remembered import text_fact
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     FORWARDED,
@@ -79,7 +80,11 @@ def collect_outside_mentions(source: Source) -> XacroMentions:
             except OSError:
                 continue
             if package_name in text:
-                _add_mentions(text, path, mentions)
+                is_included = path.suffix.lower() in _INCLUDED_SUFFIXES
+                found = _find_mentions(text, is_included, path.name.endswith(_CALLER_SUFFIXES))
+                mentions.names.update(found.names)
+                mentions.macros.update(found.macros)
+                mentions.arguments.update(found.arguments)
     return mentions
 
 
@@ -141,11 +146,14 @@ def _iter_caller_files(folder: Path, *, deep: bool) -> Iterator[Path]:
                 yield path
 
 
-def _add_mentions(text: str, path: Path, mentions: XacroMentions) -> None:
-    if path.suffix.lower() in _INCLUDED_SUFFIXES:
+@text_fact
+def _find_mentions(text: str, is_included: bool, is_caller: bool) -> XacroMentions:
+    mentions = XacroMentions()
+    if is_included:
         mentions.names.update(_BLOCK.findall(text), FORWARDED.findall(text), find_expression_names(text))
         mentions.macros.update(map(strip_namespace, _CALLED.findall(text)))
         mentions.macros.update(map(strip_namespace, _CALLED_BY_NAME.findall(text)))
         mentions.arguments.update(mentions.names, ARGUMENT.findall(text), _DECLARED.findall(text))
-    if path.name.endswith(_CALLER_SUFFIXES):
+    if is_caller:
         mentions.arguments.update(_PASSED.findall(text))
+    return mentions

@@ -94,13 +94,19 @@ class Resource:
     """False for a file out of reach, whose existence is not probed: then ``exists`` is False."""
 
 
+# What was found around models, by the states of the disk that were named last, see `PackageFinder`: while one types there are
+# that of the quick checks and that of the last complete one.
+_MOST_STATES = 2
+_scanned: dict[str, dict[tuple[FileReach | None, tuple[Path, ...]], Mapping[str, Sequence[Path]]]] = {}
+
+
 class PackageFinder:
     """Finds packages by name.
 
     In this order: ``explicit`` folders, the package that contains ``start``, folders below ``paths``, package.xml in the
     folders around ``start``, the ``known`` packages of the run (the nearest), ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and last
     a folder of that name around ``start``. ``reach``: which files may be opened besides those of the packages that were
-    found; None for all.
+    found; None for all. ``disk_state``: finders of one process with the same one search the same folders once; empty: each does.
     """
 
     def __init__(
@@ -111,8 +117,10 @@ class PackageFinder:
         environment: Mapping[str, str] | None = None,
         reach: FileReach | None = None,
         known: dict[str, list[Path]] | None = None,
+        disk_state: str = "",
     ) -> None:
         self.reach = reach
+        self.disk_state = disk_state
         self.known: dict[str, list[Path]] = {} if known is None else known
         self.start = start if os.path.isdir(start) else start.parent  # pathlib raises for a name too long
         # Absolute, because xacro resolves a relative path from the file that names it.
@@ -120,7 +128,7 @@ class PackageFinder:
         self.paths = [path.absolute() for path in paths]
         self.read_variable = read_variable if environment is None else environment.get
         self._found: dict[str, Path | None] = {}
-        self._around: dict[str, list[Path]] | None = None
+        self._around: Mapping[str, Sequence[Path]] | None = None
         self._workspace: dict[str, Path] | None = None
         self._below: dict[str, Path] | None = None
         self._ros: dict[str, Path] | None = None
@@ -195,13 +203,24 @@ class PackageFinder:
                     self._below.setdefault(folder.name, folder)
         return self._below
 
-    def _scan_around_start(self) -> dict[str, list[Path]]:
+    def _scan_around_start(self) -> Mapping[str, Sequence[Path]]:
         if self._around is None:
             self._around = self._scan_folders(self.list_parent_folders())
         return self._around
 
-    def _scan_folders(self, levels: Sequence[Path]) -> dict[str, list[Path]]:
+    def _scan_folders(self, levels: Sequence[Path]) -> Mapping[str, Sequence[Path]]:
         """Return the folders of each package below these levels, those of the first level first."""
+        if not self.disk_state:
+            return self._walk_folders(levels)
+        scans = _scanned[self.disk_state] = _scanned.pop(self.disk_state, {})
+        while len(_scanned) > _MOST_STATES:
+            del _scanned[next(iter(_scanned))]
+        place = self.reach, tuple(levels)
+        if place not in scans:
+            scans[place] = self._walk_folders(levels)
+        return scans[place]
+
+    def _walk_folders(self, levels: Sequence[Path]) -> dict[str, list[Path]]:
         packages: dict[str, list[Path]] = {}
         searched: SearchedFolders = {}
         for level in levels:

@@ -16,6 +16,7 @@ from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.text.python import parse_python
+from urdfcheck.source.text.remembered import text_fact
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular, walk
 
@@ -107,7 +108,7 @@ def read_package_contents(package: Package) -> PackageContents:
         if suffix in MESH_SUFFIXES:
             meshes.append(path.relative_to(package.path))
         elif suffix in _NAMING_SUFFIXES and path.name not in {"package.xml", "setup.py"}:
-            mentions += _iter_mentions(path)
+            mentions += _list_mentions(path)
     return PackageContents(tuple(mentions), tuple(meshes), complete)
 
 
@@ -128,7 +129,7 @@ def mentions_package(package: Package, name: str) -> bool:
     """Whether a file of a package names another package."""
     files = islice(iter_package_files(package, package.path), _MOST_FILES)
     naming = (p for p in files if p.suffix.lower() in _NAMING_SUFFIXES and p.name not in {"package.xml", "setup.py"})
-    return any(mention.package == name for path in naming for mention in _iter_mentions(path))
+    return any(mention.package == name for path in naming for mention in _list_mentions(path))
 
 
 def iter_package_mentions(package: Package) -> Iterator[PackageMention]:
@@ -141,7 +142,7 @@ def iter_package_mentions(package: Package) -> Iterator[PackageMention]:
             if count > _MOST_FILES:
                 break
             if path.suffix.lower() in _NAMING_SUFFIXES and path.name not in {"package.xml", "setup.py"}:
-                yield from (m for m in _iter_mentions(path) if m.package == package.name)
+                yield from (m for m in _list_mentions(path) if m.package == package.name)
 
 
 def list_other_folders(package: Package) -> list[Path]:
@@ -203,8 +204,16 @@ def _read_text(path: Path) -> str:
         return ""
 
 
-def _iter_mentions(path: Path) -> Iterator[PackageMention]:
-    text = _read_text(path)
+def _list_mentions(path: Path) -> tuple[PackageMention, ...]:
+    return _find_mentions(_read_text(path), path, format_path(path))
+
+
+@text_fact
+def _find_mentions(text: str, path: Path, file_name: str) -> tuple[PackageMention, ...]:
+    return tuple(_iter_mentions(text, path, file_name))
+
+
+def _iter_mentions(text: str, path: Path, file_name: str) -> Iterator[PackageMention]:
     runs_xacro = path.suffix in _XACRO_SUFFIXES and "xacro" in text
     if not runs_xacro and not any(word in text for word in ("package://", "find", "package_share", "FindPackage")):
         return
@@ -213,7 +222,7 @@ def _iter_mentions(path: Path) -> Iterator[PackageMention]:
     bare = _remove_comments(text, path.suffix)
     optional = _find_optional_lines(text) if path.suffix == ".py" and "except" in text else frozenset()
     for match in _MENTION.finditer(bare):
-        file = file or SourceFile(path, format_path(path), text=text)
+        file = file or SourceFile(path, file_name, text=text)
         group = next(i for i in (1, 3, 5, 6) if match.group(i))
         name = match.group(group)
         searched += group >= 5  # in Python
@@ -226,7 +235,7 @@ def _iter_mentions(path: Path) -> Iterator[PackageMention]:
         for inside in [match.group(group + 1)] if group < 5 else _find_joined_paths(bare, match, searched):
             yield PackageMention(name, inside, at, at.span is not None and at.span.line in optional)
     for match in _XACRO.finditer(bare) if runs_xacro else ():
-        file = file or SourceFile(path, format_path(path), text=text)
+        file = file or SourceFile(path, file_name, text=text)
         at = Location("package[xacro]", file.make_span(*match.span(match.lastindex or 0)))
         yield PackageMention("xacro", "", at, at.span is not None and at.span.line in optional)
 

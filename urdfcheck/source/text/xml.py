@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field
 from pathlib import Path
+from typing import Any
 from xml.parsers import expat
 
 from urdfcheck.core import NEWLINE, Location, Span
@@ -127,6 +128,8 @@ class Element:
     via: tuple[Span, ...] = ()
     """The macro calls and includes that brought it in, outermost first."""
     _label_cache: tuple[int, dict[int, str]] | None = field(default=None, repr=False)
+    facts: dict[Any, Any] | None = field(default=None, repr=False)
+    """What `urdfcheck.source.text.remembered` keeps of a whole file, at its root."""
 
     def get(self, name: str, default: str = "") -> str:
         """Return the value of an attribute, or ``default``."""
@@ -218,8 +221,14 @@ class SourceFile:
         self.declared = declared
         self.comments: list[Comment] = []
         self.instruction: Span | None = None
+
+    def __getattr__(self, name: str) -> Any:
+        """Return the offsets of the lines when they are first asked for: of a file whose tree is known they never are."""
+        if name != "_starts":
+            raise AttributeError(name)
         self._starts = array("q", (0,))  # a list would take forty bytes for each line
-        self._starts.extend(m.end() for m in NEWLINE.finditer(text))
+        self._starts.extend(m.end() for m in NEWLINE.finditer(self.text))
+        return self._starts
 
     @classmethod
     def read(cls, path: Path, name: str, *, declares: bool = True) -> SourceFile:

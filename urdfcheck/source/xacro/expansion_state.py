@@ -177,9 +177,13 @@ class ExpansionTrace:
 
     def record_loose_reads(self, reads: Iterable[Definition]) -> None:
         """Note what something other than an attribute of the model was computed from."""
-        new = [definition for definition in reads if definition not in self._loose_definitions]
-        self._loose_definitions.update(new)
-        self.loose_reads.update(found.span for found in flatten_definitions(new) if found.span is not None)
+        queue = [definition for definition in reads if definition not in self._loose_definitions]
+        while queue:
+            definition = queue.pop()
+            self._loose_definitions.add(definition)
+            if definition.span is not None:
+                self.loose_reads.add(definition.span)
+            queue += [inner for inner in definition.reads if inner not in self._loose_definitions]
 
     def record_read(self, definition: Definition) -> None:
         """Note that the innermost evaluation reads a definition."""

@@ -60,8 +60,11 @@ def parse_shared(source: SourceFile) -> ParsedFile:
     :raises XmlError: if it is not XML that may be read, or a prefix is not declared.
     """
     content = (source.path, source.name, source.encoding, source.declared, source.text)
-    parsed = _kept.pop(content, None) or _parse(source)
-    _kept[content] = parsed  # as the last one that was used
+    parsed = _kept.get(content)
+    if parsed is not None:
+        _kept.move_to_end(content)
+        return parsed
+    parsed = _kept[content] = _parse(source)
     too_many = sum(len(kept.source.text) for kept in _kept.values()) - _MOST_CHARACTERS
     while too_many > 0:
         _, oldest = _kept.popitem(last=False)

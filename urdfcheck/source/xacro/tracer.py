@@ -11,7 +11,7 @@ from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from types import SimpleNamespace
 from typing import Any
 from xml.dom import minidom
@@ -181,7 +181,7 @@ class Tracer:
         """Whether a text is its own value, as most are, and within the limits, towards which it counts."""
         if type(text) is not str or "$" in text or len(text) > min(_LONGEST_PLAIN, self.guards.steps):
             return False
-        self.guards.measure(text)
+        self.guards.charge_text(text)
         return True
 
     def wrap_eval_text(self, original: Callable[..., Any]) -> Callable[..., Any]:
@@ -193,7 +193,7 @@ class Tracer:
             try:
                 if isinstance(text, str):  # xacro copies the rest of the text at each of its parts
                     self.guards.charge(text.count("$") * len(text) // 4096)
-                result = original(text, symbols)
+                result = self.evaluate_parts(text, symbols, original)
                 if isinstance(result, str):
                     self.guards.measure(result)
             except ExpressionRefusedError as refused:
@@ -222,25 +222,52 @@ class Tracer:
                 finally:
                     self.evaluating -= 1
                     self.last_reads = tuple(dict.fromkeys(self.trace.readers.pop()))
-            if self.last_reads and self.trace.is_condition():
-                self.trace.report_environment_decision(self.last_reads)
-            origin = get_origin(self.trace.node)
-            if is_attribute and origin is not None and self.trace.attribute is not None:
-                # A block is evaluated by the caller and again where it is inserted, when nothing is left to read.
-                before = origin.reads.get(self.trace.attribute, ())
-                origin.reads[self.trace.attribute] = tuple(dict.fromkeys((*before, *self.last_reads)))
-            elif self.adding is not None:
-                self.add_attribute(*self.adding, result=result if isinstance(result, str) else "")
-            elif self.last_reads and self.trace.node is not None and self.trace.node.tagName == "xacro:arg":
-                name = self.trace.node.getAttribute("name")
-                self.trace.argument_definitions[name] = replace(
-                    self.trace.argument_definitions[name], reads=self.last_reads
-                )
-            else:
-                self.trace.record_loose_reads(self.last_reads)
+            self.note_text(result, is_attribute=is_attribute)
             return result
 
         return trace_text
+
+    def note_text(self, result: Any, *, is_attribute: bool) -> None:
+        """Note what the text was computed from that was just evaluated, for the attribute or argument that it is of."""
+        if self.last_reads and self.trace.is_condition():
+            self.trace.report_environment_decision(self.last_reads)
+        origin = get_origin(self.trace.node)
+        if is_attribute and origin is not None and self.trace.attribute is not None:
+            # A block is evaluated by the caller and again where it is inserted, when nothing is left to read.
+            before = origin.reads.setdefault(self.trace.attribute, self.last_reads)
+            if before is not self.last_reads and self.last_reads:
+                origin.reads[self.trace.attribute] = tuple(dict.fromkeys((*before, *self.last_reads)))
+        elif self.adding is not None:
+            self.add_attribute(*self.adding, result=result if isinstance(result, str) else "")
+        elif self.last_reads and self.trace.node is not None and self.trace.node.tagName == "xacro:arg":
+            name = self.trace.node.getAttribute("name")
+            self.trace.argument_definitions[name] = replace(
+                self.trace.argument_definitions[name], reads=self.last_reads
+            )
+        elif self.last_reads:
+            self.trace.record_loose_reads(self.last_reads)
+
+    def evaluate_parts(self, text: Any, symbols: Any, original: Callable[..., Any]) -> Any:
+        """Do what ``eval_text`` does, which takes a text apart each time that it is evaluated."""
+        import xacro
+
+        try:
+            parts = _split_text(text)
+        except (xacro.XacroException, TypeError):  # it is not a text, or its parts are evaluated up to the broken one
+            return original(text, symbols)
+        values = []
+        for kind, part in parts:
+            if kind is None:
+                values.append(part)
+            elif kind == "extension":
+                values.append(xacro.eval_extension(f"$({xacro.eval_text(part, symbols)})"))
+            else:
+                try:
+                    values.append(xacro.safe_eval(xacro.eval_text(part, symbols), symbols))
+                except Exception as error:
+                    suffix = f"{os.linesep}when evaluating expression '{part}'"
+                    raise xacro.XacroException(exc=error, suffix=suffix) from None
+        return values[0] if len(values) == 1 else "".join(map(xacro.str, values))
 
     def add_attribute(self, node: minidom.Element, values: list[str], *, result: str) -> None:
         """Take one of the two values of ``<xacro:attribute name= value=/>``: the second completes the attribute."""
@@ -523,14 +550,11 @@ class Tracer:
 
     def find_parameter_span(self, params: Attribute, name: str) -> Span | None:
         """Return the place of ``name:=default`` in the parameters of a macro, which may take many lines."""
-        import xacro
-
-        spec = rf"(?<!\S){re.escape(name)}\s*:?=\s*(\^\|?)?({xacro.default_value})"
-        match = re.search(spec, params.typed)
-        if match is None or params.span is None:
+        place = _find_parameter(params.typed, name)
+        if place is None or params.span is None:
             return params.span
         start = params.span.start
-        return self.access.files[params.span.file].make_span(start + match.start(), start + match.end())
+        return self.access.files[params.span.file].make_span(start + place[0], start + place[1])
 
     def wrap_set_item(self, original: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap ``Table._setitem``: record the definition of a property or parameter."""
@@ -617,6 +641,37 @@ class Tracer:
         """Record a warning of xacro."""
         text = " ".join(" ".join(map(str, args)).split())
         self.trace.report_problem("xacro-warning", text, self.trace.locate_cause())
+
+
+@lru_cache(maxsize=1024)
+def _find_parameter(parameters: str, name: str) -> tuple[int, int] | None:
+    """Return where ``name:=default`` begins and ends in the parameters of a macro."""
+    import xacro
+
+    match = re.search(rf"(?<!\S){re.escape(name)}\s*:?=\s*(\^\|?)?({xacro.default_value})", parameters)
+    return None if match is None else match.span()
+
+
+@lru_cache(maxsize=4096)
+def _split_text(text: str) -> tuple[tuple[str | None, str], ...]:
+    """Return the parts of a text as xacro takes it apart: an ``expression``, an ``extension``, or (None) what stays as it is.
+
+    :raises xacro.XacroException: where it finds none.
+    """
+    import xacro
+
+    lexer = xacro.QuickLexer(xacro.LEXER)
+    lexer.lex(text)
+    parts: list[tuple[str | None, str]] = []
+    while lexer.peek():
+        kind, part = lexer.next()
+        if kind == lexer.EXPR:
+            parts.append(("expression", part[2:-1]))
+        elif kind == lexer.EXTENSION:
+            parts.append(("extension", part[2:-1]))
+        else:
+            parts.append((None, part[1:] if kind == lexer.DOLLAR_DOLLAR_BRACE else part))
+    return tuple(parts)
 
 
 def _get_definitions(table: Any) -> dict[str, Definition]:

@@ -9,6 +9,7 @@ from urdfcheck.core import Span
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.handed_values import EXPRESSION
+from urdfcheck.source.text.remembered import tree_fact
 from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.xacro.expressions.compile_expression import find_names
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
@@ -53,7 +54,15 @@ class Macro:
 def iter_elements_by_tag(trees: Mapping[str, Element], tag: str) -> Iterator[Element]:
     """Yield every element with this tag, file by file in document order."""
     for tree in trees.values():
-        yield from (e for e in tree.walk() if e.tag == tag)
+        yield from _group_by_tag(tree).get(tag, ())
+
+
+@tree_fact
+def _group_by_tag(tree: Element) -> dict[str, list[Element]]:
+    groups: dict[str, list[Element]] = {}
+    for element in tree.walk():
+        groups.setdefault(element.tag, []).append(element)
+    return groups
 
 
 def collect_properties(trees: Mapping[str, Element]) -> dict[str, list[Attribute]]:
@@ -74,7 +83,16 @@ def collect_macros(trees: Mapping[str, Element]) -> dict[str, Macro]:
 def _collect_definitions(trees: Mapping[str, Element]) -> dict[str, list[Macro]]:
     """Return all definitions of each macro."""
     macros: dict[str, list[Macro]] = {}
-    for element in iter_elements_by_tag(trees, "xacro:macro"):
+    for tree in trees.values():
+        for macro in _list_macros(tree):
+            macros.setdefault(macro.name, []).append(macro)
+    return macros
+
+
+@tree_fact
+def _list_macros(tree: Element) -> list[Macro]:
+    macros = []
+    for element in _group_by_tag(tree).get("xacro:macro", ()):
         parameters, optional, blocks, rest = [], set(), set(), element.get("params")
         while rest.strip():
             parameter, default, rest = parse_next_parameter(rest)
@@ -89,11 +107,12 @@ def _collect_definitions(trees: Mapping[str, Element]) -> dict[str, list[Macro]]
             optional=frozenset(optional),
             blocks=frozenset(blocks),
         )
-        macros.setdefault(name, []).append(macro)
+        macros.append(macro)
     return macros
 
 
-def collect_read_names(tree: Element) -> set[str]:
+@tree_fact
+def collect_read_names(tree: Element) -> frozenset[str]:
     """Return every name that an expression, an inserted block or a forwarding default of a file mentions."""
     names: set[str] = set()
     for element in tree.walk():
@@ -104,34 +123,38 @@ def collect_read_names(tree: Element) -> set[str]:
                 names.update(FORWARDED.findall(attribute.value))
             names |= find_expression_names(attribute.value)
         names |= find_expression_names(element.text)
-    return names
+    return frozenset(names)
 
 
 def collect_called_macros(trees: Mapping[str, Element]) -> set[str]:
     """Return the macros that are called outside their own definition, without namespace; a computed name as typed."""
+    return set().union(*map(_collect_calls, trees.values())) - BUILT_IN_TAGS
+
+
+@tree_fact
+def _collect_calls(tree: Element) -> frozenset[str]:
     called: set[str] = set()
-    for tree in trees.values():
-        inside: list[tuple[Element, frozenset[str]]] = [(tree, frozenset())]
-        while inside:
-            element, macros_around = inside.pop()
-            name = element.get("macro") if element.tag == "xacro:call" else element.tag.removeprefix("xacro:")
-            if element.tag.startswith("xacro:") and strip_namespace(name) not in macros_around:
-                called.add(strip_namespace(name))
-            if element.tag == "xacro:macro":
-                macros_around |= {strip_namespace(element.get("name"))}
-            inside += [(child, macros_around) for child in element.children]
-    return called - BUILT_IN_TAGS
+    inside: list[tuple[Element, frozenset[str]]] = [(tree, frozenset())]
+    while inside:
+        element, macros_around = inside.pop()
+        name = element.get("macro") if element.tag == "xacro:call" else element.tag.removeprefix("xacro:")
+        if element.tag.startswith("xacro:") and strip_namespace(name) not in macros_around:
+            called.add(strip_namespace(name))
+        if element.tag == "xacro:macro":
+            macros_around |= {strip_namespace(element.get("name"))}
+        inside += [(child, macros_around) for child in element.children]
+    return frozenset(called)
 
 
 def collect_read_arguments(trees: Mapping[str, Element]) -> set[str]:
     """Return the arguments that are read by ``$(arg name)`` or by an expression that mentions the name."""
-    arguments: set[str] = set()
-    for tree in trees.values():
-        arguments |= collect_read_names(tree)
-        for element in tree.walk():
-            for text in (*(a.value for a in element.attributes.values()), element.text):
-                arguments.update(ARGUMENT.findall(text) if "$" in text else ())
-    return arguments
+    return set().union(*map(collect_read_names, trees.values()), *map(_collect_substituted, trees.values()))
+
+
+@tree_fact
+def _collect_substituted(tree: Element) -> frozenset[str]:
+    texts = (text for e in tree.walk() for text in (*(a.value for a in e.attributes.values()), e.text) if "$" in text)
+    return frozenset(name for text in texts for name in ARGUMENT.findall(text))
 
 
 def find_unprefixed_tags(

@@ -292,6 +292,10 @@ class Guards:
                 "too_large", f"the model's expressions take more than {MAX_STEPS:,} steps together"
             )
 
+    def charge_text(self, text: str) -> None:
+        """Count the steps that a text takes."""
+        self.charge(len(text) // _CHARACTERS_PER_STEP)
+
     def measure(self, value: Any) -> int:
         """Return a lower bound for the number of characters of the written value.
 
@@ -302,7 +306,7 @@ class Guards:
         if type(value) is str:
             if len(value) > MAX_CHARACTERS:
                 raise make_too_long_error(MAX_CHARACTERS, "characters")
-            self.charge(len(value) // _CHARACTERS_PER_STEP)
+            self.charge_text(value)
             return len(value) + 2
         return self._measure_deep(value)
 
