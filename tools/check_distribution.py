@@ -28,7 +28,6 @@ CORE_FINDS = (WHEEL_PITCH, "LCH002", "INR016")
 CORE_SKIPS = {
     "XML014": "Pinocchio is not installed",
     "COL001": "coal is not installed",
-    "JNT021": "scipy is not installed",
 }
 # The sources of urdfcheck-core, in the checkout and in the sdist.
 CORE = Path("packages", "urdfcheck-core")
