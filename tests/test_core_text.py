@@ -104,6 +104,20 @@ def test_a_name_that_lacks_a_word_of_several_names_none_of_them() -> None:
     assert find_nearest_name("rigth_wheel", ["right_wheel", "back_right_wheel"]) == "right_wheel"
 
 
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [
+        ("left_hip", "left_hip_joint"),
+        ("leftHipJoint", "left_hip_joint"),
+        ("hip", None),
+        ("joint1", None),
+        ("arm1", None),
+    ],
+)
+def test_a_short_name_without_its_kind_is_another_spelling(name: str, near: str | None) -> None:
+    assert find_nearest_name(name, ["left_hip_joint", "left_ankle_joint", "right_hip_joint", "link1", "arm_2"]) == near
+
+
 def test_a_name_is_edited_only_if_no_name_of_either_side_is_near() -> None:
     known = ["r_forearm_link", "forearm_link"]
     assert find_nearest_name("l_forearm_link", known) == "forearm_link"

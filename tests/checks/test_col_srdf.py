@@ -89,6 +89,17 @@ def test_links_of_a_larger_variant_are_not_missed(tmp_path: Path) -> None:
     assert [f.message_id for f in find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("palm", "upper"))] == ["unknown"]
 
 
+def test_links_of_the_file_that_includes_the_model_are_not_missed(tmp_path: Path) -> None:
+    """The robot of the semantic description is the arm with the camera that another file adds."""
+    disabled = NEIGHBOURS + pair("camera", "upper")
+    assert find_with_srdf(tmp_path, "COL003", disabled)
+    (tmp_path / "robot.urdf.xacro").write_text(
+        '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="arm.urdf"/>'
+        '<link name="camera"/><joint name="eye" type="fixed"><parent link="fore"/><child link="camera"/></joint></robot>'
+    )
+    assert not find_with_srdf(tmp_path, "COL003", disabled)
+
+
 def test_a_pair_in_the_other_order_is_the_same_and_its_line_can_go(tmp_path: Path) -> None:
     (finding,) = find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("upper", "base", "User"))
     assert (finding.message_id, finding.severity) == ("duplicate", Severity.INFO)

@@ -22,6 +22,7 @@ _LONG_DECIMAL = re.compile(r"(?<![\w.])-?\d+\.\d{8,}(?:[eE][+-]?\d+)?(?![\w.…]
 _MOST_ALIKE = 5
 # Few slips change the first letter: `laser` is not `base` (0.67).
 _SAME_WORD, _SAME_BUT_FIRST_LETTER = 0.65, 0.8
+_KINDS = frozenset({"joint", "link"})
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
 
@@ -31,13 +32,24 @@ def find_nearest_name(name: str, known: Iterable[str], likeness: float = 0.75) -
     A name that differs only in its digits is another part of the same kind, not another spelling; one with other sides is a
     part elsewhere: ``r_gripper_palm`` is not ``r_gripper_l_finger``. Nor is a name with another word a spelling:
     ``front_left_calf`` is not ``front_left_foot``, however many letters they share. A name that lacks a word of several others
-    names none of them: ``right_wheel`` beside ``front_right_wheel`` and ``rear_right_wheel``.
+    names none of them: ``right_wheel`` beside ``front_right_wheel`` and ``rear_right_wheel``. However short, ``left_hip`` is
+    ``left_hip_joint``.
     """
-    sides = _find_sides(name)
+    known, sides = list(known), _find_sides(name)
+    same = [other for other in known if other != name and _is_same_but_kind(name, other)]
+    if len(same) == 1:
+        return same[0]
     same_side = (o for o in known if not sides or _find_sides(o) in (set(), sides))
     spellings = [o for o in _list_similar_names(name, same_side, likeness) if not _has_other_word(name, o)]
     is_one_of_several = len(spellings) > 1 and all(_count_words(name) < _count_words(other) for other in spellings[:2])
     return spellings[0] if spellings and not is_one_of_several else None
+
+
+def _is_same_but_kind(name: str, other: str) -> bool:
+    """Whether one of two names has the words of the other, and perhaps one that says what is named."""
+    ours, theirs = _count_words(name), _count_words(other)
+    only_ours, only_theirs = set(ours - theirs), set(theirs - ours)
+    return not (only_ours and only_theirs) and only_ours | only_theirs <= _KINDS
 
 
 def _list_similar_names(name: str, known: Iterable[str], likeness: float) -> list[str]:
