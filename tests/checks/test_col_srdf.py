@@ -92,12 +92,16 @@ def test_links_of_a_larger_variant_are_not_missed(tmp_path: Path) -> None:
 def test_links_of_the_file_that_includes_the_model_are_not_missed(tmp_path: Path) -> None:
     """The robot of the semantic description is the arm with the camera that another file adds."""
     disabled = NEIGHBOURS + pair("camera", "upper")
-    assert find_with_srdf(tmp_path, "COL003", disabled)
+    space = 'name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    (tmp_path / "arm.xacro").write_text(make_two_bars().replace('name="arm"', space, 1))
+    (tmp_path / "arm.srdf").write_text(f'<robot name="arm">{GROUP}{disabled}</robot>')
+    assert check(tmp_path, codes={"COL003"}).findings
     (tmp_path / "robot.urdf.xacro").write_text(
-        '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="arm.urdf"/>'
-        '<link name="camera"/><joint name="eye" type="fixed"><parent link="fore"/><child link="camera"/></joint></robot>'
+        f'<robot {space}><xacro:include filename="arm.xacro"/><link name="camera"/>{joint("eye", "fore", "camera")}</robot>'
     )
-    assert not find_with_srdf(tmp_path, "COL003", disabled)
+    run = check(tmp_path, codes={"COL003"})
+    assert len(run.models) == 2
+    assert not run.findings
 
 
 def test_a_pair_in_the_other_order_is_the_same_and_its_line_can_go(tmp_path: Path) -> None:
