@@ -648,12 +648,13 @@ def test_copies_are_compared_as_numbers(tmp_path: Path) -> None:
     assert finding.model == "r.urdf"
 
 
-def test_copies_with_other_names_or_extensions_are_meant_to_have_them(tmp_path: Path) -> None:
-    """One is for a simulator, or for another robot of the kind; where bodies differ too, they are told."""
-    assert not package(tmp_path, make_robot_of_mass("a", "1"), make_robot_of_mass("b", "1", "<gazebo/>")).findings
-    finding = only(package(tmp_path, make_robot_of_mass("a", "1"), make_robot_of_mass("b", "2", "<gazebo/>")))
+def test_copies_that_differ_in_name_and_extensions_only(tmp_path: Path) -> None:
+    finding = only(package(tmp_path, make_robot_of_mass("a", "1"), make_robot_of_mass("b", "1", "<gazebo/>")))
+    assert finding.message_id == "equal-bodies"
     assert "('a' and 'b')" in finding.message
     assert "0 and 1 <gazebo>" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("nothing if they are meant to differ"), "one may be for a simulator"
 
 
 def test_part_that_one_copy_lacks_counts_once(tmp_path: Path) -> None:

@@ -39,6 +39,9 @@ class _ModelDifference:
         """The number of parts that differ."""
         return len(self.values) + len(self.only_urdf) + len(self.only_xacro)
 
+    def __bool__(self) -> bool:
+        return bool(self.names or self.weight or self.extensions)
+
 
 def check(outlines: list[ModelOutline], rule: Rule, *, overlap: float, links: int) -> Iterator[Finding]:
     for urdf in outlines:
@@ -52,13 +55,13 @@ def check(outlines: list[ModelOutline], rule: Rule, *, overlap: float, links: in
         # The URDF was made from the most similar variant of the xacro.
         xacro = min(copies, key=lambda o: (_compare_outlines(urdf, o).weight, o.model))
         difference = _compare_outlines(urdf, xacro)
-        if difference.weight:
+        if difference:
             yield replace(_build_finding(rule, urdf, xacro, difference=difference), model=urdf.model)
 
 
 def _build_finding(rule: Rule, urdf: ModelOutline, xacro: ModelOutline, *, difference: _ModelDifference) -> Finding:
     return rule.finding(
-        "diverged",
+        "diverged" if difference.weight else "equal-bodies",
         at=urdf.location,
         related=[xacro.location],
         urdf=urdf.path,
