@@ -476,6 +476,35 @@ def test_the_footprint_lies_at_the_lowest_point(tmp_path: Path, shape: str, grou
     assert finding.message_id == "footprint"
 
 
+def test_a_footprint_below_a_link_with_a_parent_is_only_deleted(tmp_path: Path) -> None:
+    """A new root with a joint to the link would be its second parent; no height of the ground is known there either."""
+    words = "0 0 0 0 0 0 laser base_footprint 40"
+    (finding,) = find_in_package(tmp_path, transform(words), "LCH005")
+    assert finding.message_id == "footprint"
+    assert finding.fix is not None
+    assert finding.fix.title == "delete the node: joint mount already makes base_link the parent of laser"
+    assert finding.severity is Severity.WARNING
+
+
+def test_on_a_bolted_arm_a_footprint_is_only_a_leftover(tmp_path: Path) -> None:
+    arm = """<robot name="arm"><link name="world"/><link name="base_link"/>
+    <joint name="base" type="fixed"><parent link="world"/><child link="base_link"/></joint></robot>"""
+    files = {
+        "package.xml": '<package format="2"><name>car</name></package>',
+        "urdf/car.urdf": arm,
+        "launch/car.launch": f"<launch>{transform('0 0 0 0 0 0 base_link base_footprint 40')}</launch>",
+    }
+    (finding,) = find(tmp_path / "car", files, "LCH005", name="launch/car.launch")
+    assert finding.severity is Severity.INFO
+
+
+def test_without_the_model_the_footprint_may_be_its_root_already(tmp_path: Path) -> None:
+    words = "0 0 0 0 0 0 base_link base_footprint 40"
+    (finding,) = find_in_launch(tmp_path, transform(words).removeprefix(LOAD), "LCH005")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete the node; a robot that needs base_footprint has it as the root link")
+
+
 def test_a_description_in_a_variable_leads_to_the_model(tmp_path: Path) -> None:
     body = """<let name="rd" value="$(command 'xacro $(find-pkg-share car)/urdf/car.urdf')"/>
     <node pkg="robot_state_publisher" exec="robot_state_publisher">
