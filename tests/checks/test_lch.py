@@ -90,6 +90,13 @@ def test_an_argument_that_another_launch_file_hands_over_is_its_business(tmp_pat
         ("join(get_package_share_directory('car'), 'urdf/bott.urdf.xacro')", "named", Severity.WARNING),
         ("join(d, 'urdf/bott.urdf.xacro')", "depends", Severity.INFO),
         ("model = 'urdf/bott.urdf.xacro'", "unfound", Severity.INFO),
+        ("d = join(get_package_share_directory('bot'))\njoin(d, 'bott.urdf.xacro')", "unfound", Severity.INFO),
+        (
+            "text = Command(['ros2 param get --hide-type /robot_state_publisher robot_description'])\n"
+            "Node(parameters=[{'robot_description': ParameterValue(text)}])",
+            None,
+            None,
+        ),
         ("def f(:", "syntax", Severity.WARNING),
         ("Node(parameters=[{'robot_description': text}])", "unknown", Severity.INFO),
         ("Node(parameters=[{'robot_description': join(d, 'urdf/car.urdf')}])", None, None),
@@ -105,6 +112,32 @@ def test_a_python_launch_file(tmp_path: Path, code: str, message: str | None, se
     assert lch == ([] if message is None else [(message, severity)])
     others = [f.location.span for f in findings if f.code != "LCH001"]
     assert not [span for span in others if span is not None and span.file.endswith(".launch.py")]
+
+
+@pytest.mark.parametrize(
+    ("declared", "is_known"),
+    [
+        ("default_value=EnvironmentVariable('ROBOT', default_value='car'), choices=['car']", True),
+        ("default_value='car'", True),
+        ("default_value=EnvironmentVariable('ROBOT', default_value='car'), choices=['car', 'cart']", False),
+        ("default_value='cart'", False),
+    ],
+)
+def test_a_name_that_is_put_together_from_an_argument_is_known_at_a_plain_launch(
+    tmp_path: Path, declared: str, is_known: bool
+) -> None:
+    find_in_package(tmp_path, "", "LCH001")
+    path = tmp_path / "car" / "launch" / "car.launch.py"
+    path.write_text(
+        f"""DeclareLaunchArgument('robot', {declared})
+name = PythonExpression(["'", LaunchConfiguration('robot'), ".urdf'"])
+file = PathJoinSubstitution([FindPackageShare('car'), 'urdf', name])
+Node(parameters=[{{'robot_description': Command(['xacro ', file])}}])""",
+        encoding="utf-8",
+    )
+    run = check(path, codes={"LCH001"})
+    assert [Path(m.path).name for m in run.models if m.robot] == (["car.urdf"] if is_known else [])
+    assert [f.message_id for f in run.findings] == ([] if is_known else ["unknown"])
 
 
 VARIABLE = """model = LaunchConfiguration('model')
