@@ -39,7 +39,7 @@ class TestXML001:
             ("<html><body><p>not found</body></html>", "other", "web_page"),
             ("<!DOCTYPE html><html/>", "other", "web_page"),
             ('<robot name="r">\n<<<<<<< HEAD\n<link name="a"/>\n=======\n', "malformed", "merge_conflict"),
-            ('\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>', "malformed", None),
+            ('\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>', "forgiven", None),
             ('<robot name="r"><link name="a></robot>', "malformed", None),
             ("", "empty", None),
             ("\x1f\0\0", "binary", None),
@@ -1130,3 +1130,27 @@ def test_an_element_with_attributes_of_its_own_is_not_misspelt(tmp_path: Path, e
     assert finding.message_id == found
     assert finding.fix is not None
     assert ("calls a macro" in finding.fix.title) is (found == "ignored")
+
+
+@pytest.mark.parametrize(
+    ("before", "message"), [("\n", "forgiven"), (" ", "forgiven"), ("\r\n", "forgiven"), ("<!-- -->\n", "malformed")]
+)
+def test_a_blank_before_the_declaration_stops_strict_parsers_only(tmp_path: Path, before: str, message: str) -> None:
+    (tmp_path / "r.urdf").write_text(f'{before}<?xml version="1.0"?><robot name="r"><link name="l"/></robot>')
+    (finding,) = check(tmp_path / "r.urdf", codes={"XML001"}).findings
+    assert finding.message_id == message
+    assert finding.consequences["mujoco"] == ("loads it" if message == "forgiven" else "refuses the file")
+
+
+def test_a_semantic_description_with_a_blank_before_the_declaration_is_read(tmp_path: Path) -> None:
+    package = tmp_path / "arm"
+    package.mkdir()
+    (package / "package.xml").write_text("<package format='2'><name>arm</name></package>")
+    (package / "arm.urdf").write_text('<robot name="arm"><link name="l"/></robot>')
+    text = '\n<?xml version="1.0"?>\n<robot name="arm">\n<disable_collisions link1="l" link2="none"/></robot>'
+    (package / "arm.srdf").write_text(text)
+    (finding,) = check(package, codes={"XML001"}).findings
+    assert finding.message_id == "srdf-forgiven"
+    (unknown,) = check(package, codes={"COL003"}).findings
+    assert unknown.location.span is not None
+    assert unknown.location.span.line == 4

@@ -32,7 +32,7 @@ class XmlMistake:
     end: int
     repair: str = _GENERAL_REPAIR
     forgiven: bool = False
-    """Whether tinyxml2, the parser of urdfdom and the engines, loads the file."""
+    """Whether tinyxml2, the parser of urdfdom and MuJoCo, loads the file."""
 
 
 def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]]) -> XmlMistake:
@@ -221,7 +221,8 @@ def _describe_declaration(text: str, at: int, _: list[tuple[str, int]]) -> XmlMi
     what = "a blank" if not before.strip(" \t") else "an empty line" if not before.strip() else "something else"
     what = "a comment" if before.lstrip().startswith("<!--") else what
     message = f"the declaration `<?xml …?>` is not at the start of the file: {what} precedes it"
-    return XmlMistake(message, at, at + 5, repair="move the declaration to the very start of the file, or delete it")
+    repair = "move the declaration to the very start of the file, or delete it"
+    return XmlMistake(message, at, at + 5, repair, forgiven=not before.strip())
 
 
 def _describe_duplicate(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
