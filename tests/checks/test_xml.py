@@ -1049,6 +1049,28 @@ def test_substitutions_that_only_gazebo_reads_are_a_warning(
 
 
 @pytest.mark.parametrize(
+    ("typed", "repair"),
+    [
+        ("${size/2} 0 0", "write the value in its place: the file does not define size"),
+        ("${1/2} 0 0", "let the launch file run xacro"),
+        ("${pi/2} ${sin(0.1)} 1e-3", "let the launch file run xacro"),
+        ("$(arg size) 0 0", "let the launch file run xacro"),
+        ("${'size'} 0 0", "let the launch file run xacro"),
+    ],
+)
+@pytest.mark.parametrize("tag", ["sensor", "plugin"])
+def test_xacro_would_stop_at_a_name_that_the_file_does_not_define(
+    tmp_path: Path, typed: str, repair: str, tag: str
+) -> None:
+    body = f'<gazebo reference="a"><{tag} name="s"><pose>{typed}</pose></{tag}></gazebo>'
+    (finding,) = check_text(tmp_path, f'<robot name="r"><link name="a"/>{body}</robot>', codes={"XML009"}).findings
+    assert finding.fix is not None
+    assert repair in finding.fix.title
+    # What Gazebo makes of it is known where the text is handed to a plugin.
+    assert ("gazebo" in finding.consequences) == (tag == "plugin")
+
+
+@pytest.mark.parametrize(
     ("typed", "severity", "repair"),
     [
         ("<origin/>", Severity.INFO, "delete it: it is empty"),
