@@ -214,6 +214,32 @@ def test_controllers_that_are_loaded_with_another_model_are_not_this_one_s(
     assert bool(check(root / "urdf" / "cart.urdf", codes={"CTL004"}).findings) == reported
 
 
+@pytest.mark.parametrize(
+    ("body", "launch", "severity"),
+    [
+        (NAMED, "", Severity.INFO),
+        ("", "", Severity.ERROR),  # the robot does not say which file it has
+        (NAMED, "config/old.yaml", Severity.ERROR),
+        (NAMED, "config/$(arg which)d.yaml", Severity.ERROR),
+        (NAMED, "config/c.yaml", Severity.INFO),
+        (NAMED, "$(find cart_moveit_config)/demo.launch", Severity.ERROR),  # MoveIt finds its files itself
+    ],
+)
+def test_a_file_that_nothing_loads_stops_no_controller(
+    tmp_path: Path, body: str, launch: str, severity: Severity
+) -> None:
+    files = {
+        "config/old.yaml": group("left_wheel", "rigth_wheel"),
+        "launch/a.launch": f"<launch><!-- {launch} --></launch>",
+    }
+    (finding,) = find_in_cart(tmp_path, group("left_wheel", "right_wheel"), body, **files)
+    assert finding.severity is severity
+    assert ("delete the file if nothing loads it" in (finding.fix.title if finding.fix else "")) == (
+        severity is Severity.INFO
+    )
+    assert bool(finding.consequences) == (severity is Severity.ERROR)
+
+
 def test_two_unknown_names_do_not_mean_one_joint(tmp_path: Path) -> None:
     lift = '<link name="fork"/><joint name="lift" type="continuous"><parent link="base"/><child link="fork"/></joint>'
     found = find_in_cart(tmp_path, group("left_wheel", "lift", "rihgt_wheel", "right_weel"), lift)
@@ -252,6 +278,7 @@ def test_a_launch_file_with_an_argument_in_the_path_says_nothing(tmp_path: Path)
 def test_a_file_that_the_robot_names_is_there(tmp_path: Path) -> None:
     (finding,) = find_in_cart(tmp_path, "", PLUGIN.format("$(find cart)/config/d.yaml"))
     assert (finding.message_id, finding.severity) == ("missing", Severity.ERROR)
+    assert "no controller manager starts" in finding.consequences["gazebo"]
 
 
 def test_a_file_that_the_robot_names_is_yaml(tmp_path: Path) -> None:
