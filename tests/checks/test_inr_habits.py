@@ -186,6 +186,20 @@ def test_a_tensor_that_was_not_mirrored_keeps_its_com(tmp_path: Path) -> None:
     assert not find(tmp_path / "repaired", edited(text, finding.fix.edits), "INR009")
 
 
+@pytest.mark.parametrize(("place", "count"), [("0 0 0", 0), ("0 0 1", 1)])
+def test_numbers_are_not_blamed_for_a_part_that_is_drawn_twice_in_one_place(
+    tmp_path: Path, place: str, count: int
+) -> None:
+    """The numbers of the right arm are the mirror image of what it draws, which is the left arm."""
+    mirrored = replace(TRUE, com=MIRROR @ TRUE.com, tensor=MIRROR @ TRUE.tensor @ MIRROR)
+    arms = [
+        link(f"{name}_arm", format_inertial(numbers), drawn_boxes(CASTING))
+        + joint(f"{name}_joint", "base", f"{name}_arm", kind="fixed", xyz=at)
+        for name, numbers, at in (("left", TRUE, "0 0 0"), ("right", mirrored, place))
+    ]
+    assert len(find(tmp_path, robot(link("base"), *arms), "INR009")) == count
+
+
 def test_products_of_the_other_sign_are_no_mirror_image_where_one_of_them_is_small(tmp_path: Path) -> None:
     """A mirror image explains the two large products as well; that it was copied without its COM is rarer."""
     flat = (((0.2, 0.06, 0.04), (0.03, 0.01, 0.0)), ((0.04, 0.05, 0.12), (0.12, 0.016, 0.08)))
