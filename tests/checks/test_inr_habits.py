@@ -289,6 +289,16 @@ def test_moments_that_are_wrong_alike_are_counted(moments: tuple[float, ...], wo
     assert compare_sizes(wrong, right, "{inertia} {factor}× too {size}", digits=2) == words
 
 
+@pytest.mark.parametrize(
+    ("rpy", "words"), [("0 0 0", "up to 5.01 times too small"), ("0.5 0.6 0.7", "up to 4.24 times too small")]
+)
+def test_moments_are_compared_axis_by_axis_where_the_axes_agree(tmp_path: Path, rpy: str, words: str) -> None:
+    """The drawn moments are 2.604, 8.854, 10.42: that about z is five times too small, and the smallest one by a quarter."""
+    numbers = inertial(100.0, rpy=rpy, ixx=2.09, iyy=4.16, izz=2.08)
+    (finding,) = find(tmp_path, arm_on_base(numbers, visual(box("1 0.5 0.25"))), "INR009")
+    assert words in finding.message
+
+
 def test_the_sentence_of_each_cause_can_be_said_of_most_links_of_a_file() -> None:
     """A file in which all links are turned alike is told by the same sentence as one link."""
     for cause, sentence in load_rules()["INR009"].causes.items():
