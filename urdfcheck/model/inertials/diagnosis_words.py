@@ -326,7 +326,7 @@ def _pair_moments(declared: DeclaredInertial, drawn: VisualGeometry) -> tuple[Mo
 
 
 def compare_sizes(moments: Moments, uniform: Moments, template: str, *, digits: int) -> str:
-    """Say how much too large or too small moments (3,) about three axes are; nothing if they are ``SIMILAR`` in size. If they are wrong
+    """Say how much too large or too small three moments (3,) are; nothing if they are ``SIMILAR`` in size. If they are wrong
     by different factors, it is the one, or the two, wrong most, or how far they are off at most."""
     ratio = float(moments.sum() / uniform.sum())
     if 1 / SIMILAR < ratio < SIMILAR:
