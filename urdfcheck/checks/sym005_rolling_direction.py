@@ -41,9 +41,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if are_equal:
         matters = any(_drives(names, odd) and _drives(names, rest) for names in driven)
     else:
-        # A wheel that none of those who drive the others names turns freely, and so does one without the others' motors.
-        turning = driven or [_collect_motor_names(model)]
-        matters = not any(_drives(names, rest) for names in turning) or any(_drives(names, odd) for names in turning)
+        # A wheel that none of those who drive the others names turns freely.
+        driven = [*driven, _list_transmitted_joints(model)]
+        matters = not any(_drives(names, rest) for names in driven) or any(_drives(names, odd) for names in driven)
     # Where each side has wheels of both directions, these work against each other.
     is_by_side = are_equal and _are_on_two_sides(model, odd, rest)
     yield rule.finding(
@@ -88,14 +88,10 @@ def _list_driven_names(model: Model) -> list[set[str]]:
     return named
 
 
-def _collect_motor_names(model: Model) -> set[str]:
-    """Collect the names of the joints that a transmission connects with a motor, or that ros2_control commands."""
-    transmitted, controlled = (
-        [joint for block in model.robot.find_children(tag) for joint in block.find_children("joint")]
-        for tag in ("transmission", "ros2_control")
-    )
-    commanded = (joint for joint in controlled if joint.find_child("command_interface") is not None)
-    return {joint.get("name") for joint in (*transmitted, *commanded)}
+def _list_transmitted_joints(model: Model) -> set[str]:
+    """Return the joints that a ``<transmission>`` or a block of ros2_control names: those that a motor turns."""
+    blocks = (*model.robot.find_children("transmission"), *model.robot.find_children("ros2_control"))
+    return {joint.get("name") for block in blocks for joint in block.find_children("joint")}
 
 
 def _negates_side(controller: Controller) -> bool:
