@@ -250,6 +250,19 @@ def test_diagonal_wheels_that_are_off_are_not_told_apart(tmp_path: Path) -> None
     assert finding.data["gap"] == pytest.approx(8)
 
 
+@pytest.mark.parametrize(("height", "count"), [(-0.03, 0), (0.0, 1)])
+def test_a_robot_that_stands_on_a_fixed_caster_too_does_not_rock(tmp_path: Path, height: float, count: int) -> None:
+    """The ball has a radius of 20 mm, and the wheels of 50 mm; the front left one is 4 mm higher."""
+    car = replace(changed(FOUR, 0, place=(0.2, 0.12, 0.004)), caster=(0, 0, height))
+    assert len(find_in_car(tmp_path, "SYM006", car)) == count
+
+
+def test_the_gap_that_is_at_least_there_is_rounded_down(tmp_path: Path) -> None:
+    off = changed(changed(FOUR, 0, place=(0.2, 0.12, 0.00128)), 2, place=(-0.2, -0.12, 0.00128))
+    (finding,) = find_in_car(tmp_path, "SYM006", off)  # by 2.56 mm
+    assert "at least 2.5 mm in the air" in finding.message
+
+
 @pytest.mark.parametrize(
     ("left", "right", "message", "severity"),
     [

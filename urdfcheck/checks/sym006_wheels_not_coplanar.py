@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -30,6 +31,7 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
         "heights": ", ".join(f"{name} {1e3 * height:.1f}" for name, height in heights.items()),
     }
     if odd is None:
+        data["gap"] = math.floor(round(footing.gap * 1e4, 6)) / 10  # at least so many tenths of a millimetre
         yield rule.finding(
             "axles" if footing.are_axles else "uneven",
             severity=Severity.INFO if footing.are_axles else None,
