@@ -100,7 +100,7 @@ def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
     ]
     if len(named) == len(wheels):
         return tuple(named)
-    ground = min(_find_lowest_z(model, link) for link in model.links)
+    ground = min(measure_lowest_height(model, link) for link in model.links)
     reach = 1.0 if _are_lone_pair(model, wheels) else 0.1
     return tuple(wheel for wheel in wheels if wheel in named or wheel.bottom - ground < reach * wheel.radius)
 
@@ -196,7 +196,18 @@ def _join_joint_names(joint: Joint) -> str:
     return f"{joint.name} {joint.child}"
 
 
-def _find_lowest_z(model: Model, link: Link) -> float:
+def list_casters(model: Model) -> list[str]:
+    """List the links whose names, or whose joints' names, say caster."""
+    found = []
+    for name in model.tree.order:
+        joint = model.tree.parent_joint.get(name)
+        if CASTER_NAME.search(name) or (joint is not None and CASTER_NAME.search(joint.name)):
+            found.append(name)
+    return found
+
+
+def measure_lowest_height(model: Model, link: Link) -> float:
+    """Measure the height (m) of the lowest point of a link's shapes, in root coordinates; infinite for none."""
     frame = model.frames[link.name]
     parts = [
         p
