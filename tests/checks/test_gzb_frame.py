@@ -48,6 +48,14 @@ def test_data_without_a_frame_of_the_robot(tmp_path: Path, inner: str, plugin: s
     assert [f.data["count"] for f in findings] == [count] * bool(count)
 
 
+@pytest.mark.parametrize(("kind", "frame"), [("camera", "eye_optical"), ("gpu_lidar", "base")])
+def test_a_camera_has_its_pictures_in_the_optical_frame(tmp_path: Path, kind: str, frame: str) -> None:
+    optical = '<link name="eye_optical"/><joint name="o" type="fixed"><parent link="base"/><child link="eye_optical"/></joint>'
+    (finding,) = find_frames(tmp_path, sensor(kind), NEW + optical)
+    assert finding.fix is not None
+    assert f"<gz_frame_id>{frame}</gz_frame_id>" in finding.fix.title
+
+
 def test_a_broadcaster_of_ros2_control_names_the_frame(tmp_path: Path) -> None:
     control = '<ros2_control name="c" type="system"><sensor name="{}"/></ros2_control>'
     assert not find_frames(tmp_path / "a", sensor("imu"), NEW + control.format("scan"))

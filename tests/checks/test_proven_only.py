@@ -210,6 +210,21 @@ def test_a_wheel_is_as_large_as_it_collides_and_as_far_as_its_middle(tmp_path: P
     assert found == pytest.approx({"radius": 0.05, "separation": 0.24}, rel=1e-4)
 
 
+def test_the_separation_of_wheels_whose_meshes_are_missing_is_not_known(tmp_path: Path) -> None:
+    """Joints may be at the faces of the wheels."""
+    for name, shape, known in (("a", '<mesh filename="missing.stl"/>', False), ("b", '<sphere radius="0.05"/>', True)):
+        parts = [
+            link(f"{side}_wheel", visual(shape))
+            + joint(side, "base", f"{side}_wheel", kind="continuous", xyz=place, axis="0 1 0")
+            for side, place in (("l", "0 0.1 0"), ("r", "0 -0.1 0"))
+        ]
+        block = DRIVE.format(
+            "libgazebo_ros_diff_drive.so", "d", name_sides("l", "r", "<wheel_separation>0.3</wheel_separation>")
+        )
+        found = [f.message_id for f in find(tmp_path / name, robot(link("base"), *parts, block), "CTL007")]
+        assert ("separation" in found) == known
+
+
 @pytest.mark.parametrize(("typed", "real"), [("0.34", []), ("0.28", [0.34])])
 def test_an_axle_stub_does_not_move_the_middle_of_a_wheel(tmp_path: Path, typed: str, real: list[float]) -> None:
     parts = [

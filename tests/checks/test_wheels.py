@@ -190,6 +190,15 @@ def test_wheels_whose_mesh_is_missing_are_known_by_their_name(tmp_path: Path) ->
     assert edits(finding) == [("0 -1 0", "0 1 0")]
 
 
+@pytest.mark.parametrize(("names", "severity"), [(range(1, 4), Severity.INFO), (range(4), Severity.WARNING)])
+def test_a_wheel_without_a_transmission_turns_freely(tmp_path: Path, names: range, severity: Severity) -> None:
+    car = changed(FOUR, 0, axis=(0, -1, 0))
+    joints = re.findall(r'<joint name="(\w+)"', car.text())
+    blocks = "".join(f'<transmission name="t{i}"><joint name="{joints[i]}"/></transmission>' for i in names)
+    (finding,) = find_in_car(tmp_path, "SYM005", car.text().replace("</robot>", f"{blocks}</robot>"))
+    assert finding.severity is severity
+
+
 def test_a_wheel_high_above_the_ground_does_not_drive(tmp_path: Path) -> None:
     assert not find_in_car(tmp_path, "SYM005", changed(FOUR, 0, axis=(0, -1, 0), place=(0.2, 0.12, 0.2)))
 

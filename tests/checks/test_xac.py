@@ -653,6 +653,8 @@ def test_copies_that_differ_in_name_and_extensions_only(tmp_path: Path) -> None:
     assert finding.message_id == "equal-bodies"
     assert "('a' and 'b')" in finding.message
     assert "0 and 1 <gazebo>" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("nothing if they are meant to differ"), "one may be for a simulator"
 
 
 def test_part_that_one_copy_lacks_counts_once(tmp_path: Path) -> None:

@@ -32,6 +32,11 @@ class Round:
     drawn: int
     """How many of the first labels were drawn at random; all of them, if the file does not say otherwise."""
 
+    @property
+    def drawn_labels(self) -> Sequence[Label]:
+        """The labels that say what to expect on another robot: the others were picked."""
+        return self.labels[: self.drawn]
+
 
 def read_rounds() -> list[Round]:
     """Read all rounds of fresh robots, the first one first."""
@@ -80,7 +85,7 @@ def render_rounds(rounds: Sequence[Round]) -> str:
         for one in rounds:
             labels = list_of(one.labels, str(severity))
             counts = Counter(label.label for label in labels)
-            drawn = list_of(one.labels[: one.drawn], str(severity))
+            drawn = list_of(one.drawn_labels, str(severity))
             share = render_share(*count_useful(drawn)) if one.drawn < len(one.labels) else ""
             kinds = [counts[key] for key in ("TU", "TP", "F", "M", "?")]
             rows.append(
@@ -91,14 +96,21 @@ def render_rounds(rounds: Sequence[Round]) -> str:
             f"### {str(severity).capitalize()}s\n\nThe bar is {100 * bar:.0f} % useful; it was reached in {reached}.\n\n"
             + render_table(head, rows, text_columns=3)
         )
-    rows = [(one.number, render_share(*count_wrong(one.labels))) for one in rounds]
+    rows = [
+        (
+            one.number,
+            render_share(*count_wrong(one.labels)),
+            render_share(*count_wrong(one.drawn_labels)) if one.drawn < len(one.labels) else "",
+        )
+        for one in rounds
+    ]
     title = f"### False or misleading, of all that was judged\n\nThe bar is {100 * MOST_WRONG:.1f} %.\n\n"
-    return "\n\n".join([*parts, title + render_table(("round", "false or misleading"), rows)])
+    return "\n\n".join([*parts, title + render_table(("round", "false or misleading", "of those drawn"), rows)])
 
 
 def render_bars(rounds: Sequence[Round]) -> str:
-    """Return a table of the project's own bars, what the newest round gave, and how many rounds reached each."""
-    newest = rounds[-1].labels
+    """Return a table of the project's own bars, what the newest round gave, and how many rounds reached each, by drawn labels."""
+    newest = rounds[-1].drawn_labels
     rows = [
         (
             f"{severity}s that are useful",
@@ -108,7 +120,7 @@ def render_bars(rounds: Sequence[Round]) -> str:
         )
         for severity, bar in BAR.items()
     ]
-    few = sum(wrong <= MOST_WRONG * judged for wrong, judged in (count_wrong(one.labels) for one in rounds))
+    few = sum(wrong <= MOST_WRONG * judged for wrong, judged in (count_wrong(one.drawn_labels) for one in rounds))
     most = f"at most {100 * MOST_WRONG:.1f} %"
     rows.append(("false or misleading", most, render_share(*count_wrong(newest)), _describe_count(few, len(rounds))))
     return render_table(("judged findings", "bar", f"round {rounds[-1].number}", "reached in"), rows, text_columns=4)
@@ -150,7 +162,7 @@ def _link_rule(code: str) -> str:
 def _describe_reached(rounds: Sequence[Round], severity: str, bar: float) -> str:
     reached = 0
     for one in rounds:
-        useful, decided = count_useful(list_of(one.labels, severity))
+        useful, decided = count_useful(list_of(one.drawn_labels, severity))
         reached += decided > 0 and useful >= bar * decided
     return _describe_count(reached, len(rounds))
 

@@ -12,7 +12,7 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import reduce_fixed_joints
-from urdfcheck.model.gazebo import GazeboSensor, is_for_new_gazebo, list_sensors
+from urdfcheck.model.gazebo import CAMERA_TYPE, GazeboSensor, is_for_new_gazebo, list_sensors
 from urdfcheck.system.files import read_regular, walk
 
 _FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_frame_id"})
@@ -53,8 +53,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             noun="sensor" if len(without) == 1 else "sensors",
             verb="names" if len(without) == 1 else "name",
             example=f"{model.name}/{bodies.get(first.reference, first.reference)}/{first.name}",
-            link=first.reference,
+            link=_choose_frame(model, first, bodies),
         )
+
+
+def _choose_frame(model: Model, sensor: GazeboSensor, bodies: Mapping[str, str]) -> str:
+    """Return the link that a sensor is to name: of a camera the optical frame that is fixed to its link, if there is one."""
+    body = bodies.get(sensor.reference, sensor.reference)
+    optical = [name for name in model.link_by_name if "optical" in name.lower() and bodies.get(name) == body]
+    return optical[0] if CAMERA_TYPE.search(sensor.type) and len(optical) == 1 else sensor.reference
 
 
 def _collect_broadcast_names(model: Model) -> frozenset[str]:

@@ -336,7 +336,7 @@ def _compute_excess(
     part: EnclosedInertial, declared: DeclaredTensor, points: Array, *, ratio: float, margin: float
 ) -> tuple[float, float, float]:
     """Return the worst ratio of the inertial's variance along an axis to the greatest possible one, its root (m) there, and by
-    how much (m) the geometry was enlarged on all sides.
+    how much (m) the geometry was enlarged on all sides. Of the variance, what rounding may have added is left out.
 
     If the centre of mass is outside, the geometry is enlarged until it is inside.
     """
@@ -347,7 +347,7 @@ def _compute_excess(
         slack += distance
         ratios, axes = compute_spread_ratios(points, part.com, covariance, margin=slack)
     worst = int(ratios.argmax())
-    variance = float(axes[:, worst] @ part.covariance @ axes[:, worst])
+    variance = float(axes[:, worst] @ covariance @ axes[:, worst])
     return float(ratios[worst]), max(0.0, variance) ** 0.5, slack
 
 

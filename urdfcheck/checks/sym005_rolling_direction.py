@@ -42,6 +42,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         matters = any(_drives(names, odd) and _drives(names, rest) for names in driven)
     else:
         # A wheel that none of those who drive the others names turns freely.
+        driven = [*driven, _list_transmitted_joints(model)]
         matters = not any(_drives(names, rest) for names in driven) or any(_drives(names, odd) for names in driven)
     # Where each side has wheels of both directions, these work against each other.
     is_by_side = are_equal and _are_on_two_sides(model, odd, rest)
@@ -85,6 +86,12 @@ def _list_driven_names(model: Model) -> list[set[str]]:
         if _DRIVES_ALIKE.search(controller.type) and not _negates_side(controller)
     ]
     return named
+
+
+def _list_transmitted_joints(model: Model) -> set[str]:
+    """Return the joints that a ``<transmission>`` or a block of ros2_control names: those that a motor turns."""
+    blocks = (*model.robot.find_children("transmission"), *model.robot.find_children("ros2_control"))
+    return {joint.get("name") for block in blocks for joint in block.find_children("joint")}
 
 
 def _negates_side(controller: Controller) -> bool:

@@ -110,12 +110,14 @@ def measure_wheel_separations(model: Model, left: str, right: str) -> list[float
     """Measure the distances (m) along their common axis between two wheels.
 
     Those of the middles of the rims that they collide as and draw, where these are known, come first, then that of the joints:
-    a joint may be at the inner face of its wheel. None where the axes are not parallel.
+    a joint may be at the inner face of its wheel. None where the axes are not parallel or a mesh could not be read.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     axes = model.axes
     if left not in axes or right not in axes or abs(float(axes[left] @ axes[right])) < 0.99:
+        return []
+    if any(_has_unread_mesh(model, model.joint_by_name[name].child) for name in (left, right)):
         return []
     axis = axes[left]
     joints = abs(float((_locate_joint(model, left) - _locate_joint(model, right)) @ axis))
@@ -174,6 +176,11 @@ def _compute_wheel_middles(model: Model, joint: str, axis: Array) -> list[float]
         rim = along[distances >= _RIM * distances.max()]
         middles.append(float(rim.min() + rim.max()) / 2)
     return middles
+
+
+def _has_unread_mesh(model: Model, name: str) -> bool:
+    link = model.link_by_name[name]
+    return any(s.kind == "mesh" and model.meshes.get_facts(s) is None for s in (*link.collisions, *link.visuals))
 
 
 def _place_link_points(model: Model, name: str) -> Iterator[Array]:
