@@ -128,7 +128,7 @@ def _describe_list(model: Model, text: str) -> str:
     """Say that a text holds several joints, where the plugin reads one name; nothing of any other."""
     names = re.split(r"[\s,;]+", text.strip(" ,;"))
     is_list = len(names) > 1 and all(name in model.joint_by_name for name in names)
-    return f" (these are {len(names)} joints: write each in an element of its own)" if is_list else ""
+    return f" (these are {len(names)} joints: write each in a separate element)" if is_list else ""
 
 
 def _format_fixed_hint(name: str, fixed: Collection[str]) -> str:

@@ -89,7 +89,7 @@ def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _UnreadPlace:
-    """A file that a model or a launch file names and that was not opened. Nothing tells whether it exists."""
+    """A file that a model or a launch file names and that was not opened. Whether it exists is not known."""
 
     path: Path
     problem: Problem
@@ -108,7 +108,7 @@ class _UnreadPlace:
 
     @property
     def is_of_other_machine(self) -> bool:
-        """Whether the path is typed and leads into the home of somebody else than the user: no folder here is meant."""
+        """Whether the path is typed and leads into the home of another user: no folder here is meant."""
         is_home = _HOME.match(self.path.as_posix()) is not None and not self.path.is_relative_to(Path.home())
         return is_home and self.is_typed
 
