@@ -10,7 +10,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.ground.wheel_pair import find_lone_wheel_pair
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
-from urdfcheck.model.ground.wheels import Wheel, is_on_vertical_slide, is_suspended, list_casters, rolling_wheels
+from urdfcheck.model.ground.wheels import Wheel, is_on_vertical_slide, is_suspended, rolling_wheels
 from urdfcheck.model.parts import GROUND_NAMES, Joint
 from urdfcheck.model.robot import Model
 from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME
@@ -130,6 +130,16 @@ def is_caster_joint(joint: Joint) -> bool:
     """Whether the names of a joint and its child say that it is not driven."""
     names = f"{joint.name} {joint.child}"
     return bool(CASTER_NAME.search(names) or NOT_DRIVEN_NAME.search(names))
+
+
+def list_casters(model: Model) -> list[str]:
+    """List the links whose names, or whose joints' names, say caster."""
+    found = []
+    for name in model.tree.order:
+        joint = model.tree.parent_joint.get(name)
+        if CASTER_NAME.search(name) or (joint is not None and CASTER_NAME.search(joint.name)):
+            found.append(name)
+    return found
 
 
 def _are_uneven(model: Model, tolerance: float) -> bool:
