@@ -24,6 +24,7 @@ from urdfcheck.source.resources import (
     list_resource_uses,
 )
 from urdfcheck.source.text.problems import Problem
+from urdfcheck.system.observing.questions import expand_home
 
 if TYPE_CHECKING:
     from urdfcheck.source.launch.launch_file import Launch
@@ -108,8 +109,8 @@ class _UnreadPlace:
 
     @property
     def is_of_other_machine(self) -> bool:
-        """Whether the path is typed and leads into the home of somebody else than the user: no folder here is meant."""
-        is_home = _HOME.match(self.path.as_posix()) is not None and not self.path.is_relative_to(Path.home())
+        """Whether the path is typed and leads into the home of another user: no folder here is meant."""
+        is_home = _HOME.match(self.path.as_posix()) is not None and not self.path.is_relative_to(expand_home("~"))
         return is_home and self.is_typed
 
     def describe_repair(self) -> str:
