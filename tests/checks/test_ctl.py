@@ -451,6 +451,26 @@ def test_a_transmission_is_complete(tmp_path: Path, transmission: str, message: 
     assert nesting(tmp_path / "b", body) == [(message, "warning")]
 
 
+def test_a_transmission_beside_ros2_control_needs_no_type(tmp_path: Path) -> None:
+    """ROS 2 reads those inside the block only."""
+    joint = f'<joint name="left_wheel">{interface("hardware_interface/EffortJointInterface")}</joint>'
+    run = check_text(tmp_path, make_cart(f'{control()}<transmission name="t">{joint}</transmission>'), codes={"CTL003"})
+    (finding,) = run.findings
+    assert (finding.message_id, finding.severity) == ("type", Severity.INFO)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete it")
+
+
+@pytest.mark.parametrize("joints", ["left_wheel, right_wheel", "left_wheel right_wheel"])
+def test_a_list_of_joints_is_no_name_of_one(tmp_path: Path, joints: str) -> None:
+    plugin = (
+        '<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so">'
+        f"<left_joint>{joints}</left_joint><right_joint>right_wheel</right_joint></plugin></gazebo>"
+    )
+    (finding,) = check_text(tmp_path, make_cart(plugin), codes={"CTL007"}).findings
+    assert "these are 2 joints" in finding.message
+
+
 def test_a_misplaced_transmission_is_no_error_where_nothing_reads_transmissions(tmp_path: Path) -> None:
     body = f'<gazebo><transmission name="t">{TYPE}</transmission></gazebo>'
     assert nesting(tmp_path / "a", body + CLASSIC) == [("transmission", "error")]

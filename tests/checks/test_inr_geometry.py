@@ -821,3 +821,17 @@ def test_a_moment_beyond_a_disc_is_too_large_however_the_disc_is_turned(tmp_path
     (finding,) = find(tmp_path, disc, "INR005")
     assert finding.message_id == "exceeds"
     assert "0.00662 m at most about this COM" in finding.message
+
+
+def test_a_tensor_of_zero_does_not_hide_a_com_outside_the_part(tmp_path: Path) -> None:
+    """INR004 reports the tensors of all cleats at the first of them."""
+    drawn = visual(box("0.1 0.05 0.005"))
+    feet = [
+        link(name, inertial(0.02, moment, com="0 0 0.05") + drawn) + joint(f"{name}_joint", "leg", name, kind="fixed")
+        for name, moment in (("foot", 1e-5), ("cleat_0", 0), ("cleat_1", 0))
+    ]
+    text = robot(link("base"), link("leg"), joint("knee", "base", "leg", kind="continuous"), *feet)
+    found = find(tmp_path, text, {"INR004", "INR006"})
+    assert [finding.code for finding in found].count("INR004") == 1
+    outside = [finding.location.subject.partition("/")[0] for finding in found if finding.code == "INR006"]
+    assert outside == ["link[foot]", "link[cleat_0]", "link[cleat_1]"]

@@ -186,6 +186,20 @@ def test_a_tensor_that_was_not_mirrored_keeps_its_com(tmp_path: Path) -> None:
     assert not find(tmp_path / "repaired", edited(text, finding.fix.edits), "INR009")
 
 
+@pytest.mark.parametrize(("place", "count"), [("0 0 0", 0), ("0 0 1", 1)])
+def test_numbers_are_not_blamed_for_a_part_that_is_drawn_twice_in_one_place(
+    tmp_path: Path, place: str, count: int
+) -> None:
+    """The numbers of the right arm are the mirror image of what it draws, which is the left arm."""
+    mirrored = replace(TRUE, com=MIRROR @ TRUE.com, tensor=MIRROR @ TRUE.tensor @ MIRROR)
+    arms = [
+        link(f"{name}_arm", format_inertial(numbers), drawn_boxes(CASTING))
+        + joint(f"{name}_joint", "base", f"{name}_arm", kind="fixed", xyz=at)
+        for name, numbers, at in (("left", TRUE, "0 0 0"), ("right", mirrored, place))
+    ]
+    assert len(find(tmp_path, robot(link("base"), *arms), "INR009")) == count
+
+
 def test_products_of_the_other_sign_are_no_mirror_image_where_one_of_them_is_small(tmp_path: Path) -> None:
     """A mirror image explains the two large products as well; that it was copied without its COM is rarer."""
     flat = (((0.2, 0.06, 0.04), (0.03, 0.01, 0.0)), ((0.04, 0.05, 0.12), (0.12, 0.016, 0.08)))
@@ -273,6 +287,16 @@ def test_one_tensor_of_a_line_for_links_of_all_masses_is_a_placeholder(
 def test_moments_that_are_wrong_alike_are_counted(moments: tuple[float, ...], words: str) -> None:
     wrong, right = np.sort(np.array(moments)), np.ones(3)
     assert compare_sizes(wrong, right, "{inertia} {factor}× too {size}", digits=2) == words
+
+
+@pytest.mark.parametrize(
+    ("rpy", "words"), [("0 0 0", "up to 5.01 times too small"), ("0.5 0.6 0.7", "up to 4.24 times too small")]
+)
+def test_moments_are_compared_axis_by_axis_where_the_axes_agree(tmp_path: Path, rpy: str, words: str) -> None:
+    """The drawn moments are 2.604, 8.854, 10.42: that about z is five times too small, and the smallest one by a quarter."""
+    numbers = inertial(100.0, rpy=rpy, ixx=2.09, iyy=4.16, izz=2.08)
+    (finding,) = find(tmp_path, arm_on_base(numbers, visual(box("1 0.5 0.25"))), "INR009")
+    assert words in finding.message
 
 
 def test_the_sentence_of_each_cause_can_be_said_of_most_links_of_a_file() -> None:

@@ -141,6 +141,22 @@ def test_fingers_of_one_palm_may_fan_out(tmp_path: Path) -> None:
     assert finding.message_id == "pair_tilt"
 
 
+@pytest.mark.parametrize(("pinky", "count"), [(0.08, 0), (0.2, 1)])
+def test_fingers_that_mirror_others_are_no_pair(tmp_path: Path, pinky: float, count: int) -> None:
+    """Index and ring are alike, and at one height: but index is the mirror image of pinky, and middle that of ring."""
+    fingers = {
+        "index": (0.03, "0 -0.03 0.11", "-0.08 0 0"),
+        "middle": (0.035, "0 -0.01 0.111", "-0.03 0 0"),
+        "ring": (0.03, "0 0.01 0.11", "0.03 0 0"),
+        "pinky": (0.025, "0 0.03 0.108", f"{pinky} 0 0"),
+    }
+    parts = []
+    for name, (mass, place, rpy) in fingers.items():
+        parts += [link(name, inertial(mass, 1e-5, com="0.02 0 0") + visual(cylinder(0.005, 0.05)))]
+        parts += [joint(f"{name}_joint", "palm", name, kind="continuous", xyz=place, rpy=rpy, axis="0 0 1")]
+    assert len(find(tmp_path, robot(link("palm"), *parts), "SYM001")) == count
+
+
 # -- CTL003, CTL004 --------------------------------------------------------------------------------------------------------
 
 TRANSMISSION = """<transmission name="t"><type>transmission_interface/SimpleTransmission</type>

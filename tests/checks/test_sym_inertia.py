@@ -183,6 +183,26 @@ def test_two_kinds_of_parts_have_no_odd_one(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("kind", "height", "message"),
+    [
+        ("fixed", "0", "drawing"),
+        ("fixed", "0.02", "drawing"),
+        ("fixed", "0.04", "pair"),  # beside each other
+        ("continuous", "0", "drawing"),
+        ("continuous", "0.02", "pair"),  # they may move apart
+    ],
+)
+def test_two_drawings_of_one_part_that_overlap_may_be_the_mistake(
+    tmp_path: Path, kind: str, height: str, message: str
+) -> None:
+    """The lump is 30 mm high."""
+    text = make_parts_on_base("mid", "top", kind=kind, top=drawn() + make_lump_inertial(mass=1.5 * MASS))
+    (finding,) = find_odd_inertia(tmp_path, text.replace(PLACES["top"], f"0 0.3 {height}"))
+    assert (finding.message_id, finding.location.subject.endswith("/visual")) == (message, message == "drawing")
+    assert finding.fix is None or ("write" in finding.fix.title) == (message == "pair")
+
+
 def test_a_pair_is_named_as_a_pair(tmp_path: Path) -> None:
     (finding,) = find_odd_inertia(
         tmp_path, make_parts_on_base("mid", "top", mid=drawn() + make_lump_inertial(mass=0.5))

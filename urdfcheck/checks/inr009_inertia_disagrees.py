@@ -63,6 +63,7 @@ from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
+from urdfcheck.model.shapes.repeated_drawings import list_links_drawn_there
 from urdfcheck.model.shapes.visual_solid import (
     describe_geometry_source,
     explain_collision_stand_in,
@@ -161,7 +162,22 @@ def _is_told_elsewhere(model: Model, tensor: DeclaredTensor, judged: DiagnosedIn
         return True  # one small number with an exponent, not decimals that were lost
     if cause == "com_missing" and not _moves_body(model, tensor.link, judged):
         return True
+    if _draws_other_link(model, tensor.link, judged):
+        return True  # SYM003 and SYM004 report both
     return cause in _DECIMAL_POINTS and _is_typed_like_others(model, tensor)
+
+
+def _draws_other_link(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the COM of a link is not that of what it draws, but another link that draws the same there has it there:
+    then the drawing may be that of the other link, and the numbers may be right."""
+    if not judged.diagnosis.com_mismatch > NOTABLE:
+        return False
+    try:
+        others = list_links_drawn_there(model, link)
+    except FactUnavailableError:
+        return False
+    known = (inertial_diagnoses(model).get(other.name) for other in others)
+    return any(other is not None and other.diagnosis.com_mismatch <= NOTABLE for other in known)
 
 
 def _moves_body(model: Model, link: Link, judged: DiagnosedInertial) -> bool:

@@ -47,6 +47,8 @@ MAX_ROUND_DEVIATION, MAX_TYPED_DECIMALS = 0.06, 3
 _SLIGHT = math.radians(2)
 # A joint that is turned in its parent as its siblings are, apart from a slip.
 _NEAR_SIBLING = math.radians(5)
+# Two joints are opposite each other if they are apart along a mirror by less than this share of their distance across it.
+_OPPOSITE = 0.1
 NUMBER_WORDS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven"}
 
 
@@ -117,6 +119,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             len(suspects.members) == 2
             and not _is_reported_as_mirror(model, group, suspects)
             and not _are_neighbours(group, suspects)
+            and not _have_other_partners(model, group, suspects)
             and not _has_no_zero(model, group, suspects)
         ):
             both = [group[i] for i in suspects.members]
@@ -194,6 +197,31 @@ def _are_neighbours(group: Sequence[Joint], suspects: SuspectFrames) -> bool:
     """Whether two joints are only beside each other on one link, like fingers: their axes may fan out."""
     parents = {group[i].parent for i in suspects.members}
     return suspects.kind == "axis_tilt" and suspects.pattern.startswith("translation") and len(parents) == 1
+
+
+def _have_other_partners(model: Model, group: Sequence[Joint], suspects: SuspectFrames) -> bool:
+    """Whether each of two joints has its mirror image in a third on the same link, like the four fingers of a hand."""
+    if np.linalg.det(suspects.linear) > 0.0:
+        return False
+    base = np.linalg.inv(model.frames[find_common_base(model, group)])
+    normal = (1.0 - np.diag(suspects.linear)) / 2.0
+    both = [group[i] for i in suspects.members]
+
+    def is_mirrored(one: Joint, other: Joint) -> bool:
+        first, second = (base @ model.frames[joint.child] for joint in (one, other))
+        apart = first[:3, 3] - second[:3, 3]
+        across = abs(float(apart @ normal))
+        is_opposite = float(np.linalg.norm(apart - normal * (apart @ normal))) < _OPPOSITE * across
+        return is_opposite and is_axis_renaming(first[:3, :3].T @ suspects.linear @ second[:3, :3])
+
+    return all(
+        any(
+            is_mirrored(one, third)
+            for third in model.joints
+            if (third.parent, third.type) == (one.parent, one.type) and third not in both
+        )
+        for one in both
+    )
 
 
 def _has_no_zero(model: Model, group: Sequence[Joint], suspects: SuspectFrames) -> bool:

@@ -22,6 +22,7 @@ from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differ
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.repairs.inertial_edits import build_inertial_repair
+from urdfcheck.model.shapes.repeated_drawings import do_drawings_overlap
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 # The inertial of a real part, with its screws and bearings, is this near to that of a uniform part of the drawn shape. The
@@ -58,7 +59,9 @@ def _compare_copies(model: Model, rule: Rule, *, differ: float, note: float) -> 
     sides = {frozenset((pair.one, pair.other)) for pair in mirror_pairs(model)}
     for pair in find_differing_pairs(model, note, excluded=sides):
         wrong = _pick_wrong_inertial(model, pair)
-        if wrong is None:
+        if do_drawings_overlap(model, pair[0].link, pair[1].link):
+            yield _build_overlap_finding(rule, pair, note=note)
+        elif wrong is None:
             yield _build_pair_finding(model, rule, pair, note=note)
         else:
             why = f"{wrong.by[0].name} has the inertial of the part that both draw"
@@ -109,6 +112,21 @@ def _build_pair_finding(
         there=build_inertial_repair(there, other.expected).text,
         here=build_inertial_repair(here, one.expected).text,
         drawn="" if drawn is None else format_millimetres(drawn.solid.com),
+        **_collect_data(one, note),
+    )
+
+
+def _build_overlap_finding(rule: Rule, pair: tuple[CopyComparison, CopyComparison], *, note: float) -> Finding:
+    """Report two links that draw one part into each other: the drawing of either may be wrong, not the numbers."""
+    one, other = pair
+    return rule.finding(
+        "drawing",
+        at=one.link.visuals[0],
+        related=[other.link.visuals[0]],
+        consequences={"rviz": "shows the part twice"},
+        severity=Severity.INFO,
+        confidence=Confidence.HEURISTIC,
+        sibling=other.link.name,
         **_collect_data(one, note),
     )
 

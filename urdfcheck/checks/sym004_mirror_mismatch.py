@@ -48,6 +48,7 @@ from urdfcheck.model.likeness.mirrored_joints import (
 )
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, make_attribute_edits
+from urdfcheck.model.shapes.repeated_drawings import are_drawn_in_one_place
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.values import read_attribute_number
 
@@ -139,6 +140,8 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         return _compare_principal_moments(model, rule, pair, shares=shares)
     if not both[1].deviation.worst > note:
         return None
+    if are_drawn_in_one_place(model, both[0].link, both[1].link):
+        return _build_drawing_finding(rule, pair, both[1], shares=shares)
     wrong = find_wrong_side(model, pair, both, threshold=note)
     side, like = (both[1], ()) if wrong is None else wrong
     axis = find_spin_axis(model, pair, side.link.name)
@@ -214,6 +217,23 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         )
     message, remedy = "like" if like else "inertial", "; ".join(remedies)
     return rule.finding(message, **place, edits=edits, remedy=remedy, like=join_names(like), **data)
+
+
+def _build_drawing_finding(rule: Rule, pair: MirrorPair, side: PairSide, *, shares: _Shares) -> Finding:
+    """Report a side that draws the part of the other in its place: what it draws may be wrong, and its numbers right."""
+    deviation = side.deviation
+    differences = describe_differences(side.actual, side.expected, deviation=deviation, threshold=shares.note)
+    return rule.finding(
+        "drawing",
+        at=side.link.visuals[0],
+        related=[side.twin.visuals[0]],
+        severity=shares.choose_severity(deviation.worst, pair),
+        link=side.link.name,
+        twin=side.twin.name,
+        differences=", ".join(differences),
+        share=deviation.worst,
+        between=_list_subjects(side.link, side.twin),
+    )
 
 
 def _describe_consequences(

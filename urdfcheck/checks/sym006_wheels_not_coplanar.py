@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -24,6 +25,8 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
     heights = {wheel.joint.child: round(float(wheel.contact[2]), 6) for wheel in wheels}
     data: dict[str, Any] = {
         "gap": footing.gap * 1e3,
+        # What hangs at least so high may not be rounded up.
+        "least": math.floor(footing.gap * 1e5) / 1e2,
         "part": footing.gap / radius,
         "radius": radius * 1e3,
         "contacts": {w.joint.child: [round(float(v), 6) + 0.0 for v in w.contact] for w in wheels},

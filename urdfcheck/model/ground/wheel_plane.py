@@ -9,8 +9,9 @@ import numpy as np
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.median import compute_median
 from urdfcheck.facts.motion.contact import compute_rocking_gaps
-from urdfcheck.model.ground.wheels import LEVEL, Wheel, is_suspended, rolling_wheels
+from urdfcheck.model.ground.wheels import LEVEL, Wheel, find_lowest_z, is_suspended, rolling_wheels
 from urdfcheck.model.robot import Model
+from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
 
 # A wheel whose lowest point is farther from the others' than this share of a radius is not meant to stand on the ground.
 _AWAY = 0.2
@@ -52,7 +53,7 @@ class UnevenWheels:
 def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> UnevenWheels | None:
     """Find the wheels that rock by more than ``rel_tol`` (of the least radius) and ``abs_tol`` (m).
 
-    None when they do not, or one of them is suspended.
+    None when they do not, one of them is suspended, or the robot also stands on others.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -64,6 +65,8 @@ def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> Uneve
         return None
     gaps = compute_rocking_gaps(np.array([wheel.contact for wheel in wheels]))
     if gaps is None or gaps.max() <= max(rel_tol * min(wheel.radius for wheel in wheels), abs_tol):
+        return None
+    if _has_other_support(model, wheels):
         return None
     gap = float(gaps.max())
     return UnevenWheels(wheels, gap, _find_odd_wheel(wheels, gap), _stand_on_axles(wheels, gap))
@@ -81,6 +84,15 @@ def _select_grounded_wheels(wheels: Sequence[Wheel]) -> tuple[Wheel, ...]:
     if not alike and any(wheel.contact[2] < ground for wheel in away):
         return ()
     return tuple(wheel for wheel in wheels if alike or wheel not in away)
+
+
+def _has_other_support(model: Model, wheels: Sequence[Wheel]) -> bool:
+    """Whether a wheel or caster by its name is not among the wheels, fixed for example, nor carries one, and reaches as low."""
+    parts = {name for wheel in wheels for name in model.tree.list_body_links(wheel.joint.child)}
+    parts |= {joint.child for wheel in wheels for joint in model.tree.find_path_to(wheel.joint.child)}
+    others = [link for link in model.links if link.name not in parts]
+    named = (link for link in others if WHEEL_NAME.search(link.name) or CASTER_NAME.search(link.name))
+    return any(find_lowest_z(model, link) <= max(wheel.bottom for wheel in wheels) for link in named)
 
 
 def _stand_on_axles(wheels: Sequence[Wheel], gap: float) -> bool:

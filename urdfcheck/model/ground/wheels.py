@@ -100,7 +100,7 @@ def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
     ]
     if len(named) == len(wheels):
         return tuple(named)
-    ground = min(_find_lowest_z(model, link) for link in model.links)
+    ground = min(find_lowest_z(model, link) for link in model.links)
     reach = 1.0 if _are_lone_pair(model, wheels) else 0.1
     return tuple(wheel for wheel in wheels if wheel in named or wheel.bottom - ground < reach * wheel.radius)
 
@@ -137,6 +137,20 @@ def is_on_vertical_slide(model: Model, link: str) -> bool:
     slides = [joint for joint in model.tree.find_path_to(link) if joint.type == "prismatic"]
     axes = [model.axes.get(joint.name) for joint in slides]
     return any(axis is None or abs(float(axis[2])) > LEVEL for axis in axes)
+
+
+def find_lowest_z(model: Model, link: Link) -> float:
+    """Find the height (m) in root coordinates of the lowest point of what a link draws or collides as; infinite for nothing.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    frame = model.frames[link.name]
+    parts = [
+        p
+        for shape in (*link.visuals, *link.collisions)
+        if (p := compute_shape_corners(model, shape, circumscribed=False)) is not None
+    ]
+    return min((float((p @ frame[2, :3]).min() + frame[2, 3]) for p in parts), default=math.inf)
 
 
 def _measure_wheel(model: Model, joint: Joint) -> Wheel | None:
@@ -196,11 +210,11 @@ def _join_joint_names(joint: Joint) -> str:
     return f"{joint.name} {joint.child}"
 
 
-def _find_lowest_z(model: Model, link: Link) -> float:
-    frame = model.frames[link.name]
-    parts = [
-        p
-        for shape in (*link.visuals, *link.collisions)
-        if (p := compute_shape_corners(model, shape, circumscribed=False)) is not None
-    ]
-    return min((float((p @ frame[2, :3]).min() + frame[2, 3]) for p in parts), default=math.inf)
+def list_casters(model: Model) -> list[str]:
+    """List the links whose names, or whose joints' names, say caster."""
+    found = []
+    for name in model.tree.order:
+        joint = model.tree.parent_joint.get(name)
+        if CASTER_NAME.search(name) or (joint is not None and CASTER_NAME.search(joint.name)):
+            found.append(name)
+    return found

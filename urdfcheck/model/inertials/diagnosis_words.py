@@ -160,7 +160,7 @@ def describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) ->
     if is_off and shows_com(judged.diagnosis.com_mismatch, drawn):
         return f"COM {format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))} from that of {source}"
     if moments.sum() > SIMILAR * uniform.sum() or uniform.sum() >= _NO_SHAPE * moments.sum():
-        return compare_sizes(moments, uniform, "{inertia} {factor}× too {size}", digits=2)
+        return compare_sizes(*_pair_moments(declared, drawn), "{inertia} {factor}× too {size}", digits=2)
     variances, axes = np.linalg.eigh(drawn.solid.covariance)  # along the drawn part's axes, the longest last
     along = np.diag(axes.T @ compute_mass_covariance(declared.inertia, declared.mass) @ axes) / variances
     if along.max() < _MUCH_LESS:
@@ -200,7 +200,7 @@ def collect_message_data(
         expected = join_numbers(uniform, digits=3)
         mismatch = (diagnosis.tensor_mismatch, diagnosis.com_mismatch)
         measured = _describe_mismatch(declared, drawn, mismatch=mismatch, moments=moments, uniform=uniform)
-        size = compare_sizes(moments, uniform, "{inertia} {factor}× too {size}", digits=2)
+        size = compare_sizes(*_pair_moments(declared, drawn), "{inertia} {factor}× too {size}", digits=2)
         apart = format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))
     cause = diagnosis.cause or ""
     doubted = f"{'wrong' if is_certain else 'suspect'} {name_faulty_numbers(cause, diagnosis.detail)}"
@@ -301,7 +301,7 @@ def _describe_mismatch(
     apart = float(np.linalg.norm(numbers.com - drawn.solid.com))
     if of_com > NOTABLE and shows_com(of_com, drawn):
         differences.append(f"the COM is {format_length(apart)} off")
-    size = compare_sizes(moments, uniform, "{moments} {factor} times too {size}", digits=3)
+    size = compare_sizes(*_pair_moments(numbers, drawn), "{moments} {factor} times too {size}", digits=3)
     shape = _measure_shape_mismatch(moments, uniform)
     if size:
         differences.append(f"{size} for this mass at uniform density")
@@ -313,8 +313,20 @@ def _describe_mismatch(
     return " and ".join(differences) or "the inertial is only slightly off"
 
 
+def _pair_moments(declared: DeclaredInertial, drawn: VisualGeometry) -> tuple[Moments, Moments]:
+    """Return the principal moments (3,) of an inertial and those of the drawn part at its mass: of each axis if both tensors have
+    the same axes, which equal moments leave open; else each ascending."""
+    tensors = (declared.inertia, compute_solid_inertia(drawn.solid, declared.mass))
+    each = [compute_principal_moments(tensor) for tensor in tensors]
+    for _, axes in each:
+        about = [axes.T @ tensor @ axes for tensor in tensors]
+        if all(np.abs(one - np.diag(np.diag(one))).max() <= DIGITS * np.abs(one).max() for one in about):
+            return np.diag(about[0]), np.diag(about[1])
+    return each[0][0], each[1][0]
+
+
 def compare_sizes(moments: Moments, uniform: Moments, template: str, *, digits: int) -> str:
-    """Say how much too large or too small principal moments (3,) are; nothing if they are ``SIMILAR`` in size. If they are wrong
+    """Say how much too large or too small three moments (3,) are; nothing if they are ``SIMILAR`` in size. If they are wrong
     by different factors, it is the one, or the two, wrong most, or how far they are off at most."""
     ratio = float(moments.sum() / uniform.sum())
     if 1 / SIMILAR < ratio < SIMILAR:

@@ -1,4 +1,4 @@
-"""Links that draw one and the same thing in one place, such as the whole robot: then the drawing is not that of the link."""
+"""Links that draw one and the same thing in one place, such as the whole robot: then the drawing is not that of each link."""
 
 from __future__ import annotations
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 _FEWEST_BODIES = 3
 # What digits of origins and of a mesh file leave, as a share of the size.
 _SAME = 1e-3
+# Two drawings overlap if the boxes around them do by this share of their length along each axis.
+_OVERLAP = 0.1
 
 
 @fact
@@ -42,6 +44,47 @@ def find_repeated_drawings(model: Model) -> frozenset[str]:
             except FactUnavailableError:  # a broken tree, or an origin that is malformed
                 return frozenset()
     return frozenset(found)
+
+
+def list_links_drawn_there(model: Model, link: Link) -> list[Link]:
+    """List the other links that draw the same thing as a link in the same place, with all joints at zero.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    return [other for other in model.links if other is not link and are_drawn_in_one_place(model, link, other)]
+
+
+def are_drawn_in_one_place(model: Model, one: Link, other: Link) -> bool:
+    """Whether two links draw the same thing in one place, with all joints at zero.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    first, second = _place_drawing(model, one), _place_drawing(model, other)
+    return first is not None and second is not None and _is_same(first, second)
+
+
+def do_drawings_overlap(model: Model, one: Link, other: Link) -> bool:
+    """Whether two links draw the same thing in one place, or are one rigid body and draw it so near that boxes around the two,
+    in the axes of either link, overlap.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    if are_drawn_in_one_place(model, one, other):
+        return True
+    if other.name not in model.pieces.list_body_links(one.name):
+        return False
+    axes = np.hstack([model.frames[link.name][:3, :3] for link in (one, other)])
+    extents = []
+    for link in (one, other):
+        drawn, frame = measure_role_geometry(model, link, "visual"), model.frames[link.name]
+        if drawn is None:
+            return False
+        along = (drawn.points @ frame[:3, :3].T + frame[:3, 3]) @ axes
+        extents.append((along.min(axis=0), along.max(axis=0)))
+    (first_low, first_high), (second_low, second_high) = extents
+    overlap = np.minimum(first_high, second_high) - np.maximum(first_low, second_low)
+    length = np.minimum(first_high - first_low, second_high - second_low)
+    return bool((overlap > _OVERLAP * length).all())
 
 
 def _list_coincident(model: Model, links: Sequence[Link]) -> Iterable[str]:
