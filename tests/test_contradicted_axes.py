@@ -87,6 +87,22 @@ def test_nothing_is_found_where_the_bore_is_not_the_only_one(tmp_path: Path, bas
     assert not mismatches, why
 
 
+@pytest.mark.parametrize(("place", "found"), [("0 0 0.1", False), ("0.1 0 0.1", True)])
+def test_a_bearing_whose_facets_are_uneven_is_one(tmp_path: Path, place: str, found: bool) -> None:
+    """A spindle from a ring of 20 corners to one of 28, and a strut through the origin that leans by 11°."""
+    rings = [
+        (0.03 * np.cos(angle), 0.03 * np.sin(angle), height)
+        for count, height in ((20, -0.02), (28, 0.02))
+        for angle in 2 * np.pi * np.arange(count) / count
+    ]
+    trimesh.Trimesh(rings).convex_hull.export(tmp_path / "spindle.stl")
+    strut = place_tubes("0 0 0.1").replace('0.1"/>', '0.1" rpy="0.2 0 0"/>')
+    spindle = place_tubes(place).replace("tube", "spindle")
+    joint = '<origin xyz="0 0 0.1"/><axis xyz="0 0 1"/>'
+    model = make_model(tmp_path, strut + spindle, joint, place_tubes("0 0 0"))
+    assert [m.kind for m in find_contradicted_axes(model).bearings] == (["tilted"] if found else [])
+
+
 @pytest.mark.parametrize(("axis", "found"), [("0 0 1", False), ("0 1 0", True)])
 def test_a_part_of_a_wrist_is_round_about_the_axis_of_the_joint_behind_it(
     tmp_path: Path, axis: str, found: bool
@@ -196,6 +212,7 @@ def test_a_mesh_that_touches_nothing_is_found(tmp_path: Path) -> None:
              make_block(0.12) + make_block(0.12, role="collision")],
             "revolute", "the collisions touch",
         ),
+        ([*[make_block()] * 3, make_block(0.12, role="collision")], "revolute", "it is not drawn"),
     ],
 )  # fmt: skip
 def test_nothing_is_reported_where_the_space_may_be_meant(

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import box, collision, cylinder, find, joint, link, robot, sphere, visual
+import trimesh
+from builders import box, collision, cylinder, find, joint, link, mesh, robot, sphere, visual
 from conftest import FIXTURES, check_text
 
 from urdfcheck.core import Severity
@@ -311,6 +312,30 @@ def test_a_ball_joint_of_three_hinges_connects_neighbours(tmp_path: Path) -> Non
     found = pair(self_collisions(model_of(tmp_path, text)), "body", "arm")
     assert (found.relation, found.joint) == ("adjacent", "h2_arm")
     assert not find(tmp_path, text, "COL001")
+
+
+@pytest.mark.parametrize(("width", "is_overlap"), [(0.02, False), (0.020002, False), (0.022, True)])
+def test_meshes_that_interlock_and_only_touch_share_no_volume(tmp_path: Path, width: float, is_overlap: bool) -> None:
+    """A slider in a tube of 20 by 20 mm that touches all four walls: each way out but that along the tube is blocked."""
+    for name, boxes in {
+        "tube": [((0.04, 0.1, 0.01), (0, 0, z)) for z in (-0.015, 0.015)]
+        + [((0.01, 0.1, 0.02), (x, 0, 0)) for x in (-0.015, 0.015)],
+        "slider": [((width, 0.02, 0.02), (0, y, 0)) for y in (-0.015, 0.015)],
+    }.items():
+        parts = [
+            trimesh.creation.box(size, np.array(trimesh.transformations.translation_matrix(at))) for size, at in boxes
+        ]
+        trimesh.util.concatenate(parts).export(tmp_path / f"{name}.stl")
+    text = robot(
+        make_link("base", mesh("tube.stl")),
+        make_link("carrier", "0 0 1|" + box("0.1 0.1 0.1")),
+        make_link("slider", "0 0 -1|" + mesh("slider.stl")),
+        make_joint("base", "carrier", "0 0 0", "prismatic", axis="0 1 0"),
+        make_joint("carrier", "slider", "0 0 1", "prismatic", axis="0 1 0"),
+    )
+    found = pair(self_collisions(model_of(tmp_path, text)), "base", "slider")
+    assert found.contact is not None
+    assert found.contact.touching != is_overlap
 
 
 def test_a_mesh_that_cannot_be_read_is_left_out_and_the_rule_says_so(tmp_path: Path) -> None:

@@ -214,6 +214,32 @@ def test_controllers_that_are_loaded_with_another_model_are_not_this_one_s(
     assert bool(check(root / "urdf" / "cart.urdf", codes={"CTL004"}).findings) == reported
 
 
+@pytest.mark.parametrize(
+    ("body", "launch", "severity"),
+    [
+        (NAMED, "", Severity.INFO),
+        ("", "", Severity.ERROR),  # the robot does not say which file it has
+        (NAMED, "config/old.yaml", Severity.ERROR),
+        (NAMED, "config/$(arg which)d.yaml", Severity.ERROR),
+        (NAMED, "config/c.yaml", Severity.INFO),
+        (NAMED, "$(find cart_moveit_config)/demo.launch", Severity.ERROR),  # MoveIt finds its files itself
+    ],
+)
+def test_a_file_that_nothing_loads_stops_no_controller(
+    tmp_path: Path, body: str, launch: str, severity: Severity
+) -> None:
+    files = {
+        "config/old.yaml": group("left_wheel", "rigth_wheel"),
+        "launch/a.launch": f"<launch><!-- {launch} --></launch>",
+    }
+    (finding,) = find_in_cart(tmp_path, group("left_wheel", "right_wheel"), body, **files)
+    assert finding.severity is severity
+    assert ("delete the file if nothing loads it" in (finding.fix.title if finding.fix else "")) == (
+        severity is Severity.INFO
+    )
+    assert bool(finding.consequences) == (severity is Severity.ERROR)
+
+
 def test_two_unknown_names_do_not_mean_one_joint(tmp_path: Path) -> None:
     lift = '<link name="fork"/><joint name="lift" type="continuous"><parent link="base"/><child link="fork"/></joint>'
     found = find_in_cart(tmp_path, group("left_wheel", "lift", "rihgt_wheel", "right_weel"), lift)
@@ -252,6 +278,7 @@ def test_a_launch_file_with_an_argument_in_the_path_says_nothing(tmp_path: Path)
 def test_a_file_that_the_robot_names_is_there(tmp_path: Path) -> None:
     (finding,) = find_in_cart(tmp_path, "", PLUGIN.format("$(find cart)/config/d.yaml"))
     assert (finding.message_id, finding.severity) == ("missing", Severity.ERROR)
+    assert "no controller manager starts" in finding.consequences["gazebo"]
 
 
 def test_a_file_that_the_robot_names_is_yaml(tmp_path: Path) -> None:
@@ -422,6 +449,26 @@ def test_a_transmission_is_complete(tmp_path: Path, transmission: str, message: 
     body = f'<transmission name="t">{transmission}</transmission>'
     assert nesting(tmp_path / "a", body + CLASSIC) == [(message, "error")]
     assert nesting(tmp_path / "b", body) == [(message, "warning")]
+
+
+def test_a_transmission_beside_ros2_control_needs_no_type(tmp_path: Path) -> None:
+    """ROS 2 reads those inside the block only."""
+    joint = f'<joint name="left_wheel">{interface("hardware_interface/EffortJointInterface")}</joint>'
+    run = check_text(tmp_path, make_cart(f'{control()}<transmission name="t">{joint}</transmission>'), codes={"CTL003"})
+    (finding,) = run.findings
+    assert (finding.message_id, finding.severity) == ("type", Severity.INFO)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete it")
+
+
+@pytest.mark.parametrize("joints", ["left_wheel, right_wheel", "left_wheel right_wheel"])
+def test_a_list_of_joints_is_no_name_of_one(tmp_path: Path, joints: str) -> None:
+    plugin = (
+        '<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so">'
+        f"<left_joint>{joints}</left_joint><right_joint>right_wheel</right_joint></plugin></gazebo>"
+    )
+    (finding,) = check_text(tmp_path, make_cart(plugin), codes={"CTL007"}).findings
+    assert "these are 2 joints" in finding.message
 
 
 def test_a_misplaced_transmission_is_no_error_where_nothing_reads_transmissions(tmp_path: Path) -> None:

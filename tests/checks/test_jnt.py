@@ -344,6 +344,17 @@ def test_an_empty_limit_is_reported_whatever_is_beside_it_and_selected(tmp_path:
     assert (alone.message_id, alone.subjects) == ("effort-unused", ("joint[j]/limit@effort",))
 
 
+@pytest.mark.parametrize(
+    ("mimic", "words"), [("", "2 joints have"), ('<mimic joint="j"/>', "; so does 1 joint that mimics another")]
+)
+def test_the_count_of_absurd_limits_says_which_joints_it_leaves_out(tmp_path: Path, mimic: str, words: str) -> None:
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1e6"/>'
+    joints = make_joint(limit), make_joint(limit + mimic, name="k", child="c")
+    (finding,) = find(tmp_path, make_three_links(*joints), "JNT007")
+    assert finding.message_id == "velocity-absurd"
+    assert words in finding.message
+
+
 def test_the_only_driven_joint_may_be_a_rocker(tmp_path: Path) -> None:
     rocker = make_joint('<limit lower="-1" upper="1" effort="0" velocity="0"/>')
     follower = make_joint(
@@ -702,6 +713,17 @@ def test_one_range_in_degrees_tells_the_unit_of_the_others(tmp_path: Path) -> No
     assert [float(edit.replacement) for edit in finding.fix.edits] == pytest.approx(
         [math.radians(v) for v in (-170, 170, 100)]
     )
+
+
+@pytest.mark.parametrize(
+    ("end", "other", "degrees"), [("15", "2.094", False), ("15", "2", True), ("45", "2.094", True)]
+)
+def test_a_few_turns_may_be_meant_in_a_robot_with_radians(tmp_path: Path, end: str, other: str, degrees: bool) -> None:
+    text = make_three_links(
+        turns(f'lower="-{end}.0" upper="{end}.0" effort="1" velocity="1"'),
+        turns(f'lower="0" upper="{other}" effort="1" velocity="1"', "k", "c"),
+    )
+    assert bool(find(tmp_path, text, "JNT006")) == degrees
 
 
 def test_in_a_xacro_the_repair_of_degrees_stays_readable(tmp_path: Path) -> None:

@@ -78,6 +78,13 @@ def test_a_nameless_part_is_to_be_included(tmp_path: Path, root: str, is_part: b
     assert finding.fix.title.startswith("include the file") == is_part
 
 
+@pytest.mark.parametrize(("parent", "drake"), [("world", "loads it"), ("wrld", "refuses the file")])
+def test_drake_needs_no_link_for_its_world_body(tmp_path: Path, parent: str, drake: str) -> None:
+    (finding,) = check_text(tmp_path, make_tree("pallet", f"{parent} pallet"), codes={"KIN002"}).findings
+    assert finding.consequences["drake"].startswith(drake)
+    assert finding.consequences["mujoco"] == "refuses the file"
+
+
 def test_a_copied_joint_is_a_duplicate_and_not_a_second_parent(tmp_path: Path) -> None:
     joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
     text = f'<robot name="r"><link name="a"/><link name="b"/>{joint}\n{joint}</robot>'

@@ -90,6 +90,13 @@ def test_an_argument_that_another_launch_file_hands_over_is_its_business(tmp_pat
         ("join(get_package_share_directory('car'), 'urdf/bott.urdf.xacro')", "named", Severity.WARNING),
         ("join(d, 'urdf/bott.urdf.xacro')", "depends", Severity.INFO),
         ("model = 'urdf/bott.urdf.xacro'", "unfound", Severity.INFO),
+        ("d = join(get_package_share_directory('bot'))\njoin(d, 'bott.urdf.xacro')", "unfound", Severity.INFO),
+        (
+            "text = Command(['ros2 param get --hide-type /robot_state_publisher robot_description'])\n"
+            "Node(parameters=[{'robot_description': ParameterValue(text)}])",
+            None,
+            None,
+        ),
         ("def f(:", "syntax", Severity.WARNING),
         ("Node(parameters=[{'robot_description': text}])", "unknown", Severity.INFO),
         ("Node(parameters=[{'robot_description': join(d, 'urdf/car.urdf')}])", None, None),
@@ -105,6 +112,32 @@ def test_a_python_launch_file(tmp_path: Path, code: str, message: str | None, se
     assert lch == ([] if message is None else [(message, severity)])
     others = [f.location.span for f in findings if f.code != "LCH001"]
     assert not [span for span in others if span is not None and span.file.endswith(".launch.py")]
+
+
+@pytest.mark.parametrize(
+    ("declared", "is_known"),
+    [
+        ("default_value=EnvironmentVariable('ROBOT', default_value='car'), choices=['car']", True),
+        ("default_value='car'", True),
+        ("default_value=EnvironmentVariable('ROBOT', default_value='car'), choices=['car', 'cart']", False),
+        ("default_value='cart'", False),
+    ],
+)
+def test_a_name_that_is_put_together_from_an_argument_is_known_at_a_plain_launch(
+    tmp_path: Path, declared: str, is_known: bool
+) -> None:
+    find_in_package(tmp_path, "", "LCH001")
+    path = tmp_path / "car" / "launch" / "car.launch.py"
+    path.write_text(
+        f"""DeclareLaunchArgument('robot', {declared})
+name = PythonExpression(["'", LaunchConfiguration('robot'), ".urdf'"])
+file = PathJoinSubstitution([FindPackageShare('car'), 'urdf', name])
+Node(parameters=[{{'robot_description': Command(['xacro ', file])}}])""",
+        encoding="utf-8",
+    )
+    run = check(path, codes={"LCH001"})
+    assert [Path(m.path).name for m in run.models if m.robot] == (["car.urdf"] if is_known else [])
+    assert [f.message_id for f in run.findings] == ([] if is_known else ["unknown"])
 
 
 VARIABLE = """model = LaunchConfiguration('model')
@@ -474,6 +507,35 @@ def test_the_footprint_lies_at_the_lowest_point(tmp_path: Path, shape: str, grou
     assert finding.data["ground"] == pytest.approx(ground, abs=1e-6)
     (finding,) = find_in_package(tmp_path / "right", transform(right), "LCH005", shape)
     assert finding.message_id == "footprint"
+
+
+def test_a_footprint_below_a_link_with_a_parent_is_only_deleted(tmp_path: Path) -> None:
+    """A new root with a joint to the link would be its second parent; no height of the ground is known there either."""
+    words = "0 0 0 0 0 0 laser base_footprint 40"
+    (finding,) = find_in_package(tmp_path, transform(words), "LCH005")
+    assert finding.message_id == "footprint"
+    assert finding.fix is not None
+    assert finding.fix.title == "delete the node: joint mount already makes base_link the parent of laser"
+    assert finding.severity is Severity.WARNING
+
+
+def test_on_a_bolted_arm_a_footprint_is_only_a_leftover(tmp_path: Path) -> None:
+    arm = """<robot name="arm"><link name="world"/><link name="base_link"/>
+    <joint name="base" type="fixed"><parent link="world"/><child link="base_link"/></joint></robot>"""
+    files = {
+        "package.xml": '<package format="2"><name>car</name></package>',
+        "urdf/car.urdf": arm,
+        "launch/car.launch": f"<launch>{transform('0 0 0 0 0 0 base_link base_footprint 40')}</launch>",
+    }
+    (finding,) = find(tmp_path / "car", files, "LCH005", name="launch/car.launch")
+    assert finding.severity is Severity.INFO
+
+
+def test_without_the_model_the_footprint_may_be_its_root_already(tmp_path: Path) -> None:
+    words = "0 0 0 0 0 0 base_link base_footprint 40"
+    (finding,) = find_in_launch(tmp_path, transform(words).removeprefix(LOAD), "LCH005")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete the node; a robot that needs base_footprint has it as the root link")
 
 
 def test_a_description_in_a_variable_leads_to_the_model(tmp_path: Path) -> None:

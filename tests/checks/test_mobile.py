@@ -117,6 +117,33 @@ def test_the_body_is_lower_than_the_wheels(tmp_path: Path) -> None:
     assert "5 mm below" in finding.message
 
 
+@pytest.mark.parametrize(
+    ("drawn", "words", "repair"),
+    [
+        (
+            "0 0 0.1",
+            "the collision is 0.065 m off the visual of the same shape, which clears the ground",
+            "copy the <origin>",
+        ),
+        (
+            "0 0 0.038",
+            "the collision is 0.003 m off the visual of the same shape, which reaches 2 mm below",
+            "copy the <origin>",
+        ),
+        ("0 0 0.036", "the robot rests on it", "raise the collision of base_link"),
+    ],
+)
+def test_a_body_that_collides_lower_than_it_is_drawn_needs_the_place_where_it_is_drawn(
+    tmp_path: Path, drawn: str, words: str, repair: str
+) -> None:
+    shape = box("0.3 0.2 0.08")
+    text = cart(body="0 0 0.035").replace("<collision>", visual(shape, xyz=drawn) + "<collision>", 1)
+    (finding,) = find(tmp_path, text, "DYN006")
+    assert finding.message.endswith(words)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
 @pytest.mark.parametrize(("radius", "count"), [(0.05, 0), (0.046, 0), (0.06, 2), (0.15, 2)])
 def test_wheels_collide_with_the_drawn_radius(tmp_path: Path, radius: float, count: int) -> None:
     found = find(tmp_path, cart(collides=radius, body="0 0 0.3"), "GEO003")

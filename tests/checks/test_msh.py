@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, inertial, joint, link, robot
+from builders import find, inertial, joint, link, mesh, robot, visual
 from conftest import check, check_text
 from scipy.spatial import ConvexHull
 
@@ -490,6 +490,19 @@ def test_a_small_part_that_is_only_drawn_is_an_info(
     drawn = "".join(shape(role, scale=scale) for role in shapes)
     (finding,) = find_in_mesh(tmp_path, "MSH004", INSIDE_OUT, drawn)
     assert finding.severity is severity
+
+
+def test_all_files_that_one_line_of_a_macro_names_are_told(tmp_path: Path) -> None:
+    files = {f"{side}.obj": INSIDE_OUT for side in ("left", "right")}
+    text = robot(
+        '<xacro:macro name="wheel" params="side">' + link("${side}", visual(mesh("${side}.obj"))) + "</xacro:macro>",
+        *(f'<xacro:wheel side="{side}"/>' for side in ("left", "right")),
+        joint("j", "left", "right"),
+        xacro=True,
+    )
+    (finding,) = find(tmp_path, files | {"r.xacro": text}, "MSH004", name="r.xacro")
+    assert finding.message.endswith("; so do those of right.obj")
+    assert [subject.partition("]")[0] for subject in finding.subjects] == ["link[left", "link[right"]
 
 
 # -- MSH005 ---------------------------------------------------------------------------------------------------------

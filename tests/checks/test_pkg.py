@@ -604,6 +604,25 @@ def test_package_that_is_named_for_a_file_of_the_repository_is_no_dependency(
 
 
 @pytest.mark.parametrize(
+    ("build", "find", "repair"),
+    [
+        ("ament_cmake", "find", "delete the launch files that were left from ROS 1"),
+        ("ament_cmake", "find-pkg-share", "write `p` and the path `urdf/r.urdf`"),
+        ("catkin", "find", "write `p` and the path `urdf/r.urdf`"),
+    ],
+)
+def test_a_launch_file_that_was_left_from_ros_1_is_not_mended_by_another_name(
+    tmp_path: Path, build: str, find: str, repair: str
+) -> None:
+    export = f"<export><build_type>{build}</build_type></export>"
+    launch = f'<launch><param name="robot_description" textfile="$({find} arm5)/urdf/r.urdf"/></launch>'
+    write(tmp_path, {"package.xml": manifest(export), "launch/a.launch": launch, "urdf/r.urdf": URDF})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
     ("files", "text", "expected"),
     [
         # The name of another package before a path of this one.

@@ -367,7 +367,15 @@ def test_a_folder_that_nothing_marks_may_be_of_the_robot(tmp_path: Path, mark: s
     [
         ("/home/ann/ws/src/car/urdf/wheel.xacro", "write `$(find car)/urdf/wheel.xacro`: the package has the file"),
         ("/home/ann/ws/src/car/urdf/axle.xacro", "move what the robot needs into its package"),
-        ("/home/ann/ws/src/cart/urdf/wheel.xacro", "move what the robot needs into its package"),
+        (
+            "/home/ann/ws/src/cart/urdf/wheel.xacro",
+            "if urdf/wheel.xacro of the package is the file that is meant, write `$(find car)/urdf/wheel.xacro`; else move",
+        ),
+        ("/home/ann/wheel.xacro", "if urdf/wheel.xacro of the package is the file that is meant"),
+        (
+            "/home/ann/ws/src/cart/urdf/axle.xacro",
+            "if cart is a package, write `$(find cart)/urdf/axle.xacro` and declare it; else move",
+        ),
     ],
 )
 def test_an_include_by_a_path_of_another_machine_is_looked_for_in_the_package(
@@ -378,9 +386,14 @@ def test_an_include_by_a_path_of_another_machine_is_looked_for_in_the_package(
     write(root, "package.xml", text='<package format="2"><name>car</name></package>')
     write(root, "urdf/wheel.xacro", text=f'<robot {xmlns}><link name="wheel"/></robot>')
     write(root, "urdf/car.xacro", text=f'<robot name="car" {xmlns}>\n<xacro:include filename="{path}"/>\n</robot>')
-    (finding,) = check(root / "urdf/car.xacro", codes={"PKG012"}).findings
+    run = check(root / "urdf/car.xacro", codes={"PKG012"})
+    (finding,) = run.findings
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
+    assert finding.message.startswith(f"{path} is outside")
+    # The folder is that of another machine: to allow it helps nobody.
+    assert "--allow-read" not in finding.fix.title
+    assert not finding.data["remedy"]
 
 
 @pytest.mark.parametrize(("name", "find"), [("all.launch", "find"), ("all.launch.xml", "find-pkg-share")])

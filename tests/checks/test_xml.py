@@ -39,7 +39,7 @@ class TestXML001:
             ("<html><body><p>not found</body></html>", "other", "web_page"),
             ("<!DOCTYPE html><html/>", "other", "web_page"),
             ('<robot name="r">\n<<<<<<< HEAD\n<link name="a"/>\n=======\n', "malformed", "merge_conflict"),
-            ('\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>', "malformed", None),
+            ('\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>', "forgiven", None),
             ('<robot name="r"><link name="a></robot>', "malformed", None),
             ("", "empty", None),
             ("\x1f\0\0", "binary", None),
@@ -1049,6 +1049,28 @@ def test_substitutions_that_only_gazebo_reads_are_a_warning(
 
 
 @pytest.mark.parametrize(
+    ("typed", "repair"),
+    [
+        ("${size/2} 0 0", "write the value in its place: the file does not define size"),
+        ("${1/2} 0 0", "let the launch file run xacro"),
+        ("${pi/2} ${sin(0.1)} 1e-3", "let the launch file run xacro"),
+        ("$(arg size) 0 0", "let the launch file run xacro"),
+        ("${'size'} 0 0", "let the launch file run xacro"),
+    ],
+)
+@pytest.mark.parametrize("tag", ["sensor", "plugin"])
+def test_xacro_would_stop_at_a_name_that_the_file_does_not_define(
+    tmp_path: Path, typed: str, repair: str, tag: str
+) -> None:
+    body = f'<gazebo reference="a"><{tag} name="s"><pose>{typed}</pose></{tag}></gazebo>'
+    (finding,) = check_text(tmp_path, f'<robot name="r"><link name="a"/>{body}</robot>', codes={"XML009"}).findings
+    assert finding.fix is not None
+    assert repair in finding.fix.title
+    # What Gazebo makes of it is known where the text is handed to a plugin.
+    assert ("gazebo" in finding.consequences) == (tag == "plugin")
+
+
+@pytest.mark.parametrize(
     ("typed", "severity", "repair"),
     [
         ("<origin/>", Severity.INFO, "delete it: it is empty"),
@@ -1130,3 +1152,27 @@ def test_an_element_with_attributes_of_its_own_is_not_misspelt(tmp_path: Path, e
     assert finding.message_id == found
     assert finding.fix is not None
     assert ("calls a macro" in finding.fix.title) is (found == "ignored")
+
+
+@pytest.mark.parametrize(
+    ("before", "message"), [("\n", "forgiven"), (" ", "forgiven"), ("\r\n", "forgiven"), ("<!-- -->\n", "malformed")]
+)
+def test_a_blank_before_the_declaration_stops_strict_parsers_only(tmp_path: Path, before: str, message: str) -> None:
+    (tmp_path / "r.urdf").write_text(f'{before}<?xml version="1.0"?><robot name="r"><link name="l"/></robot>')
+    (finding,) = check(tmp_path / "r.urdf", codes={"XML001"}).findings
+    assert finding.message_id == message
+    assert finding.consequences["mujoco"] == ("loads it" if message == "forgiven" else "refuses the file")
+
+
+def test_a_semantic_description_with_a_blank_before_the_declaration_is_read(tmp_path: Path) -> None:
+    package = tmp_path / "arm"
+    package.mkdir()
+    (package / "package.xml").write_text("<package format='2'><name>arm</name></package>")
+    (package / "arm.urdf").write_text('<robot name="arm"><link name="l"/></robot>')
+    text = '\n<?xml version="1.0"?>\n<robot name="arm">\n<disable_collisions link1="l" link2="none"/></robot>'
+    (package / "arm.srdf").write_text(text)
+    (finding,) = check(package, codes={"XML001"}).findings
+    assert finding.message_id == "srdf-forgiven"
+    (unknown,) = check(package, codes={"COL003"}).findings
+    assert unknown.location.span is not None
+    assert unknown.location.span.line == 4

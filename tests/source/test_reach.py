@@ -209,6 +209,8 @@ class TestModels:
         (found,) = check(car, codes={"XML001"}).findings
         assert found.fix is not None
         assert found.fix.title.startswith("where the file is named, write its place in a package")
+        assert found.location.span is not None
+        assert Path(found.location.span.file).name == "car.launch"
 
     def test_the_folder_can_be_allowed(self, tmp_path: Path) -> None:
         (tmp_path / "out").mkdir()

@@ -19,6 +19,8 @@ INTERFACES = (
     *("PosVelJointInterface", "PosVelAccJointInterface"),
 )
 _PREFIX = "hardware_interface/"
+_TYPED = "add <type>transmission_interface/SimpleTransmission</type>"
+_UNREAD = "delete it: ROS 2 reads the transmissions inside <ros2_control> only"
 _CLASSIC = re.compile(r"gazebo_ros_control")
 
 
@@ -35,7 +37,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     yield from _check_nesting(model, rule, severity=severity)
     driven = _list_driven_joints(model)
     for transmission in model.robot.find_children("transmission"):
-        yield from _check_transmission(rule, transmission, severity=severity)
+        yield from _check_transmission(rule, transmission, severity=severity, is_ros1=is_ros1)
         if is_ros1:
             yield from _check_interfaces(model, rule, transmission, severity=severity, driven=driven)
     if is_ros1:
@@ -73,12 +75,20 @@ def _check_nesting(model: Model, rule: Rule, *, severity: Severity | None) -> It
             )
 
 
-def _check_transmission(rule: Rule, transmission: Element, *, severity: Severity | None) -> Iterator[Finding]:
+def _check_transmission(
+    rule: Rule, transmission: Element, *, severity: Severity | None, is_ros1: bool
+) -> Iterator[Finding]:
     if "type" in transmission.attributes:  # the syntax of the PR2
         return
     kind = transmission.find_child("type")
     if kind is None or not kind.text.strip():
-        yield rule.finding("type", at=transmission, severity=severity, name=transmission.get("name"))
+        yield rule.finding(
+            "type",
+            at=transmission,
+            severity=severity if is_ros1 else Severity.INFO,
+            name=transmission.get("name"),
+            repair=_TYPED if is_ros1 else _UNREAD,
+        )
 
 
 def _check_interfaces(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
@@ -21,6 +22,7 @@ from urdfcheck.model.motion.controllers import (
     find_launched_configs,
     list_parameter_files,
 )
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.repairs.number_text import keep_notation
 from urdfcheck.source.package.finder import format_path
@@ -43,8 +45,9 @@ def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iter
     if model is None or not configs:
         return
     elsewhere = PackageNames(model)
+    named = next((config.configuration.path for config in configs if config.named_at is not None), None)
     for config in configs:
-        yield from _check_unknown_joints(model, rule, config, elsewhere=elsewhere)
+        yield from _check_unknown_joints(model, rule, config, elsewhere=elsewhere, named=named)
         if config.named_at is not None:
             yield from _check_command_interfaces(model, rule, config)
         yield from _check_gpios(model, rule, config)
@@ -104,11 +107,12 @@ def _find_portable_path(model: Model, parameters: ParameterFile) -> tuple[str, s
 
 
 def _check_unknown_joints(
-    model: Model, rule: Rule, config: AssociatedConfiguration, *, elsewhere: PackageNames
+    model: Model, rule: Rule, config: AssociatedConfiguration, *, elsewhere: PackageNames, named: Path | None
 ) -> Iterator[Finding]:
     """Report each name that no joint of the robot or of another robot of the package has.
 
-    If the robot has no joint of a file that it names itself, report each controller.
+    If the robot has no joint of a file that it names itself, report each controller. ``named``: the file that the robot names;
+    then one that nothing loads is only a left-over.
     """
     # A joint of ros2_control that the robot lacks is an error of that block.
     known = model.joint_by_name.keys() | (collect_command_interfaces(model) or {}).keys()
@@ -118,6 +122,7 @@ def _check_unknown_joints(
     uses = _collect_unknown_joints(model, config.configuration.controllers, known=known, elsewhere=elsewhere)
     if uses and config.named_at is None and _is_for_another_model(model, config):
         return
+    is_left_over = bool(uses) and named is not None and config.named_at is None and _is_loaded_by_nothing(model, config)
     # A joint that another controller of the file names is meant there, and two names do not mean one joint.
     unnamed = frozenset(model.joint_by_name) - config.configuration.joint_names
     nearest = Counter(find_nearest_name(name, unnamed) for name in [*uses][:MOST_HINTS])
@@ -126,14 +131,26 @@ def _check_unknown_joints(
         free = unnamed if index < MOST_HINTS else frozenset[str]()
         near = find_only_near_name(name, free)
         yield rule.finding(
-            "unknown",
+            "left-over" if is_left_over else "unknown",
             at=places[0][1],
+            severity=Severity.INFO if is_left_over else None,
             related=[*(value for _, value in places[1:]), *_to_list(config.named_at)],
             edits=[edit for _, value in places for edit in value.build_edits(near)] if near is not None else (),
             controller=join_names(dict.fromkeys(controller.name for controller, _ in places)),
             joint=name,
             near=format_name_hint(name, free),
+            other="" if named is None else named.name,
         )
+
+
+def _is_loaded_by_nothing(model: Model, config: AssociatedConfiguration) -> bool:
+    """Whether neither a launch file nor a semantic description shows that the configuration is loaded."""
+    from urdfcheck.source.launch.model_launches import may_load_yaml  # loaded only if a name is unknown
+
+    source = model.source
+    return not semantic_descriptions(model) and not may_load_yaml(
+        source.path, source.finder, config.configuration.path.name
+    )
 
 
 def _is_for_another_model(model: Model, config: AssociatedConfiguration) -> bool:

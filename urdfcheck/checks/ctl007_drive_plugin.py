@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -41,7 +42,11 @@ def _check_plugin(
     free = turning - {element.text.strip() for element in (*left, *right)}
     for element in unknown:
         name = element.text.strip()
-        near = format_name_hint(name, free) or _format_fixed_hint(name, set(model.joint_by_name) - turning)
+        near = (
+            _describe_list(model, name)
+            or format_name_hint(name, free)
+            or _format_fixed_hint(name, set(model.joint_by_name) - turning)
+        )
         yield rule.finding("unknown", at=element, severity=Severity.ERROR, joint=name, near=near)
     fixed = [element for element in (*left, *right) if element.text.strip() in set(model.joint_by_name) - turning]
     if fixed:
@@ -117,6 +122,13 @@ def _build_sideways_finding(model: Model, rule: Rule, sides: Sequence[Sequence[s
         right=sides[1][0],
         axis=format_point(model.axes[joints[0].name], decimals=3),
     )
+
+
+def _describe_list(model: Model, text: str) -> str:
+    """Say that a text holds several joints, where the plugin reads one name; nothing of any other."""
+    names = re.split(r"[\s,;]+", text.strip(" ,;"))
+    is_list = len(names) > 1 and all(name in model.joint_by_name for name in names)
+    return f" (these are {len(names)} joints: write each in a separate element)" if is_list else ""
 
 
 def _format_fixed_hint(name: str, fixed: Collection[str]) -> str:

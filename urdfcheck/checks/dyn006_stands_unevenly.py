@@ -13,6 +13,11 @@ from urdfcheck.model.ground.rest_pose import RestPose, find_rest_pose
 from urdfcheck.model.ground.rest_words import describe_level_repair, describe_uneven_reason, locate_uneven_cause
 from urdfcheck.model.ground.wheels import is_on_vertical_slide
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
+from urdfcheck.model.shapes.corners import compute_shape_corners
+from urdfcheck.model.shapes.displaced_collisions import DisplacedCollision, list_displaced_collisions
+
+_RAISE = "raise the collision of {link}, or lower wheels and casters"
+_COPY = "copy the <origin> of the <visual> to the <collision>"
 
 
 def check(model: Model, rule: Rule, *, spread: float, least: float, lean: float) -> Iterator[Finding]:
@@ -56,7 +61,36 @@ def _check_body(model: Model, rule: Rule, pose: RestPose, data: dict[str, Any]) 
     if deep:
         link = max(deep, key=lambda name: deep[name])
         at: Located = model.link_by_name[link].collisions[0].element
+        displaced = _find_displaced(model, pose, link)
+        data |= {"reason": "", "repair": _RAISE.format(link=link)}
+        if displaced is not None:
+            collision, depth = displaced
+            at = collision.collision.place
+            drawn = "clears the ground" if depth <= pose.tolerance else f"reaches {depth * 1e3:.3g} mm below"
+            data["reason"] = (
+                f"; the collision is {collision.describe_gap()} off the visual of the same shape, which {drawn}"
+            )
+            data["repair"] = _COPY
         yield rule.finding("touches", at=at, link=link, depth=deep[link] * 1e3, **data)
+
+
+def _find_displaced(model: Model, pose: RestPose, link: str) -> tuple[DisplacedCollision, float] | None:
+    """Find the lowest collision of a link if it is not where the link draws the same shape, and the depth (m) below the ground at
+    which the link ends where it is drawn; None if that is half of the depth or more."""
+    drawn = {id(one.collision.shape): one for one in list_displaced_collisions(model) if one.link.name == link}
+    lows: list[tuple[float, float, DisplacedCollision | None]] = []
+    for shape in model.link_by_name[link].collisions:
+        displaced = drawn.get(id(shape))
+        ends = []
+        for one in (shape, shape if displaced is None else displaced.visual.shape):
+            points = compute_shape_corners(model, one, circumscribed=False)
+            if points is None:
+                return None
+            ends.append(float((points @ model.frames[link][:3, :3].T @ pose.up).min()))
+        lows.append((ends[0], ends[1], displaced))
+    lowest, _, displaced = min(lows, key=lambda low: low[0])
+    depth = lowest - pose.heights[link] - min(end for _, end, _ in lows)
+    return None if displaced is None or depth >= -pose.heights[link] / 2 else (displaced, depth)
 
 
 def _list_supports(pose: RestPose) -> list[str]:

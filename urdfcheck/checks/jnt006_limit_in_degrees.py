@@ -16,6 +16,8 @@ from urdfcheck.source.text.xml import Attribute
 _PLACEHOLDERS = frozenset({1.0, 2.0, 5.0, 9.9, 9.99})
 # Numbers of turns in radians have two decimals or more.
 _ROUNDING = 0.02
+# Five turns in radians: the cables of a gimbal allow that.
+_FEW_TURNS = 31.0
 
 
 def check(
@@ -23,7 +25,9 @@ def check(
 ) -> Iterator[Finding]:
     joints = [joint for joint in model.joints if joint.type == "revolute"]
     ranges = {joint: _read_magnitudes(joint, ("lower", "upper")) for joint in joints}
-    if any(_is_degree_range(sizes, least_angle, most_angle) for sizes in ranges.values()):
+    # A few turns may be meant in a robot whose other ranges are radians.
+    least = _FEW_TURNS if any(map(_is_radian_range, ranges.values())) else least_angle
+    if any(_is_degree_range(sizes, least, most_angle) for sizes in ranges.values()):
         # 100 may mean "no limit", unless another joint of the robot shows the unit.
         alike = [joint for joint, sizes in ranges.items() if _can_be_degree_range(sizes, least_angle, most_angle)]
         yield _build_finding(model, rule, "range", joints=alike, names=("lower", "upper"))
@@ -49,6 +53,12 @@ def _is_degree_range(sizes: Sequence[float], least: float, most: float) -> bool:
     """Whether an end is too large for radians, and neither a placeholder nor a number of turns."""
     inside = max(sizes, default=0) <= most
     return inside and any(size >= least and not _is_placeholder(size) and not _is_quarter_turns(size) for size in sizes)
+
+
+def _is_radian_range(sizes: Sequence[float]) -> bool:
+    """Whether an end is about a quarter turn or more in radians, and has decimals: 2.967."""
+    largest = max(sizes, default=0)
+    return math.pi / 2 - _ROUNDING < largest < math.tau + _ROUNDING and any(size != round(size) for size in sizes)
 
 
 def _can_be_degree_range(sizes: Sequence[float], least: float, most: float) -> bool:

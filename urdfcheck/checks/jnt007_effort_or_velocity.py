@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
-from urdfcheck.core.text import join_names, split_name_words
+from urdfcheck.core.text import format_count, join_names, split_name_words
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import collect_plugin_texts
 from urdfcheck.model.likeness.side_names import remove_places
@@ -50,11 +50,33 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
     if both:  # the two placeholders of one <limit> are one defect
         largest = _find_largest(both)
         yield _build_finding(
-            rule, "both-absurd", "effort", both, effort=largest["effort"], velocity=largest["velocity"]
+            rule,
+            "both-absurd",
+            "effort",
+            both,
+            effort=largest["effort"],
+            velocity=largest["velocity"],
+            followers=_describe_followers(model, "effort", most_effort),
         )
     for name, most in (("effort", most_effort), ("velocity", most_velocity)):
         if one := [joint for joint in absurd[name] if joint not in both]:
-            yield _build_finding(rule, f"{name}-absurd", name, one, largest=_find_largest(one)[name], most=most)
+            yield _build_finding(
+                rule,
+                f"{name}-absurd",
+                name,
+                one,
+                largest=_find_largest(one)[name],
+                most=most,
+                followers=_describe_followers(model, name, most),
+            )
+
+
+def _describe_followers(model: Model, name: str, most: float) -> str:
+    """Say how many joints that mimic others have such a limit too: no drive turns them, but a repair means them."""
+    count = sum(joint.mimic is not None and (joint.get_limit_value(name) or 0.0) >= most for joint in model.joints)
+    if not count:
+        return ""
+    return f"; so {'does' if count == 1 else 'do'} {format_count(count, 'joint that mimics another', 'joints that mimic others')}"
 
 
 def _drop_idle_joints(model: Model, joints: Sequence[Joint]) -> list[Joint]:
@@ -189,7 +211,7 @@ def _build_finding(
     joints: Sequence[Joint],
     *,
     severity: Severity | None = None,
-    **data: float,
+    **data: float | str,
 ) -> Finding:
     return build_group_finding(
         rule,

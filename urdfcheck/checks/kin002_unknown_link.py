@@ -19,6 +19,9 @@ _ATTACHING = (
     "include the file from the robot that has {called}: without a name, its <robot> is a part; otherwise " + _ADDING
 )
 
+# Drake has a body of this name, which a file need not declare.
+_WORLD = {"world": {"drake": "loads it: the name is that of its world body"}}
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     graph = KinematicGraph.from_model(model)
@@ -73,7 +76,7 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
     data: dict[str, Any] = {
         "called": spell_breaks(called),
         "where": _describe_places(places),
-        "consequences": {"yourdfpy": "refuses the file" if is_child else "loads it"},
+        "consequences": {"yourdfpy": "refuses the file" if is_child else "loads it"} | _WORLD.get(called, {}),
     }
     near = graph.guess_link(attributes[0].owner.tag, called)
     if near is None:

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import find_nearest_name
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.model.motion.fixed_base import list_bolted_links
+from urdfcheck.model.parts import Joint
 from urdfcheck.model.shapes.extent import find_lowest_point
 from urdfcheck.source.launch.static_transforms import StaticTransform
 
-# The line that the SolidWorks exporter writes into every launch file, whatever the robot is.
+# The line that the SolidWorks exporter writes into its gazebo.launch, whatever the robot is.
 _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 
 
@@ -69,23 +71,41 @@ def _check_footprint(
     rule: Rule, transform: StaticTransform, model: Model | None, *, height_tol: float
 ) -> Iterator[Finding]:
     exported = (transform.parent, transform.child, transform.xyz, transform.rpy) == _EXPORTED
-    cause = "solidworks-exporter" if exported else None
-    lowest = None if model is None or transform.xyz is None else find_lowest_point(model, transform.parent)
-    frames: dict[str, Any] = {"parent": transform.parent, "child": transform.child}
+    common: dict[str, Any] = {
+        "at": transform.at,
+        "cause": "solidworks-exporter" if exported else None,
+        "severity": Severity.INFO if model is not None and list_bolted_links(model) else None,
+        "parent": transform.parent,
+        "child": transform.child,
+    }
+    above = None if model is None else next((j for j in model.joints if j.child == transform.parent), None)
+    if model is None or above is not None:
+        yield rule.finding("footprint", repair=_describe_deletion(transform, above), **common)
+        return
+    lowest = None if transform.xyz is None else find_lowest_point(model, transform.parent)
     if lowest is None or transform.xyz is None or abs(lowest[0] - transform.xyz[2]) <= height_tol:
-        yield rule.finding("footprint", at=transform.at, cause=cause, **frames)
+        repair = f"make {transform.child} the root link of the model with a fixed joint to {transform.parent}"
+        yield rule.finding("footprint", repair=f"{repair}, and delete the node", **common)
         return
     ground, link = lowest
     yield rule.finding(
         "footprint-height",
-        at=transform.at,
-        cause=cause,
         height=transform.xyz[2],
         ground=ground,
         rise=-ground,
         off=abs(ground - transform.xyz[2]),
         link=link,
-        **frames,
+        **common,
+    )
+
+
+def _describe_deletion(transform: StaticTransform, above: Joint | None) -> str:
+    """Return the repair where a new root of the model would be wrong, or may be: it could have the frame already."""
+    if above is not None:
+        return f"delete the node: joint {above.name} already makes {above.parent} the parent of {transform.parent}"
+    return (
+        f"delete the node; a robot that needs {transform.child} has it as the root link of its model, with a fixed joint to "
+        f"{transform.parent}"
     )
 
 

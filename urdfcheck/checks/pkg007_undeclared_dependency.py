@@ -281,6 +281,15 @@ def _build_misnamed_finding(
 ) -> Finding:
     runtime = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
     owner, path = home
+    launcher = name_launch_command(root)
+    is_left_over = launcher == "ros2_launch" and all(_is_in_launch_file_of_ros1(use) for use in uses)
+    if is_left_over:
+        repair = "delete the launch files that were left from ROS 1, or translate them if they are still needed"
+    else:
+        repair = (
+            f"write `{owner}` and the path `{path}` if {name} is an old name; if it is another package, declare it: "
+        )
+        repair += f"`<{runtime}>{name}</{runtime}>`"
     finding = rule.finding(
         "misnamed",
         at=root.find_child("name") or root,
@@ -291,14 +300,27 @@ def _build_misnamed_finding(
         file=PurePosixPath(path).name,
         home=owner,
         path=path,
-        tag=runtime,
+        repair=repair,
         where=", ".join(dict.fromkeys(use.location.span.file for use in uses[:2] if use.location.span)),
     )
+    refusal = {launcher: "refuses the launch file: it has no substitution `find`"}
     return replace(
         finding,
         subjects=(f"package[{package.name}]/{runtime}[{name}]",),
-        consequences=_name_launcher(finding.consequences, root),
+        consequences=refusal if is_left_over else _name_launcher(finding.consequences, root),
     )
+
+
+def _is_in_launch_file_of_ros1(use: PackageMention) -> bool:
+    """Whether an XML launch file names a package by ``$(find …)``, which ROS 2 does not have."""
+    span = use.location.span
+    if span is None or span.file.endswith(".py") or not _are_in_launch_files([use]):
+        return False
+    try:
+        text = read_regular(Path(span.file)).decode("utf-8", "replace")
+    except OSError:
+        return False
+    return re.search(rf"\$\(find\s+{re.escape(use.package)}\s*\)", text) is not None
 
 
 def _find_home(package: Package, name: str, uses: Sequence[PackageMention]) -> tuple[str, str] | None:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source, locate_expression
-from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.resources import (
     ResourceUse,
     find_in_package,
@@ -28,7 +30,12 @@ if TYPE_CHECKING:
 
 # How far above the working directory a folder is proposed.
 MOST_LEVELS_UP = 3
-_MOVE = "move what the robot needs into its package; if you trust the place, allow its folder: --allow-read {folder}"
+_MOVE_ONLY = "move what the robot needs into its package"
+_MOVE = _MOVE_ONLY + "; if you trust the place, allow its folder: --allow-read {folder}"
+# Where the folders of users are: a path in one is of one machine.
+_HOME = re.compile(r"(?:/home|/Users|[A-Za-z]:/Users)/[^/]+/")
+# A path in a package of a workspace: its name, and the file in it.
+_OF_PACKAGE = re.compile(r"/src/(?:[^/]+/)*?([A-Za-z]\w+)/((?:launch|urdf|xacro|config|robots|models?|meshes)/.+)$")
 
 
 def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
@@ -67,32 +74,81 @@ def _describe_repair(uses: Sequence[ResourceUse], source: Source, folder: str) -
 
 
 def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:
-    path = problem.data["path"]
-    folder = _name_folder(Path(path))
+    place = _UnreadPlace(Path(os.path.abspath(problem.data["path"])), problem, subject)
+    shown = place.path.as_posix() if place.is_typed else problem.data["path"]
     if not isinstance(subject, Source):
-        repair = _describe_launch_repair(Path(path), subject, folder)
-        return rule.finding("launch", at=problem.location, path=path, repair=repair)
+        return rule.finding("launch", at=problem.location, path=shown, repair=place.describe_repair())
     at = locate_expression(subject, problem, "load_yaml")  # xacro evaluates a property where it is first read
     others = [] if at is problem.location else [problem.location]
     related = [*others, *(r for r in problem.related if r.span != at.span)]
-    remedy = f"--allow-read {shlex.quote(folder)}"
-    inside = find_in_package(Path(path), subject.package, subject.finder)
-    if (typed := find_package_address(path)) is not None:
-        repair = f"write `{typed}`: xacro does not know package://"
-    elif subject.package is None or inside is None:
-        repair = _MOVE.format(folder=folder)
-    else:
-        repair = f"write `$(find {subject.package.name})/{inside}`: the package has the file"
-    return rule.finding("read", at=at, related=related, path=path, repair=repair, remedy=remedy)
+    remedy = "" if place.is_of_other_machine else f"--allow-read {shlex.quote(place.folder)}"
+    address = find_package_address(problem.data["path"])
+    repair = f"write `{address}`: xacro does not know package://" if address is not None else place.describe_repair()
+    return rule.finding("read", at=at, related=related, path=shown, repair=repair, remedy=remedy)
 
 
-def _describe_launch_repair(path: Path, launch: Launch, folder: str) -> str:
-    """Say to name the file by the package where it is the package's own, typed as a path of its author's machine."""
-    inside = find_in_package(path, launch.package, launch.finder)
-    if launch.package is None or inside is None or launch.python is not None:
-        return _MOVE.format(folder=folder)
-    find = "find-pkg-share" if launch.dialect == "ros2" else "find"
-    return f"write `$({find} {launch.package.name})/{inside}`: the package has the file"
+@dataclass(frozen=True, slots=True, eq=False)
+class _UnreadPlace:
+    """A file that a model or a launch file names and that was not opened. Whether it exists is not known."""
+
+    path: Path
+    problem: Problem
+    subject: Source | Launch
+
+    @property
+    def folder(self) -> str:
+        return _name_folder(self.path)
+
+    @property
+    def is_typed(self) -> bool:
+        """Whether the whole path is typed where the file is named."""
+        spans = [place.span for place in (self.problem.location, *self.problem.related)]
+        texts = (self.subject.files[s.file].text[s.start : s.end] for s in spans if s and s.file in self.subject.files)
+        return any(self.path.as_posix() in text for text in texts)
+
+    @property
+    def is_of_other_machine(self) -> bool:
+        """Whether the path is typed and leads into the home of another user: no folder here is meant."""
+        is_home = _HOME.match(self.path.as_posix()) is not None and not self.path.is_relative_to(Path.home())
+        return is_home and self.is_typed
+
+    def describe_repair(self) -> str:
+        """Say to name the file by the package where it is the package's own, typed as a path of its author's machine."""
+        package, finder = self.subject.package, self.subject.finder
+        launch = None if isinstance(self.subject, Source) else self.subject
+        if package is None or (launch is not None and launch.python is not None):
+            return self._describe_move()
+        find = "find-pkg-share" if launch is not None and launch.dialect == "ros2" else "find"
+        inside = find_in_package(self.path, package, finder)
+        if inside is not None:
+            return f"write `$({find} {package.name})/{inside}`: the package has the file"
+        if not self.is_of_other_machine:
+            return self._describe_move()
+        inside = self._find_namesake(package)
+        if inside is not None:
+            own = f"$({find} {package.name})/{inside}"
+            return f"if {inside} of the package is the file that is meant, write `{own}`; else {self._describe_move()}"
+        owner = _OF_PACKAGE.search(self.path.as_posix())
+        if owner is not None and owner[1] != package.name:
+            named = f"$({find} {owner[1]})/{owner[2]}"
+            return f"if {owner[1]} is a package, write `{named}` and declare it; else {self._describe_move()}"
+        return self._describe_move()
+
+    def _describe_move(self) -> str:
+        return _MOVE_ONLY if self.is_of_other_machine else _MOVE.format(folder=self.folder)
+
+    def _find_namesake(self, package: Package) -> str | None:
+        """Return the file of the package that the end of the path names, a folder and a name at least, or that is beside the
+        file that names it."""
+        parts, span = self.path.parts, self.problem.location.span
+        places = [package.path.joinpath(*parts[start:]) for start in range(1, len(parts) - 1)]
+        if span is not None:
+            places.append(Path(os.path.abspath(span.file)).parent / self.path.name)
+        own = package.path.absolute()
+        for place in map(Path.absolute, places):
+            if place.is_relative_to(own) and self.subject.finder.can_open(place) and os.path.isfile(place):
+                return place.relative_to(own).as_posix()
+        return None
 
 
 def _name_folder(path: Path | None) -> str:

@@ -25,13 +25,14 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
     heights = {wheel.joint.child: round(float(wheel.contact[2]), 6) for wheel in wheels}
     data: dict[str, Any] = {
         "gap": footing.gap * 1e3,
+        # What hangs at least so high may not be rounded up.
+        "least": math.floor(footing.gap * 1e5) / 1e2,
         "part": footing.gap / radius,
         "radius": radius * 1e3,
         "contacts": {w.joint.child: [round(float(v), 6) + 0.0 for v in w.contact] for w in wheels},
         "heights": ", ".join(f"{name} {1e3 * height:.1f}" for name, height in heights.items()),
     }
     if odd is None:
-        data["gap"] = math.floor(round(footing.gap * 1e4, 6)) / 10  # at least so many tenths of a millimetre
         yield rule.finding(
             "axles" if footing.are_axles else "uneven",
             severity=Severity.INFO if footing.are_axles else None,

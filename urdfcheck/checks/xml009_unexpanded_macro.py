@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import builtins
+import keyword
+import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -29,6 +32,12 @@ _RUNNING_XACRO = (
     "run xacro (ROS 1: `command=\"xacro …\"` instead of `textfile`; ROS 2: `Command(['xacro ', path])`)"
 )
 _ARGUMENT = re.compile(r"\$\(arg ([\w.-]+)\)")
+_EXPRESSION = re.compile(r"(?<!\$)\$\{([^}]*)\}")
+_QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"")
+# A name in an expression, which is neither an attribute nor an exponent.
+_NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
+# What an expression of xacro knows without a property.
+_KNOWN_NAMES = frozenset({*dir(builtins), *dir(math), "xacro", "radians", "degrees", "true", "false"})
 # What xacro reads and writes nothing for.
 _DEFINITIONS = frozenset({"<xacro:arg>", "<xacro:macro>", "<xacro:property>"})
 
@@ -78,8 +87,16 @@ def _build_plain_finding(
     if remaining and _is_left_over(source, texts):
         return rule.finding("leftover", at=where, severity=Severity.INFO, text=text, held=held)
     if remaining and not has_read:
-        text = _shorten_expression(text)
-        return rule.finding("gazebo", at=where, severity=Severity.WARNING, text=text, held=held, repair=_RUNNING_XACRO)
+        handed = [place for plugin in root.walk() if plugin.tag == "plugin" for place in _find_all_unexpanded(plugin)]
+        return rule.finding(
+            "gazebo",
+            at=where,
+            severity=Severity.WARNING,
+            consequences={"gazebo": "loads it; a plugin gets the text as typed"} if remaining[0] in handed else None,
+            text=_shorten_expression(text),
+            held=held,
+            repair=_describe_repair(source, texts),
+        )
     if remaining and (names := _list_handed_arguments(texts)):
         return rule.finding(
             "part",
@@ -142,7 +159,22 @@ def _describe_repair(source: Source, texts: Sequence[str]) -> str:
     if source.is_output_of_xacro and all(text.startswith("<xacro:") for text in texts):
         call = next(text for text in texts if text not in _DEFINITIONS)
         return f"include the file that defines {call} in the xacro of which this file was made, and run xacro again"
+    unknown = _find_undefined_name(texts)
+    if unknown is not None:
+        return (
+            "if a xacro includes the file, check that one; otherwise write the value in its place: the file does not define "
+            f"{unknown}, so xacro would stop at it too"
+        )
     return _RUNNING_XACRO
+
+
+def _find_undefined_name(texts: Sequence[str]) -> str | None:
+    """Return the first name of an expression of xacro that nothing in a plain URDF without elements of xacro defines."""
+    if any(text.startswith("<xacro:") for text in texts):
+        return None
+    expressions = (match[1] for text in texts for match in _EXPRESSION.finditer(text))
+    names = (name for expression in expressions for name in _NAME.findall(_QUOTED.sub("", expression)))
+    return next((name for name in names if name not in _KNOWN_NAMES and not keyword.iskeyword(name)), None)
 
 
 def _predict_consequences(elements: Iterable[Element], *, is_number_missing: bool) -> dict[str, str]:
@@ -169,6 +201,12 @@ def _is_replaced(text: str, replaced: Iterable[str]) -> bool:
     for known in replaced:
         text = text.replace(known, "")
     return not text.startswith("<xacro:") and not is_unexpanded(text)
+
+
+def _find_all_unexpanded(element: Element) -> Iterator[tuple[Location, str, bool]]:
+    """Yield the places of xacro in an element and in all below it."""
+    for inner in element.walk():
+        yield from _find_unexpanded_xacro(inner)
 
 
 def _find_unexpanded_xacro(element: Element) -> Iterator[tuple[Location, str, bool]]:

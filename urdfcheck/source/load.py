@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import errno
+import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -122,7 +123,9 @@ def load_source(
         files[name] = file
         root = trees[name] = parse_xml(file)
     except (OSError, XmlError) as error:
-        problems.append(Problem.from_read_error(error, "robot", name))
+        problem = Problem.from_read_error(error, "robot", name)
+        named = _find_naming_launch(path, launches, finder) if problem.message == OUT_OF_REACH else None
+        problems.append(problem if named is None else replace(problem, location=named))
     else:
         is_xacro = is_xacro or _is_for_xacro(path, root, file.text, xacro, finder)
         problems += _find_plain_text_problems(file, root, is_xacro=is_xacro, for_xacro=is_xacro or xacro is True)
@@ -179,6 +182,16 @@ def _is_for_xacro(path: Path, root: Element, text: str, xacro: bool | None, find
     from urdfcheck.source.launch.passed_arguments import is_handed_to_xacro  # few models need it
 
     return RESULT_OF_XACRO not in text and find_unbound_prefix(root) is None and is_handed_to_xacro(path, finder)
+
+
+def _find_naming_launch(path: Path, launches: Sequence[Path], finder: PackageFinder) -> Location | None:
+    """Return where a launch file names a model that may not be opened: that text is at fault, not the model's."""
+    from urdfcheck.source.launch.launch_file import load_launch  # nearly every model can be opened
+
+    descriptions = (description for launch in launches for description in load_launch(launch, finder).descriptions)
+    return next(
+        (d.at.location for d in descriptions if d.path and os.path.abspath(d.path) == os.path.abspath(path)), None
+    )
 
 
 def _find_plain_text_problems(file: SourceFile, root: Element, *, is_xacro: bool, for_xacro: bool) -> list[Problem]:

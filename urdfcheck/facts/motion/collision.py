@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -28,6 +29,7 @@ from urdfcheck.facts.motion.collision_geometry import (
     find_separating_translation,
     is_convex,
 )
+from urdfcheck.facts.motion.shared_volume import do_share_volume
 from urdfcheck.facts.sphere_directions import spread_directions_and_axes
 
 if TYPE_CHECKING:
@@ -45,6 +47,9 @@ _MOST_NEIGHBOURS = 254
 _PIERCING_CONTACTS = 20
 # Contacts of triangles from which the middle of the overlap of two meshes is computed.
 _MOST_CONTACTS = 2000
+# Meshes touch if what they share is thinner than this part of the smaller one: in a part of 0.1 m as much as an origin of four
+# decimals is off.
+_THIN = 5e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -229,8 +234,8 @@ class Colliders:
     ) -> Separation | None:
         """Find the deepest overlap of the shapes of two bodies; None if none meet. ``frames`` (B, 4, 4): see `detect_collisions`.
 
-        Without ``with_depth`` only whether they overlap matters, and in which shapes. A depth that is not needed to find which
-        shapes overlap most is infinite then.
+        With ``with_depth``, closed meshes that share no volume have a depth of 0. Without it only whether shapes meet matters,
+        and which; a depth that is not needed to find which of them overlap most is infinite then.
         """
         deepest: Separation | None = None
         mates = product(np.flatnonzero(self._owner == one).tolist(), np.flatnonzero(self._owner == other).tolist())
@@ -244,6 +249,8 @@ class Colliders:
         ]
         for a, at_a, b, at_b in meeting:
             way = self._compute_separation(a, b, at_one=at_a, at_other=at_b, with_depth=with_depth or len(meeting) > 1)
+            if way is not None and with_depth and self._do_only_touch(a, b, at_one=at_a, at_other=at_b):
+                way = replace(way, depth=0.0)
             if way is not None and (deepest is None or way.depth > deepest.depth):
                 deepest = way
         return deepest
@@ -315,6 +322,24 @@ class Colliders:
         )
         return separate_by(depth, normal)
 
+    def _do_only_touch(self, one: int, other: int, *, at_one: Mat4, at_other: Mat4) -> bool:
+        """Whether two closed meshes that meet share no volume: where they interlock, no short way leads out."""
+        if not all(self._is_surface(shape) and self.placed[shape].geometry.closed for shape in (one, other)):
+            return False
+        contacts = self._list_contacts(one, other, at_one=at_one, at_other=at_other, most=_MOST_CONTACTS)
+        thin = _THIN * 2 * float(min(self._radius[one], self._radius[other]))
+        if self._has_piercing_triangles(one, other, at_one=at_one, at_other=at_other, contacts=contacts, rounding=thin):
+            return False
+        return not do_share_volume(self._place_triangles(one, at_one), self._place_triangles(other, at_other), thin)
+
+    def _place_triangles(self, shape: int, at: Mat4, chosen: Any = slice(None)) -> Array:
+        """Return triangles (F, 3, 3) of a mesh where it is placed, those of the ``chosen`` faces."""
+        geometry = self.placed[shape].geometry
+        assert geometry.vertices is not None  # a surface is made of a mesh
+        assert geometry.faces is not None
+        triangles: Array = geometry.vertices[geometry.faces[chosen]] @ at[:3, :3].T + at[:3, 3]
+        return triangles
+
     def _list_contacts(self, one: int, other: int, *, at_one: Mat4, at_other: Mat4, most: int) -> list[Any]:
         """List up to ``most`` of coal's contacts of two shapes."""
         request, result = self._coal.CollisionRequest(), self._coal.CollisionResult()
@@ -335,13 +360,8 @@ class Colliders:
         """Whether triangles that meet pierce each other so far that no shift by ``rounding`` (m) separates them."""
         if not (self._is_surface(one) and self._is_surface(other)):
             return False
-        triangles = []
-        for shape, at, faces in ((one, at_one, [c.b1 for c in contacts]), (other, at_other, [c.b2 for c in contacts])):
-            geometry = self.placed[shape].geometry
-            assert geometry.vertices is not None  # a surface is made of a mesh
-            assert geometry.faces is not None
-            triangles.append(geometry.vertices[geometry.faces[faces]] @ at[:3, :3].T + at[:3, 3])
-        mine, theirs = triangles
+        mine = self._place_triangles(one, at_one, [c.b1 for c in contacts])
+        theirs = self._place_triangles(other, at_other, [c.b2 for c in contacts])
         pierces = find_piercing_edges(mine, theirs, rounding) | find_piercing_edges(theirs, mine, rounding)
         return bool(pierces.any())
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
-from urdfcheck.model.ground.rest_pose import carries_rollers, find_rest_pose, is_caster_joint, list_casters
+from urdfcheck.model.ground.rest_pose import carries_rollers, find_rest_pose, is_caster_joint
 from urdfcheck.model.ground.rest_words import describe_uneven_reason
-from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
+from urdfcheck.model.ground.wheels import Wheel, is_suspended, list_casters, rolling_wheels
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:

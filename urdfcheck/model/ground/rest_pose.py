@@ -10,7 +10,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.ground.wheel_pair import find_lone_wheel_pair
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
-from urdfcheck.model.ground.wheels import Wheel, is_on_vertical_slide, is_suspended, rolling_wheels
+from urdfcheck.model.ground.wheels import Wheel, is_on_vertical_slide, is_suspended, list_casters, rolling_wheels
 from urdfcheck.model.parts import GROUND_NAMES, Joint
 from urdfcheck.model.robot import Model
 from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME
@@ -36,6 +36,8 @@ class RestPose:
     """The links of casters that have a shape."""
     tilt: float
     """Angle (rad) of the root's z axis from the vertical."""
+    up: Array
+    """Unit vector (3,) to the vertical, in root coordinates."""
     heights: Mapping[str, float]
     """Height of the lowest point of each link with a shape above the ground; what does not carry may be below it."""
     drops: Mapping[str, float]
@@ -99,6 +101,7 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
         driven=driven,
         casters=casters,
         tilt=end.tilt,
+        up=end.up,
         heights={name: height - ground for name, height in heights.items()},
         drops=_measure_drops(driven, {name: upright[name] for name in casters}, tolerance),
         tolerance=tolerance,
@@ -127,16 +130,6 @@ def is_caster_joint(joint: Joint) -> bool:
     """Whether the names of a joint and its child say that it is not driven."""
     names = f"{joint.name} {joint.child}"
     return bool(CASTER_NAME.search(names) or NOT_DRIVEN_NAME.search(names))
-
-
-def list_casters(model: Model) -> list[str]:
-    """List the links whose names, or whose joints' names, say caster."""
-    found = []
-    for name in model.tree.order:
-        joint = model.tree.parent_joint.get(name)
-        if CASTER_NAME.search(name) or (joint is not None and CASTER_NAME.search(joint.name)):
-            found.append(name)
-    return found
 
 
 def _are_uneven(model: Model, tolerance: float) -> bool:

@@ -61,10 +61,12 @@ def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> Uneve
     if len(wheels) < 4 or any(is_suspended(model, wheel.joint.child) for wheel in wheels):
         return None
     wheels = _select_grounded_wheels(wheels)
-    if len(wheels) < 4 or _has_other_support(model, wheels):
+    if len(wheels) < 4:
         return None
     gaps = compute_rocking_gaps(np.array([wheel.contact for wheel in wheels]))
     if gaps is None or gaps.max() <= max(rel_tol * min(wheel.radius for wheel in wheels), abs_tol):
+        return None
+    if _has_other_support(model, wheels):
         return None
     gap = float(gaps.max())
     return UnevenWheels(wheels, gap, _find_odd_wheel(wheels, gap), _stand_on_axles(wheels, gap))
@@ -85,8 +87,9 @@ def _select_grounded_wheels(wheels: Sequence[Wheel]) -> tuple[Wheel, ...]:
 
 
 def _has_other_support(model: Model, wheels: Sequence[Wheel]) -> bool:
-    """Whether a wheel or caster by its name is not among the wheels, fixed for example, and reaches as low as one of them."""
+    """Whether a wheel or caster by its name is not among the wheels, fixed for example, nor carries one, and reaches as low."""
     parts = {name for wheel in wheels for name in model.tree.list_body_links(wheel.joint.child)}
+    parts |= {joint.child for wheel in wheels for joint in model.tree.find_path_to(wheel.joint.child)}
     others = [link for link in model.links if link.name not in parts]
     named = (link for link in others if WHEEL_NAME.search(link.name) or CASTER_NAME.search(link.name))
     return any(find_lowest_z(model, link) <= max(wheel.bottom for wheel in wheels) for link in named)

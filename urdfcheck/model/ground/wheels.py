@@ -208,3 +208,13 @@ def _is_steered(model: Model, joint: Joint, axis: Array) -> bool:
 
 def _join_joint_names(joint: Joint) -> str:
     return f"{joint.name} {joint.child}"
+
+
+def list_casters(model: Model) -> list[str]:
+    """List the links whose names, or whose joints' names, say caster."""
+    found = []
+    for name in model.tree.order:
+        joint = model.tree.parent_joint.get(name)
+        if CASTER_NAME.search(name) or (joint is not None and CASTER_NAME.search(joint.name)):
+            found.append(name)
+    return found

@@ -23,6 +23,9 @@ from urdfcheck.source.launch.python_names import NamedText, read_named_texts
 from urdfcheck.source.package.finder import PackageFinder, has_dependency_entry
 from urdfcheck.system.files import read_regular
 
+# The name of a yaml file, or what is typed of it behind an expression.
+_YAML_NAME = re.compile(rb"[\w.-]*\.ya?ml\b", re.ASCII)
+
 
 def find_model_launches(model: Path, finder: PackageFinder) -> tuple[Launch, ...]:
     """Load the XML launch files that load a model: those of its package, and of the packages around that depend on it."""
@@ -72,6 +75,15 @@ def is_frame_published(model: Path, finder: PackageFinder, frame: str) -> bool:
     word = re.compile(rb"(?<![\w.-])" + re.escape(frame.encode("utf-8", "surrogatepass")) + rb"(?![\w.-])")
     return any(
         b"static_transform_publisher" in data and word.search(data) is not None
+        for _, data in _iter_launches_around(model, finder)
+    )
+
+
+def may_load_yaml(model: Path, finder: PackageFinder, name: str) -> bool:
+    """Whether a launch file around a model names a yaml file, in full or by the end of its name, or starts MoveIt, which finds
+    its files itself."""
+    return any(
+        b"moveit" in data.lower() or any(name.endswith(end.decode()) for end in _YAML_NAME.findall(data))
         for _, data in _iter_launches_around(model, finder)
     )
 

@@ -21,7 +21,6 @@ from urdfcheck.source.launch.python_texts import (
     PythonTexts,
     get_function_name,
     get_package_name,
-    is_package_lookup,
     read_declared_arguments,
 )
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES
@@ -180,7 +179,7 @@ class PythonLaunchReader:
             if id(node) in joined:
                 continue
             pieces = _collect_path_pieces(node)
-            exact = self.find_path_in_package(node)
+            exact = self.find_path_in_package(node) or self.find_plain_model(node)
             if exact is not None and self.finder.can_open(exact[0]) and os.path.isfile(exact[0]):
                 model: Path | None = exact[0]
             else:
@@ -253,7 +252,7 @@ class PythonLaunchReader:
         names: dict[str, None] = {}
         for part in () if whole is None else _list_path_parts(whole, self.texts):
             followed = self.texts.follow_name(part)
-            if self.texts.evaluate(part) is None and followed is not None and not is_package_lookup(followed):
+            if self.texts.evaluate(part) is None and followed is not None and not self.texts.is_of_packages(part):
                 names[self.texts.get_argument_name(followed) or ast.unparse(part)[:MAX_SHOWN]] = None
         return ", ".join(names)
 
@@ -282,12 +281,12 @@ class PythonLaunchReader:
         )
 
     def find_path_in_package(
-        self, node: ast.AST, suffixes: tuple[str, ...] = MODEL_SUFFIXES
+        self, node: ast.AST, suffixes: tuple[str, ...] = MODEL_SUFFIXES, *, texts: PythonTexts | None = None
     ) -> tuple[Path, Path] | None:
         """Return a path with one of the suffixes whose package is known, and the package's folder."""
         if not isinstance(node, (ast.Call, ast.BinOp, ast.JoinedStr)):
             return None
-        text = self.evaluate_text(node)
+        text = (texts or self.texts).evaluate(node)
         if text is None or not text.lower().endswith(suffixes) or "\0" in text:
             return None
         for folder in self.named_folders:
@@ -295,6 +294,11 @@ class PythonLaunchReader:
             if folder is not None and (folder / "package.xml").is_file() and text.startswith(f"{folder}/"):
                 return self.finder.find_source(Path(text)), folder
         return None
+
+    def find_plain_model(self, node: ast.AST) -> tuple[Path, Path] | None:
+        """Return the model that a path with a computed name means at a plain launch, if it exists, and its package's folder."""
+        found = self.find_path_in_package(node, texts=self.at_plain_launch)
+        return found if found is not None and self.finder.can_open(found[0]) and os.path.isfile(found[0]) else None
 
     def evaluate_text(self, node: ast.AST) -> str | None:
         """Return the text of a node that consists of literals, names assigned once and packages' folders; else None."""
@@ -304,10 +308,20 @@ class PythonLaunchReader:
         """Return where a node gets the parameter robot_description."""
         for node in self.nodes:
             if isinstance(node, ast.Dict):
-                for key in node.keys:
-                    if isinstance(key, ast.Constant) and key.value == "robot_description":
+                for key, value in zip(node.keys, node.values, strict=True):
+                    if not isinstance(key, ast.Constant) or key.value != "robot_description":
+                        continue
+                    if not self.asks_publisher(value):
                         return self.locate_node(key)
         return None
+
+    def asks_publisher(self, value: ast.expr) -> bool:
+        """Whether a description is the one that another node has already: ``ros2 param get …`` asks that node for it."""
+        followed = self.texts.follow_name(value)
+        if isinstance(followed, ast.Call) and get_function_name(followed) == "ParameterValue" and followed.args:
+            followed = self.texts.follow_name(followed.args[0])
+        parts = [] if followed is None else ast.walk(followed)
+        return any(isinstance(p, ast.Constant) and "ros2 param get " in str(p.value) for p in parts)
 
     def locate_node(self, node: ast.expr) -> Location:
         """Return the place of the last text in a node, where the name of a path's file is typed."""

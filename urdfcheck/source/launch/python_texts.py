@@ -14,6 +14,8 @@ from urdfcheck.source.package.finder import PackageFinder
 
 # A longer text is not a path: it comes from names that multiply each other.
 MAX_LENGTH = 4000
+# One text of Python, in which nothing is escaped.
+_QUOTED = re.compile(r"(['\"])([^'\"\\\n]*)\1")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,6 +94,10 @@ class PythonTexts:
         """Return the value of the launch argument that a call reads."""
         if function == "LaunchConfiguration":
             return self.arguments.get(self.get_argument_name(node))
+        if function == "PythonExpression" and node.args:
+            joined = self.evaluate_all(self.list_elements(node.args[0]), "".join)
+            quoted = None if joined is None else _QUOTED.fullmatch(joined.strip())
+            return None if quoted is None else quoted[2]
         if function == "perform_substitution" and node.args:  # context.perform_substitution(LaunchConfiguration(…))
             return self.evaluate(node.args[-1])
         if function == "perform" and isinstance(node.func, ast.Attribute):  # LaunchConfiguration(…).perform(context)
@@ -127,6 +133,14 @@ class PythonTexts:
             node = self.assigned[id(node)]
         return node
 
+    def is_of_packages(self, node: ast.expr) -> bool:
+        """Whether a text is made only of literals and the folders of packages, found or not: no argument decides it."""
+        followed = self.follow_name(node)
+        if not isinstance(followed, ast.Call):
+            return isinstance(followed, ast.Constant)
+        is_join = get_function_name(followed) in {"join", "Path", "str"} and bool(followed.args)
+        return is_package_lookup(followed) or (is_join and all(map(self.is_of_packages, followed.args)))
+
     def list_elements(self, node: ast.expr | None) -> Sequence[ast.expr]:
         """Return the elements of a list; none if it is not a list."""
         node = self.follow_name(node)
@@ -143,7 +157,8 @@ def read_declared_arguments(nodes: Sequence[ast.AST], texts: PythonTexts) -> dic
             choices_node = find_call_argument(node, -1, "choices")
             choices = [texts.evaluate(choice) for choice in texts.list_elements(choices_node)]
             default = None if default_node is None else texts.evaluate(default_node)
-            if name and (default_node is None or default is not None):
+            # Of one choice the value is known, whatever the default is made of: the launch refuses any other.
+            if name and (default_node is None or default is not None or (len(choices) == 1 and choices[0])):
                 known = tuple(choice for choice in choices if choice is not None)
                 place = default_node or next(iter(texts.list_elements(choices_node)), node)
                 declared.setdefault(name, DeclaredArgument(default, known, place))

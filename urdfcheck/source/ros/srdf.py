@@ -29,6 +29,7 @@ LEVELS_DOWN = 3
 SETUP_FILE = ".setup_assistant"
 MAX_FOLDERS = 200
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
+_LATE_DECLARATION = re.compile(r"\A(\ufeff?\s+)(<\?xml\s[^>]*\?>)")
 # The attributes that name links and joints of the robot, by element and the element around it.
 _PART_NAMES = {
     ("link", "group"): {"name": "link"},
@@ -255,7 +256,8 @@ def load_srdf(
 
 
 def _parse_srdf(file: SourceFile) -> Element:
-    """Parse as MoveIt's tinyxml2 does, which ends a comment at ``-->`` whatever hyphens are in it (``--!>``).
+    """Parse as MoveIt's tinyxml2 does, which ends a comment at ``-->`` whatever hyphens are in it (``--!>``), and skips blanks
+    before the declaration.
 
     :raises XmlError: if the text is malformed otherwise.
     """
@@ -266,6 +268,7 @@ def _parse_srdf(file: SourceFile) -> Element:
             raise
     # Of the same length: all places stay.
     lenient = _COMMENT.sub(lambda match: f"<!--{match[1].replace('-', '=')}-->", file.text)
+    lenient = _LATE_DECLARATION.sub(lambda match: match[1] + " " * len(match[2]), lenient)
     copy = SourceFile(file.path, file.name, lenient, encoding=file.encoding, declared=file.declared)
     tree = parse_xml(copy)
     file.comments[:] = copy.comments

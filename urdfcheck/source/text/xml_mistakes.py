@@ -19,6 +19,7 @@ _ENTITIES = frozenset({"amp", "lt", "gt", "quot", "apos"})
 _TYPOGRAPHIC = "“”„‟″‘’‚′«»"
 # How much of a name is shown.
 _MOST_SHOWN = 60
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 # An end tag whose slash expat does not accept: outside of the root element no tag may begin so.
 _END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
 
@@ -32,7 +33,7 @@ class XmlMistake:
     end: int
     repair: str = _GENERAL_REPAIR
     forgiven: bool = False
-    """Whether tinyxml2, the parser of urdfdom and the engines, loads the file."""
+    """Whether tinyxml2, the parser of urdfdom and MuJoCo, loads the file."""
 
 
 def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]]) -> XmlMistake:
@@ -221,7 +222,8 @@ def _describe_declaration(text: str, at: int, _: list[tuple[str, int]]) -> XmlMi
     what = "a blank" if not before.strip(" \t") else "an empty line" if not before.strip() else "something else"
     what = "a comment" if before.lstrip().startswith("<!--") else what
     message = f"the declaration `<?xml …?>` is not at the start of the file: {what} precedes it"
-    return XmlMistake(message, at, at + 5, repair="move the declaration to the very start of the file, or delete it")
+    repair = "move the declaration to the very start of the file, or delete it"
+    return XmlMistake(message, at, at + 5, repair, forgiven=not before.strip())
 
 
 def _describe_duplicate(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
@@ -237,12 +239,22 @@ def _describe_end_of_file(text: str, at: int, opened: list[tuple[str, int]]) -> 
         return XmlMistake("the file has no element", at, at, repair="put the text of the model in its place")
     tag, line = _shorten(opened[-1][0]), opened[-1][1]
     message = f"the file ends before <{tag}>, opened in line {line}, is closed"
-    return XmlMistake(
-        message,
-        at,
-        min(at + 1, len(text)),
-        repair=f"write `</{tag}>` where the element ends; the file may have been cut off",
-    )
+    repair = f"write `</{tag}>` where the element ends; the file may have been cut off"
+    again = _find_second_root(text[:at], opened[0][0]) if len(opened) == 1 else None
+    if again is not None:
+        return XmlMistake(
+            f"<{tag}> of line {line} is opened a second time, and closed once",
+            *again,
+            repair=f"delete this `<{tag}>`, or that of line {line}: one element holds everything",
+        )
+    return XmlMistake(message, at, min(at + 1, len(text)), repair=repair)
+
+
+def _find_second_root(text: str, name: str) -> tuple[int, int] | None:
+    """Return where the next start tag of the root's name that has content begins and ends, else None."""
+    plain = _COMMENT.sub(lambda match: " " * len(match[0]), text)
+    starts = list(re.finditer(rf"<{re.escape(name)}(?=[\s>])[^<>]*(?<!/)>", plain))
+    return starts[1].span() if len(starts) > 1 else None
 
 
 def _describe_unclosed(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:

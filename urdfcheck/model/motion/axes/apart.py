@@ -73,8 +73,9 @@ def find_apart_part(bodies: DrawnBodies) -> ApartPart | None:
     size = distances.measure_size(found.child)
     least = (_APART if len(joints) > _OTHERS else _FAR_APART) * size
     gap, nearest = distances.measure_to_rest(found)
-    # What is not known may be what it touches.
-    if gap < least or not all(map(bodies.is_complete, model.tree.order)):
+    # What is not known may be what it touches. A part that no one draws in a robot that is drawn need not be one: a wheel between
+    # the wheels, for a controller.
+    if gap < least or not all(map(bodies.is_complete, model.tree.order)) or _is_only_collision(bodies, found.child):
         return None
     # A slide may leave its guide at zero; a bearing holds its part in every position.
     if found.type == "prismatic" and any(
@@ -98,6 +99,12 @@ def _is_compared(bodies: DrawnBodies, joint: Joint) -> bool:
         return False
     heads = joint.child, bodies.get_parent(joint)
     return all(head in bodies.shapes and bodies.is_complete(head) for head in heads)
+
+
+def _is_only_collision(bodies: DrawnBodies, head: str) -> bool:
+    """Whether a body is not drawn, and others are."""
+    drawn = {name for name, shapes in bodies.shapes.items() if any(one.shape.role == "visual" for one in shapes)}
+    return bool(drawn) and head not in drawn
 
 
 def _list_positions(joint: Joint) -> list[float]:

@@ -41,6 +41,9 @@ _BESIDE, _REACH = 2e-3, 0.035
 _MOST_RADII = 4.0
 # Two axes are one line within this angle (rad) and distance (m).
 _SAME_ANGLE, _SAME_PLACE = 0.02, 2e-3
+# Corners are on one circle if heights and radii agree to this share of the radius; next to each other they are no farther apart
+# than those of a ring of eight (rad).
+_CIRCLE, _WIDEST_GAP = 2e-3, math.radians(46.0)
 # Two bores are as far beside their axes within this distance (m).
 _SAME_OFFSET = 1e-3
 # A bore may be that of another joint of other bodies whose origin is so near (m): the second jaw of a gripper.
@@ -84,7 +87,9 @@ def find_bearing_mismatches(bodies: DrawnBodies) -> list[BearingMismatch]:
         place, axis = model.frames[joint.child][:3, 3], model.axes[joint.name]
         others = list(_iter_near_axes(model, joint))
         mismatch = compare_bearing(joint.name, place, axis, parent=parent, child=child, others=others)
-        if mismatch is not None and not _shares_offset(bodies, joint, mismatch, parent):
+        if mismatch is None or _shares_offset(bodies, joint, mismatch, parent):
+            continue
+        if not has_circle_about(surfaces.list_corners(bodies.get_parent(joint)), place, axis, mismatch.hub):
             found.append(mismatch)
     return found
 
@@ -108,6 +113,25 @@ def _shares_offset(bodies: DrawnBodies, joint: Joint, found: BearingMismatch, pa
     return False
 
 
+def has_circle_about(corners: Array, place: Array, axis: Array, hub: float) -> bool:
+    """Whether corners (V, 3) make a circle about a line that fits a hub of this radius (m): a cylinder of uneven facets."""
+    away = corners - place
+    heights = away @ axis
+    across = away - heights[:, None] * axis
+    radii = np.linalg.norm(across, axis=1)
+    fits = (radii >= max(_LEAST_HUB, hub / _FITS)) & (radii <= hub * _FITS)
+    side = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
+    angles = np.arctan2(across @ np.cross(axis, side), across @ side)
+    cells = np.round(np.stack((heights, radii), axis=1)[fits] / (_CIRCLE * hub)).astype(np.int64)
+    circles = np.unique(cells, axis=0, return_inverse=True)[1].ravel()
+    for number in range(int(circles.max(initial=-1)) + 1):
+        turn = np.sort(angles[fits][circles == number])
+        gaps = np.diff(turn, append=turn[0] + math.tau)
+        if float(gaps[gaps < _WIDEST_GAP].sum()) >= _HUB * math.tau:
+            return True
+    return False
+
+
 class _Surfaces:
     """The round surfaces of bodies, each mesh searched once."""
 
@@ -128,6 +152,11 @@ class _Surfaces:
             known = [part for part in parts if part is not None]
             self._placed[head] = join_strips(known) if known and len(known) == len(parts) else None
         return self._placed[head]
+
+    def list_corners(self, head: str) -> Array:
+        """List the corners (V, 3) of a body's meshes in root coordinates."""
+        placed = [one for one in self._bodies.placed[head] if one.geometry.vertices is not None]
+        return np.concatenate([one.geometry.corners @ one.pose[:3, :3].T + one.pose[:3, 3] for one in placed])
 
     def _search(self, shape: Shape) -> RoundStrips | None:
         model = self._bodies.model

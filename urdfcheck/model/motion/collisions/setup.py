@@ -41,6 +41,7 @@ _CODE_MODULES = (
     *MEASURING_MODULES,
     "urdfcheck.facts.motion.collision",
     "urdfcheck.facts.motion.collision_geometry",
+    "urdfcheck.facts.motion.shared_volume",
     "urdfcheck.facts.motion.swept_spheres",
     "urdfcheck.facts.motion.kinematics",
     "urdfcheck.model.shapes",
