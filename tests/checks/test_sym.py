@@ -460,16 +460,6 @@ def test_a_wheel_that_nothing_drives_with_the_others_turns_freely(
     assert (finding.message_id, finding.severity) == ("minority", severity)
 
 
-@pytest.mark.parametrize(("powered", "severity"), [((0, 1), Severity.INFO), ((0, 1, 2), Severity.WARNING)])
-def test_a_wheel_without_the_motor_of_the_others_turns_freely(
-    tmp_path: Path, powered: tuple[int, ...], severity: Severity
-) -> None:
-    motors = "".join(f'<transmission name="t{i}"><joint name="wheel_{i}_joint"/></transmission>' for i in powered)
-    text = wheeled("0 1 0", "0 1 0", "0 -1 0").replace("</robot>", f"{motors}</robot>")
-    (finding,) = find(tmp_path, text, "SYM005")
-    assert (finding.message_id, finding.severity) == ("minority", severity)
-
-
 def test_casters_steered_and_standing_wheels_are_left_out(tmp_path: Path) -> None:
     assert not find(tmp_path / "a", wheeled("0 -1 0", "0 1 0", names="caster_wheel"), "SYM005")
     assert not find(tmp_path / "b", wheeled("0 0 -1", "0 0 1"), "SYM005")
