@@ -90,7 +90,7 @@ def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _UnreadPlace:
-    """A file that a model or a launch file names and that was not opened. Nothing tells whether it exists."""
+    """A file that a model or a launch file names and that was not opened. Whether it exists is not known."""
 
     path: Path
     problem: Problem
