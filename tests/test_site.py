@@ -138,6 +138,18 @@ def test_the_page_of_a_rule_shows_what_can_be_seen_of_it() -> None:
     assert "What it looks like" not in rule_pages.render_rule(rules["SYM001"])
 
 
+def test_moments_that_no_box_has_are_compared_as_bars() -> None:
+    """The largest is longer than the other two end to end; the Good example has a box."""
+    pictures = rule_pictures.draw_rule(load_rules()["INR003"])
+    assert pictures is not None
+    assert "the red bar is the largest" in pictures.headline
+    red = [(p[..., 0] // 2 > p[..., 2]).sum() for p in map(decoded, (pictures.bad, pictures.good))]
+    assert red[0] > 1000 > red[1]
+    box = rule_pictures.draw_rule(load_rules()["INR005"])
+    assert box is not None
+    assert "bar" not in box.headline
+
+
 def count_marked(picture: bytes) -> int:
     """Count the pixels in the red of what a finding is about, which is darker than that of an x axis."""
     pixels = decoded(picture).astype(int)

@@ -1,7 +1,8 @@
 """Pictures of a Bad and a Good example on the page of a rule, by the renderer of ``-o png``.
 
 What the 3D view of the report shows for the rule is drawn as solids beside the robot: frames as crosses of three bars, axes and
-boxes of inertia as bars, COMs as balls. The links that the finding is about are red.
+boxes of inertia as bars, COMs as balls. Where no box has the principal moments, these are bars: the largest, and the other
+two. The links that the finding is about are red.
 """
 
 from __future__ import annotations
@@ -35,6 +36,11 @@ _AXIS, _BOX, _COM, _COLLISION = (
 _BONE = (0.55, 0.58, 0.62, 1.0)
 # Parts of the robot's size: a bar of a frame, how thick it is, and the radius of a COM; what is smaller is a dot.
 _LONG, _THIN, _BALL, _SEEN = 0.12, 0.012, 0.025, 0.1
+# The bars of principal moments that no box has: how thick they are, and how far apart, as parts of the largest.
+_MOMENT_THICK, _MOMENT_APART = 0.08, 0.14
+_MOMENTS_SAID = (
+    ". No box has these principal moments: the red bar is the largest, and the other two, end to end, are shorter"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +50,7 @@ class RulePictures:
     bad: bytes
     good: bytes
     headline: str
-    """What is reported about the bad one."""
+    """What is reported about the bad one, and what its bars mean if they need it."""
 
 
 def draw_rule(rule: Rule) -> RulePictures | None:
@@ -59,7 +65,8 @@ def draw_rule(rule: Rule) -> RulePictures | None:
         good = min(goods, key=lambda good: len(_name_links(good.scene) ^ _name_links(bad.scene)))
         marked = _draw(bad.scene, rule, bad.findings)
         if bad.picture not in (marked, good.picture) and _is_mark_seen(bad.scene, rule, bad.findings):
-            return RulePictures(marked, good.picture, bad.findings[0].headline)
+            said = _MOMENTS_SAID if any(_compare_moments(link.inertial) is not None for link in bad.scene.links) else ""
+            return RulePictures(marked, good.picture, bad.findings[0].headline + (said if "box" in rule.layers else ""))
     return None
 
 
@@ -139,9 +146,10 @@ def _iter_places(scene: Scene) -> Iterator[Array]:
 
 def _measure_link(scene: Scene, link: SceneLink) -> float:
     """Return the longest side (m) of the shapes and the box of inertia of a link."""
-    box = _compute_box(link.inertial)
+    box, bars = _compute_box(link.inertial), _compare_moments(link.inertial)
     lengths = [_measure_shape(scene, shape) for shape in link.shapes]
-    return max((*lengths, 0.0 if box is None else float(box.max())), default=0.0)
+    lengths += [float(lines.max()) for lines in (box, bars) if lines is not None]
+    return max(lengths, default=0.0)
 
 
 def _measure_shape(scene: Scene, shape: SceneShape) -> float:
@@ -164,6 +172,9 @@ def _iter_shapes(link: SceneLink, rule: Rule, size: float, is_marked: bool) -> I
         yield SceneShape(role="visual", kind="sphere", size=(size * _BALL,), pose=_place(inertial.com), color=colour)
     if "box" in rule.layers and box is not None:
         yield from _iter_edges(box, inertial, size * _THIN, _RED if is_marked else _BOX)
+    bars = _compare_moments(inertial)
+    if "box" in rule.layers and bars is not None:
+        yield from _iter_moments(bars, inertial.com, _RED if is_marked else _BOX)
 
 
 def _compute_box(inertial: SceneInertia | None) -> Array | None:
@@ -173,6 +184,31 @@ def _compute_box(inertial: SceneInertia | None) -> Array | None:
     moments = np.array(inertial.moments)
     squares: Array = 6 * (moments.sum() - 2 * moments) / inertial.mass
     return np.sqrt(squares) if np.isfinite(squares).all() and (squares >= 0).all() else None
+
+
+def _compare_moments(inertial: SceneInertia | None) -> Array | None:
+    """Return lengths (m) in the ratio of the principal moments, ascending, where the largest exceeds the sum of the others.
+
+    No body has such moments. The longest is about as long as a box of this mass and trace.
+    """
+    if inertial is None or not inertial.mass or inertial.mass < 0 or len(inertial.moments) != 3:
+        return None
+    moments = np.array(inertial.moments)
+    if not np.isfinite(moments).all() or moments[0] <= 0 or moments[2] <= moments[0] + moments[1]:
+        return None
+    lengths: Array = moments / moments[2] * np.sqrt(6 * moments.sum() / inertial.mass)
+    return lengths
+
+
+def _iter_moments(lengths: Array, com: Sequence[float], colour: tuple[float, ...]) -> Iterator[SceneShape]:
+    """Yield the largest of three ascending lengths (m) as a bar along x, and beside it the other two end to end."""
+    one, two, largest = lengths.tolist()
+    thick, apart, first = largest * _MOMENT_THICK, largest * _MOMENT_APART, np.array((*com,))
+    bars = ((0.0, 0.0, largest, colour), (0.0, -apart, two, _FRAME[2]), (two, -apart, one, _AXIS))
+    for along, across, length, own in bars:
+        yield _make_bar(
+            np.array((length, 0.0, 0.0)), thick, own, from_=first + np.array((along - largest / 2, across, 0.0))
+        )
 
 
 def _iter_edges(sides: Array, inertial: SceneInertia, thick: float, colour: tuple[float, ...]) -> Iterator[SceneShape]:
