@@ -316,4 +316,5 @@ def test_a_mass_in_a_comment_is_the_one_of_the_tensor(tmp_path: Path, comment: s
     assert finding.cause is not None
     assert ("as a comment says" in finding.cause.text) == is_named
     assert finding.fix is not None
+    assert finding.fix.title.endswith("if the part weighs that much") == is_named
     assert not (is_named and finding.fix.edits), "the file does not show which of the two is right"

@@ -16,6 +16,7 @@ from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.median import compute_median
 from urdfcheck.model import DeclaredTensor, Link, Model
+from urdfcheck.model.inertials.diagnosis.commented_masses import COMMENTED
 from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
     NOTABLE,
@@ -369,6 +370,9 @@ def _build_cause_finding(
         related=[*_list_twins(model, judged), *_iter_definitions(mended)],
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit=fallback if mended is None else mended.words,
+        otherwise="the mass of the comment if the part weighs that much"
+        if diagnosis.detail.endswith(COMMENTED)
+        else "export the inertial again if that is not the mistake",
         alone=_describe_drawn_com(model, link, mended) if message == "com_missing" else "",
         **data,
     )

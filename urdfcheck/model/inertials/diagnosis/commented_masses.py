@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 _MASS = re.compile(r"""<mass\s+value\s*=\s*["']([^"'<>]+)["']""")
 _INERTIA = re.compile(r"<inertia\b")
+# How the mass of a comment is marked in the detail of a cause.
+COMMENTED = ", as a comment says"
 # The older mass has to leave no more than this part of the mismatch.
 _REMAINING = 0.5
 
@@ -43,7 +45,7 @@ def name_commented_masses(
             named[name] = replace(
                 one,
                 cause="other_mass",
-                detail=f"{mass:g} kg, as a comment says",
+                detail=f"{mass:g} kg{COMMENTED}",
                 mended=mended,
                 mended_tensor_mismatch=left,
                 ruled_out=tuple(cause for cause in one.ruled_out if cause != "other_mass"),
