@@ -470,6 +470,31 @@ def test_static_transforms_against_the_model(tmp_path: Path, words: str, message
     assert [f.message_id for f in find_in_package(tmp_path, transform(words), "LCH005")] == messages
 
 
+@pytest.mark.parametrize(
+    ("numbers", "apart"), [("1 0 0", ""), ("1 0 0.00005", ""), ("1 0 0.3", " (300 mm apart)"), ("0 0 0", " (1 m apart)")]
+)
+def test_a_transform_that_is_not_the_one_of_the_joint_says_how_far_it_is_off(
+    tmp_path: Path, numbers: str, apart: str
+) -> None:
+    model = (
+        '<robot name="r"><link name="base_link"/><link name="laser"/><joint name="j" type="fixed"><parent link="base_link"/>'
+        '<child link="laser"/><origin xyz="1 0 0"/></joint></robot>'
+    )
+    files = {"package.xml": "<package format='3'><name>r</name></package>", "urdf/r.urdf": model}
+    load = '<param name="robot_description" textfile="$(find r)/urdf/r.urdf"/>'
+    for turn, said in (("0 0 0", apart), ("1.5707963 0 0", apart.replace("(", "(90° and ") or " (90° apart)")):
+        node = (
+            f'<node name="t" pkg="tf2_ros" type="static_transform_publisher" args="{numbers} {turn} base_link laser"/>'
+        )
+        launch = {"launch/a.launch": f"<launch>{load}{node}</launch>"}
+        for name, text in (files | launch).items():
+            path = tmp_path / turn[0] / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        (finding,) = check(tmp_path / turn[0], codes={"LCH005"}).findings
+        assert finding.headline == f"a joint publishes base_link → laser too{said}"
+
+
 def test_a_transform_from_the_world_may_be_meant_for_the_root(tmp_path: Path) -> None:
     (finding,) = find_in_package(tmp_path, transform("0 0 0 0 0 0 map laser"), "LCH005")
     assert finding.fix is not None

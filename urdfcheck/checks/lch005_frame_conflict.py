@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import find_nearest_name
+from urdfcheck.core.text import find_nearest_name, format_length
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.motion.fixed_base import list_bolted_links
@@ -14,6 +15,8 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.model.shapes.extent import find_lowest_point
 from urdfcheck.source.launch.static_transforms import StaticTransform
 
+# Numbers that were rounded differ by less: degrees and metres.
+_SAME_ANGLE, _SAME_PLACE = 0.5, 1e-3
 # The line that the SolidWorks exporter writes into its gazebo.launch, whatever the robot is.
 _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 
@@ -43,10 +46,27 @@ def _check_model_link(rule: Rule, transform: StaticTransform, model: Model) -> I
             joint=joint.name,
             other=joint.parent,
             root=_describe_root(model, transform),
+            apart=_describe_difference(transform, joint) if repeats else "",
             **data,
         )
     elif transform.parent in model.link_by_name:
         yield rule.finding("loop", at=transform.at, **data)
+
+
+def _describe_difference(transform: StaticTransform, joint: Joint) -> str:
+    """Return `` 60° and 0.12 m apart`` where a static transform and a fixed joint place a frame differently; else nothing."""
+    from urdfcheck.facts.motion.kinematics import build_origin_transform, compute_axis_angle, quaternion_to_matrix
+
+    pose = joint.origin.matrix
+    if pose is None or transform.xyz is None or joint.type != "fixed":
+        return ""
+    placed = build_origin_transform(transform.xyz, transform.rpy or (0.0, 0.0, 0.0))
+    if transform.quaternion is not None:
+        placed[:3, :3] = quaternion_to_matrix(transform.quaternion)
+    angle = math.degrees(abs(compute_axis_angle(pose[:3, :3].T @ placed[:3, :3])[1]))
+    distance = math.dist(pose[:3, 3], placed[:3, 3])
+    parts = [f"{angle:.3g}°"] * (angle > _SAME_ANGLE) + [format_length(distance)] * (distance > _SAME_PLACE)
+    return f" ({' and '.join(parts)} apart)" if parts else ""
 
 
 def _describe_root(model: Model, transform: StaticTransform) -> str:
