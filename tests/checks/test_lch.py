@@ -471,7 +471,8 @@ def test_static_transforms_against_the_model(tmp_path: Path, words: str, message
 
 
 @pytest.mark.parametrize(
-    ("numbers", "apart"), [("1 0 0", ""), ("1 0 0.00005", ""), ("1 0 0.3", " (300 mm apart)"), ("0 0 0", " (1 m apart)")]
+    ("numbers", "apart"),
+    [("1 0 0", ""), ("1 0 0.00005", ""), ("1 0 0.3", " (300 mm apart)"), ("0 0 0", " (1 m apart)")],
 )
 def test_a_transform_that_is_not_the_one_of_the_joint_says_how_far_it_is_off(
     tmp_path: Path, numbers: str, apart: str
