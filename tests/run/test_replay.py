@@ -300,6 +300,16 @@ def test_a_damaged_entry_is_found_anew(workspace: Path, counted: Counted, damage
     assert counted.recalled == ["tuple"]
 
 
+def test_an_entry_without_its_check_sum_is_not_read(tmp_path: Path) -> None:
+    """A flipped bit can move the end of the compressed text beyond the file: all of it is read then, and the sum never."""
+    key, kept = "0123456789abcdef" * 4, ["link[arm]", 0.25]
+    entries.keep_result(tmp_path, key, kept, observations.Observations())
+    assert entries.Replays(tmp_path).recall(key) == (kept, observations.Observations())
+    (path,) = (path for path in tmp_path.rglob("*") if path.is_file())
+    path.write_bytes(path.read_bytes()[:-4])
+    assert entries.Replays(tmp_path).recall(key) is None
+
+
 @pytest.mark.long
 def test_a_folder_that_cannot_be_written_is_no_error(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (workspace.parent / "file").write_bytes(b"")

@@ -89,7 +89,10 @@ class Replays:
             data = path.read_bytes()
             if data[: len(key)] != key.encode():
                 return None
-            unpacked = zlib.decompressobj().decompress(data[len(key) :], LARGEST)
+            reader = zlib.decompressobj()
+            unpacked = reader.decompress(data[len(key) :], LARGEST)
+            if not reader.eof:
+                return None  # its check sum is at the end, and was not compared
             observations, result = load_plain(io.BytesIO(unpacked))
             if not self._recheck.is_unchanged(observations):
                 return None
