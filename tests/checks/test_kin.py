@@ -379,6 +379,9 @@ def test_a_model_of_one_link_has_no_joint_to_move(tmp_path: Path) -> None:
     assert "to a link that has one; nothing if the model is for Bullet only" in finding.fix.title
     assert finding.severity is Severity.INFO, "Bullet's own ground is such a file"
     assert "fixed to the world" in finding.consequences["bullet"]
+    (tiny,) = check_text(tmp_path, one.replace('value="0"', 'value="1e-9"'), codes={"KIN010"}).findings
+    assert (tiny.message_id, tiny.severity) == ("tiny", Severity.WARNING)
+    assert "fixed to the world" not in tiny.consequences.get("bullet", "")
 
 
 def test_an_empty_model_is_an_error_where_gazebo_is_the_target(tmp_path: Path) -> None:

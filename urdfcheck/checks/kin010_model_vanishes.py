@@ -41,7 +41,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     head, links = next(iter(bodies.items()))
     attached = {joint.name for link in links for joint in model.tree.child_joints[link.name] if joint.type != "fixed"}
-    is_static = links[0].inertial is not None and not len(bodies) > 1
+    is_static = len(bodies) == 1 and links[0].inertial is not None and links[0].inertial.mass == 0
     root_mass = sum(link.inertial.mass or 0.0 for link in links if link.inertial is not None)
     yield rule.finding(
         "tiny" if root_mass > 0.0 else "vanishes",

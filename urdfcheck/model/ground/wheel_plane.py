@@ -61,10 +61,12 @@ def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> Uneve
     if len(wheels) < 4 or any(is_suspended(model, wheel.joint.child) for wheel in wheels):
         return None
     wheels = _select_grounded_wheels(wheels)
-    if len(wheels) < 4 or _has_other_support(model, wheels):
+    if len(wheels) < 4:
         return None
     gaps = compute_rocking_gaps(np.array([wheel.contact for wheel in wheels]))
     if gaps is None or gaps.max() <= max(rel_tol * min(wheel.radius for wheel in wheels), abs_tol):
+        return None
+    if _has_other_support(model, wheels):
         return None
     gap = float(gaps.max())
     return UnevenWheels(wheels, gap, _find_odd_wheel(wheels, gap), _stand_on_axles(wheels, gap))

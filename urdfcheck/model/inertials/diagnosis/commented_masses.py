@@ -34,10 +34,12 @@ def name_commented_masses(
     comment in its ``<inertial>`` holds."""
     named = dict(found)
     for name, one in found.items():
-        drawn, declared = measure_link_geometry(model, model.link_by_name[name]), numbers[name]
-        if one.sound or one.judged_by != "mesh" or drawn is None:
+        link, declared = model.link_by_name[name], numbers[name]
+        masses = [] if one.sound or one.judged_by != "mesh" else [*_list_commented_masses(model, link)]
+        drawn = measure_link_geometry(model, link) if masses else None
+        if drawn is None:
             continue
-        for mass in _list_commented_masses(model, model.link_by_name[name]):
+        for mass in masses:
             mended = replace(declared, tensor=declared.tensor * (declared.mass / mass))
             left, _ = measure_inertial_mismatch(mended, drawn.solid.com, drawn.solid.covariance)
             if left > EFFECT or left > _REMAINING * one.tensor_mismatch:
