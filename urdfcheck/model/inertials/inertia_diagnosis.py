@@ -79,7 +79,8 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
         for name, link in model.link_by_name.items()
         if name not in find_repeated_drawings(model) and (declared := read_declared_inertial(link)) is not None
     }
-    text = f"{model.source.path}\0{model.name}\0{compute_code_version(*_CODE_MODULES)}"
+    # An editor asks for a part of the tiers and for all in turns, and with meshes other verdicts are needed than without.
+    text = f"{model.source.path}\0{model.name}\0{model.tier}\0{compute_code_version(*_CODE_MODULES)}"
     key = hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()  # a file name may not be valid text
     entry = model.cache.entry("diagnosis", key)
     known = read_verdicts(entry)
