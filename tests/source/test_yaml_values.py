@@ -11,7 +11,7 @@ import yaml
 
 from urdfcheck.source.text.xml import Definition, SourceFile
 from urdfcheck.source.text.yaml.reader import MAX_CHARACTERS
-from urdfcheck.source.xacro.yaml_values import read_yaml
+from urdfcheck.source.xacro.expressions.yaml_values import read_yaml
 
 pytestmark = pytest.mark.slow
 

@@ -57,7 +57,7 @@ def expand_xacro(
     """Expand a xacro file with the given arguments. Never raises because of the file's content.
 
     ``extra_environment``: variables that the file may read besides those of ROS. An argument whose name begins with
-    :data:`~urdfcheck.source.xacro.argument_values.VARIABLE` is the value of a variable of the environment instead.
+    :data:`~urdfcheck.source.xacro.ros_variables.VARIABLE` is the value of a variable of the environment instead.
     """
     trace = ExpansionTrace()
     variables = {name.removeprefix(VARIABLE): value for name, value in arguments.items() if name.startswith(VARIABLE)}

@@ -73,6 +73,8 @@ class ActiveCall:
     node: minidom.Element
     span: Span | None
     name: str
+    via: tuple[Span, ...]
+    """The places of the calls and includes around it and its own, outermost first."""
 
 
 class _FailureMemory:
@@ -135,7 +137,14 @@ class ExpansionTrace:
 
     def list_call_spans(self) -> tuple[Span, ...]:
         """Return the macro calls and includes around the place, outermost first."""
-        return tuple(c.span for c in self.calls if c.span is not None)
+        return self.calls[-1].via if self.calls else ()
+
+    def begin_call(self, node: minidom.Element, name: str) -> None:
+        """Note that a macro call or an include is expanded now."""
+        origin = get_origin(node)
+        around = self.list_call_spans()
+        span = None if origin is None else origin.raw.span
+        self.calls.append(ActiveCall(node, span, name, around if span is None else (*around, span)))
 
     def locate_current(self) -> Location:
         """Return the attribute or element that is being evaluated."""

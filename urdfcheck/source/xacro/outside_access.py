@@ -156,7 +156,7 @@ class FileAccess:
         import xacro
 
         from urdfcheck.source.text.yaml.values import YamlReadError
-        from urdfcheck.source.xacro.yaml_values import read_yaml
+        from urdfcheck.source.xacro.expressions.yaml_values import read_yaml
 
         path = Path(xacro.abs_filename_spec(filename))
         self.trace.count_nodes(NODES_OF_FILE)
