@@ -161,6 +161,7 @@ def _find_habit(
     if not candidates:
         return None
     different: dict[tuple[str, ...], Evidence] = {}  # copies and mirror images are one piece of evidence
+    principal = dict(zip(found.links, np.linalg.eigvalsh([numbers[name].tensor for name in found.links]), strict=True))
     for name, (key, _) in found.links.items():
         if key not in found.evidence:
             evidence = known.evidence.get(key)
@@ -170,7 +171,6 @@ def _find_habit(
                     continue
                 evidence = encode_evidence(measured)
             found.evidence[key] = evidence
-        declared = numbers[name]
-        moments = (declared.mass, *np.linalg.eigvalsh(declared.tensor))
+        moments = (numbers[name].mass, *principal[name])
         different.setdefault(tuple(f"{value:.3g}" for value in moments), decode_evidence(found.evidence[key]))
     return decide_habit(list(different.values()), list(candidates))
