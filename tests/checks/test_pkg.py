@@ -369,6 +369,7 @@ def test_include_that_leads_out_of_the_package(tmp_path: Path) -> None:
         ("package:\\p\\meshes\\a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
         ("..\\meshes\\a.stl", ("PKG011", "backslash", Severity.ERROR), "../meshes/a.stl"),
         (" package://p/meshes/a.stl ", ("PKG011", "blank", Severity.ERROR), "package://p/meshes/a.stl"),
+        ("package://p/meshes/a.stl OR p/a.stl", ("PKG011", "blank", Severity.ERROR), "package://p/meshes/a.stl"),
         ("package:/p/meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
         ("package:p/meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
         ("file:../meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "../meshes/a.stl"),
