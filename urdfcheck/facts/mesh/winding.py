@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from urdfcheck.facts.arrays import Array, Bools, Indices
+from urdfcheck.facts.mesh.topology import compute_bounds
 
 # Pairs of a point and a triangle that are compared at once.
 _MOST_PAIRS = 100_000
@@ -55,8 +56,8 @@ def are_inside(triangles: Array, points: Array) -> Bools:
 
     A surface with small holes counts as closed.
     """
-    corners = triangles.reshape(-1, 3)
-    inside: Bools = ((points >= corners.min(axis=0)) & (points <= corners.max(axis=0))).all(axis=1)
+    low, high = compute_bounds(triangles.reshape(-1, 3))
+    inside: Bools = ((points >= low) & (points <= high)).all(axis=1)
     inside[inside] = np.abs(compute_winding_numbers(triangles, points[inside])) > 0.5
     return inside
 
