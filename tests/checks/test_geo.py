@@ -175,6 +175,19 @@ def test_small_pieces_one_after_the_other_are_an_info(tmp_path: Path) -> None:
     assert (finding.message_id, finding.data["links"]) == ("between", "hand2, pitch")
 
 
+@pytest.mark.parametrize(("loaded", "message"), [("arm", "none"), ("simulated_arm", "aside")])
+def test_a_drawing_beside_the_model_that_is_loaded_needs_no_collision(
+    tmp_path: Path, loaded: str, message: str
+) -> None:
+    arm = link("base", box("visual")) + link("arm", box("visual") + MASS) + make_joint("base", "arm", xyz="0 0 1")
+    files = {
+        "package.xml": "<package><name>arm</name></package>",
+        "launch/show.launch.py": f"load('{loaded}.urdf')",
+        "arm.urdf": robot(arm),
+    }
+    assert [finding.message_id for finding in find(tmp_path, files, "GEO002", name="arm.urdf")] == [message]
+
+
 @pytest.mark.parametrize(("bare", "messages"), [(("left", "right"), {"between"}), (("left",), {"missing"})])
 def test_a_small_piece_that_only_one_side_lacks_was_forgotten(
     tmp_path: Path, bare: tuple[str, ...], messages: set[str]
