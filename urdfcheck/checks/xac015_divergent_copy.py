@@ -79,7 +79,7 @@ def _build_finding(rule: Rule, urdf: ModelOutline, xacro: ModelOutline, *, diffe
 
 
 def _describe_repair(urdf: ModelOutline, xacro: ModelOutline, difference: _ModelDifference) -> str:
-    """Return the repair: the source is the file that is no output of xacro, and variants may have one source."""
+    """Return the repair: the source is the file that xacro did not make, and variants may have one source."""
     if xacro.is_output_of_xacro and not urdf.is_output_of_xacro:
         return f"delete {xacro.path}, which says that xacro made it from another file, or make it again"
     reason = "each is for its own hardware" if difference.hardware else "they are meant to differ"
