@@ -257,10 +257,10 @@ def test_a_headline_of_several_links_keeps_the_cause_and_drops_a_number() -> Non
     ]
     names = [["a"], ["b"]]
     assert (
-        fill_joint_headline("{link}: wrong inertia ({why})", data, names, "links", rest=" (+1 more)")
+        fill_joint_headline("{link}: wrong inertia ({why})", data, names, "links")
         == "a: wrong inertia (z y x) (+1 more)"
     )
-    assert fill_joint_headline("{link}: wrong ({share:g} %)", data, names, "links", rest="") == "a, b: wrong"
+    assert fill_joint_headline("{link}: wrong ({share:g} %)", data, names, "links") == "a, b: wrong"
 
 
 @pytest.mark.parametrize(

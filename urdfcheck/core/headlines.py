@@ -136,13 +136,7 @@ def _count_first_list(template: str, texts: Mapping[str, str]) -> str:
 
 
 def fill_joint_headline(
-    template: str,
-    data: Sequence[Mapping[str, Any]],
-    names: Sequence[Sequence[str]],
-    kind: str,
-    *,
-    places: int = 0,
-    rest: str,
+    template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]], kind: str, places: int = 0
 ) -> str:
     """Fill a template for several findings at once.
 
@@ -155,7 +149,6 @@ def fill_joint_headline(
     :param names: elements that each finding is about.
     :param kind: what these elements are, in the plural: ``links``.
     :param places: how many there are, where that is more than their names, which several may share.
-    :param rest: what says how many more there are, for the end of a headline that neither names nor counts them.
     :raises KeyError: if ``data`` lacks a value of the template.
     """
     about = _ABOUT.fullmatch(template)
@@ -168,12 +161,13 @@ def fill_joint_headline(
                 return named
             counted = f"{places} places" if places > len(everything) else f"{len(everything)} {kind}"
             return fill_headline(f"{counted}: {claim}", data[0])
+    rest = format_more(len(data) - 1)
     return f"{fill_headline(template, data[0], LONGEST_HEADLINE - len(rest))}{rest}"
 
 
 def format_more(count: int) -> str:
     """Say at the end of the headline of one finding how many more there are, of which each may have several places."""
-    return f" (+{count} more)" if count else ""
+    return f" (+{count} more)"
 
 
 def _is_named(key: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]]) -> bool:

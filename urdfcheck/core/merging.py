@@ -203,7 +203,7 @@ def _join_headlines(ordered: Sequence[Finding], rules: Mapping[str, Rule]) -> st
     first = ordered[0]
     names = [[match[1] for s in own.subjects if (match := _NAMED.match(s)) is not None] for own in ordered]
     rule = rules.get(first.code)
-    rest = format_more(_count_defects(ordered) - 1)
+    rest = format_more(len(ordered) - 1)
     room = LONGEST_HEADLINE - len(rest)
     try:
         template = rule.headlines[first.message_id] if rule is not None else ""
@@ -211,17 +211,10 @@ def _join_headlines(ordered: Sequence[Finding], rules: Mapping[str, Rule]) -> st
             kind = _name_kind(ordered)
             # Several blocks may be for one link.
             places = len({own.location.span for own in ordered}) if kind == _BLOCKS else 0
-            return fill_joint_headline(template, [own.data for own in ordered], names, kind, places=places, rest=rest)
+            return fill_joint_headline(template, [own.data for own in ordered], names, kind, places)
         return shorten_headline(first.headline, template, first.data, room) + rest
     except (KeyError, ValueError, TypeError):  # a finding that the page did not make
         return cut_line(first.headline, room) + rest
-
-
-def _count_defects(ordered: Iterable[Finding]) -> int:
-    """Count findings, what one text shows in several models once."""
-    models: dict[Any, str] = {}
-    places = [(own.location.span or own.location.subject, own.model) for own in ordered]
-    return sum(models.setdefault(place, model) == model for place, model in places)
 
 
 def _name_kind(findings: Iterable[Finding]) -> str:
