@@ -664,6 +664,9 @@ def test_copies_for_other_hardware_are_each_right(tmp_path: Path) -> None:
     assert finding.message.endswith("differ in the hardware (sim/System and real/System)")
     assert finding.fix is not None
     assert finding.fix.title.startswith("nothing if each is for its own hardware; otherwise delete the one that")
+    without = only(package(tmp_path, made, make_robot_of_mass("r", "1")))
+    assert without.fix is not None
+    assert without.fix.title.startswith("nothing if they are meant to differ")
 
 
 def test_a_xacro_that_xacro_made_is_not_the_source(tmp_path: Path) -> None:

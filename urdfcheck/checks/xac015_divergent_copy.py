@@ -99,7 +99,7 @@ def _describe_differences(urdf: ModelOutline, xacro: ModelOutline, difference: _
         if only:
             yield f"{format_count(len(only), 'part')} only in the {where} ({join_names(only, 3)})"
     if difference.hardware:
-        yield f"the hardware ({join_names(urdf.hardware) or 'none'} and {join_names(xacro.hardware) or 'none'})"
+        yield f"the hardware ({join_names(urdf.hardware)} and {join_names(xacro.hardware)})"
     if difference.extensions:
         yield f"extensions ({', '.join(difference.extensions)})"
 
@@ -113,7 +113,7 @@ def _compare_outlines(urdf: ModelOutline, xacro: ModelOutline) -> _ModelDifferen
     tags = sorted({*urdf.extensions, *xacro.extensions})
     return _ModelDifference(
         names=urdf.robot != xacro.robot,
-        hardware=sorted(urdf.hardware) != sorted(xacro.hardware),
+        hardware=bool(urdf.hardware and xacro.hardware) and sorted(urdf.hardware) != sorted(xacro.hardware),
         values=tuple(sorted(p for p in both if not _are_equal(urdf.parts[p], xacro.parts[p]))),
         only_urdf=_reduce_to_top_parts(urdf.parts.keys() - both, xacro.parts),
         only_xacro=_reduce_to_top_parts(xacro.parts.keys() - both, urdf.parts),

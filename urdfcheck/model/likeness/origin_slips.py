@@ -255,8 +255,8 @@ def is_taken_back(model: Model, odd: Joint, like: Joint, *, by_sign: bool = Fals
     """Whether an origin that differs from that of another limb moves nothing.
 
     What the joint carries is where it is on the other limb, or the joint itself takes back what the one before it adds: distances
-    along the axes of a common parent agree. Or the frame is elsewhere on its axis, and what it draws is not. ``by_sign``: the origins
-    differ in signs, so that these have to agree there.
+    along the axes of a common parent agree. Or the frame is elsewhere on its axis, and what it draws is not. ``by_sign``: the
+    origins differ in signs, so that these have to agree there.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
