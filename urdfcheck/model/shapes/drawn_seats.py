@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from urdfcheck.model.parts import Joint
 
 # Gaps are the same within this share of the distance between the two places.
-_SAME = 0.1
+_SAME = 0.2
 
 
 def has_drawn_seat(model: Model, joint: Joint, others: Sequence[Joint], off: Array) -> bool:
