@@ -52,8 +52,8 @@ def is_simulated(model: Model) -> bool:
 
 
 def is_left_aside(model: Model) -> bool:
-    """Whether files of the model's package, or of those that depend on it, name other models and not this one: a copy for display,
-    or for other programs."""
+    """Whether files of the model's package, or of those that depend on it, name other models and not this one: a copy for
+    display, or for other programs."""
     named = {name for text in _list_project_texts(model) for name in _MODEL_FILE.findall(text)}
     return bool(named) and model.source.path.name not in named
 
