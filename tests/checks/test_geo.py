@@ -591,6 +591,14 @@ def test_a_cylinder_is_recognised_with_its_size_in_metres(tmp_path: Path) -> Non
     assert '<cylinder radius="0.030" length="0.010"/> along z' in finding.fix.title
 
 
+def test_a_surface_that_is_stored_from_both_sides_is_dense_and_fits_nothing(tmp_path: Path) -> None:
+    sheet = "".join(f"v {x} {y} {0.01 * sin(7 * x * y)}\n" for x, y in product(range(20), range(20)))
+    corners = [(20 * x + y + 1, 20 * x + y + 21, 20 * x + y + 22) for x, y in product(range(19), range(19))]
+    both = "".join(f"f {a} {b} {c}\nf {c} {b} {a}\n" for a, b, c in corners)
+    link = shape("visual", "part.obj") + shape("collision", "part.obj")
+    assert [finding.message_id for finding in find_dense_collision(tmp_path, sheet + both, link)] == ["dense"]
+
+
 def test_a_cylinder_that_the_scale_flattens_is_none(tmp_path: Path) -> None:
     link = shape("visual", "part.obj", "1 2 1") + shape("collision", "part.obj", "1 2 1")
     (finding,) = find_dense_collision(tmp_path, cylinder(200), link)
