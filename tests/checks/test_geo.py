@@ -175,6 +175,19 @@ def test_small_pieces_one_after_the_other_are_an_info(tmp_path: Path) -> None:
     assert (finding.message_id, finding.data["links"]) == ("between", "hand2, pitch")
 
 
+@pytest.mark.parametrize(("loaded", "message"), [("arm", "none"), ("simulated_arm", "aside")])
+def test_a_drawing_beside_the_model_that_is_loaded_needs_no_collision(
+    tmp_path: Path, loaded: str, message: str
+) -> None:
+    arm = link("base", box("visual")) + link("arm", box("visual") + MASS) + make_joint("base", "arm", xyz="0 0 1")
+    files = {
+        "package.xml": "<package><name>arm</name></package>",
+        "launch/show.launch.py": f"load('{loaded}.urdf')",
+        "arm.urdf": robot(arm),
+    }
+    assert [finding.message_id for finding in find(tmp_path, files, "GEO002", name="arm.urdf")] == [message]
+
+
 @pytest.mark.parametrize(("bare", "messages"), [(("left", "right"), {"between"}), (("left",), {"missing"})])
 def test_a_small_piece_that_only_one_side_lacks_was_forgotten(
     tmp_path: Path, bare: tuple[str, ...], messages: set[str]
@@ -576,6 +589,14 @@ def test_a_cylinder_is_recognised_with_its_size_in_metres(tmp_path: Path) -> Non
     (finding,) = find_dense_collision(tmp_path, cylinder(200, 30, 10), link)
     assert finding.fix is not None
     assert '<cylinder radius="0.030" length="0.010"/> along z' in finding.fix.title
+
+
+def test_a_surface_that_is_stored_from_both_sides_is_dense_and_fits_nothing(tmp_path: Path) -> None:
+    sheet = "".join(f"v {x} {y} {0.01 * sin(7 * x * y)}\n" for x, y in product(range(20), range(20)))
+    corners = [(20 * x + y + 1, 20 * x + y + 21, 20 * x + y + 22) for x, y in product(range(19), range(19))]
+    both = "".join(f"f {a} {b} {c}\nf {c} {b} {a}\n" for a, b, c in corners)
+    link = shape("visual", "part.obj") + shape("collision", "part.obj")
+    assert [finding.message_id for finding in find_dense_collision(tmp_path, sheet + both, link)] == ["dense"]
 
 
 def test_a_cylinder_that_the_scale_flattens_is_none(tmp_path: Path) -> None:

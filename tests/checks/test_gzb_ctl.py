@@ -769,3 +769,22 @@ def test_the_track_of_a_skid_steer_is_tuned_wider_and_never_far_below_the_narrow
     reported = find(tmp_path, robot(link("base"), *parts, block), "CTL007")
     assert [f.message_id for f in reported] == found
     assert [f.data["real"] for f in reported] == pytest.approx([0.5] * len(found))
+
+
+def test_a_track_is_between_the_treads_whatever_the_sidewalls_are(tmp_path: Path) -> None:
+    """The inner sidewall of each wheel stands out, a little below the tread: the middle of the tread is what rolls."""
+    parts = []
+    for side, sign in (("left", 1), ("right", -1)):
+        shapes = [
+            visual(f'<cylinder radius="{radius}" length="0.03"/>', xyz=f"0 {sign * y} 0", rpy="1.5707963 0 0")
+            for radius, y in ((0.1, 0.0042), (0.094, -0.02))
+        ]
+        parts.append(link(f"{side}_wheel", *shapes))
+        place = f"0 {0.25 * sign} 0"
+        parts.append(joint(side, "base", f"{side}_wheel", kind="continuous", xyz=place, axis="0 1 0"))
+    plugin = "<left_joint>left</left_joint><right_joint>right</right_joint><wheel_separation>0.8</wheel_separation>"
+    block = f'<gazebo><plugin filename="libgazebo_ros_diff_drive.so" name="d">{plugin}</plugin></gazebo>'
+    (finding,) = find(tmp_path, robot(link("base"), *parts, block), "CTL007")
+    assert finding.data["real"] == pytest.approx(0.5084)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write 0.508 for wheel_separation")

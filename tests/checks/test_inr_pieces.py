@@ -70,6 +70,15 @@ def test_a_mesh_of_one_piece_has_the_mistake_of_its_file(tmp_path: Path) -> None
     assert not find(tmp_path / "repaired", {**files, "robot.urdf": repaired}, {"INR003", "INR005", "INR009"})
 
 
+def test_like_pieces_with_the_com_of_all_were_added_and_are_not_one_of_them(tmp_path: Path) -> None:
+    """Two plates side by side, added without the term, have the tensor of one plate with the mass of both."""
+    plates: tuple[Block, ...] = tuple(((0.043, 0.0057, 0.003), (0.0075, side, 0.0)) for side in (0.0055, -0.0055))
+    numbers = ADDED(uniform(geometry(plates).solid), geometry(plates))
+    (finding,) = find(tmp_path, robot(link("plates", format_inertial(numbers, 8), drawn_boxes(plates))), "INR009")
+    assert finding.cause is not None
+    assert finding.cause.id == "steiner_missing"
+
+
 def test_the_missing_term_of_one_mesh_proves_nothing_by_itself(tmp_path: Path) -> None:
     assert not find(tmp_path, make_robot(uniform(DRAWN.solid), add_without_term()), "INR009")
 

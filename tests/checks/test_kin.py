@@ -384,6 +384,17 @@ def test_a_model_of_one_link_has_no_joint_to_move(tmp_path: Path) -> None:
     assert "fixed to the world" not in tiny.consequences.get("bullet", "")
 
 
+@pytest.mark.parametrize(
+    ("kind", "severity"), [("fixed", Severity.INFO), ("continuous", Severity.WARNING)], ids=["pillars", "robot"]
+)
+def test_what_stands_on_the_ground_of_bullet_has_the_mass_0_too(tmp_path: Path, kind: str, severity: Severity) -> None:
+    still = inertial(0, 0)
+    top = link("top", still if kind == "fixed" else inertial(1, 0.1))
+    text = robot(link("pillar", still), top, joint("j", "pillar", "top", kind=kind))
+    (finding,) = check_text(tmp_path, text, codes={"KIN010"}).findings
+    assert (finding.message_id, finding.severity) == ("vanishes", severity)
+
+
 def test_an_empty_model_is_an_error_where_gazebo_is_the_target(tmp_path: Path) -> None:
     (finding,) = check_text(tmp_path, moving("base", ""), codes={"KIN010"}, targets=("gazebo",)).findings
     assert finding.severity == Severity.ERROR

@@ -199,6 +199,37 @@ def test_a_generated_file_that_git_ignores_is_not_missing(tmp_path: Path, ignore
     assert found_in == ({".launch": "file", ".py": "named"} if missing else {".launch": "computed"})
 
 
+@pytest.mark.parametrize(
+    ("build", "told"),
+    [("install(DIRECTORY urdf DESTINATION share/car)", ["named"]), ("xacro_add_files(urdf/bot.urdf.xacro)", [])],
+)
+def test_a_xacro_of_that_name_stands_for_a_missing_model_where_the_build_expands_it(
+    tmp_path: Path, build: str, told: list[str]
+) -> None:
+    find_in_package(tmp_path, "", "LCH001")
+    package = tmp_path / "car"
+    (package / "urdf/bot.urdf.xacro").write_text('<robot name="r"><link name="l"/></robot>')
+    (package / "CMakeLists.txt").write_text(build)
+    (package / "launch/car.launch.py").write_text("join(get_package_share_directory('car'), 'urdf', 'bot.urdf')")
+    findings = only(check(package, codes={"LCH001"}))
+    assert [f.message_id for f in findings] == told
+    assert all("'bot.urdf.xacro'" in f.message for f in findings)
+
+
+def test_what_a_launch_file_loads_is_asked_for_only_where_no_model_of_the_folder_is_checked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    find_in_package(tmp_path, load("$(env HOME)/car.urdf"), "LCH001")
+    monkeypatch.chdir(tmp_path)
+    named = Path("car/launch/car.launch")
+    assert [[f.message_id for f in check(path, codes={"LCH001"}).findings] for path in (Path("car"), named)] == [
+        ["computed"],
+        ["unknown"],
+    ]
+    Path("car/urdf/car.urdf").unlink()
+    assert [f.message_id for f in check(Path("car"), codes={"LCH001"}).findings] == ["unknown"]
+
+
 INCLUDE = '<include file="{}"/>'
 
 

@@ -181,16 +181,19 @@ def write_boxes(path: Path, boxes: list[tuple[tuple[float, float, float], tuple[
     trimesh.util.concatenate(parts).export(path)
 
 
-def test_a_bracket_that_carries_a_wheel_is_not_to_turn_and_a_pose_goes_into_the_origin(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("axis", "wanted"), [("0 0 1", ""), ("", " and an <axis> (without one it is x)")])
+def test_a_bracket_that_carries_a_wheel_is_not_to_turn_and_a_pose_goes_into_the_origin(
+    tmp_path: Path, axis: str, wanted: str
+) -> None:
     bracket = robot(
         link("base"),
         link("wheel_bracket"),
-        joint("wheel_joint", "base", "wheel_bracket", limit(0.4, 0.4), kind="revolute"),
+        joint("wheel_joint", "base", "wheel_bracket", limit(0.4, 0.4), kind="revolute", axis=axis),
         link("tyre"),
         joint("wheel_joint_2", "wheel_bracket", "tyre", kind="continuous"),
     )
     advice = title(one(tmp_path, bracket, "JNT005"))
-    assert advice == "give the real range, or make the joint fixed, with 0.4 rad in its <origin>"
+    assert advice == f"give the real range{wanted}, or make the joint fixed, with 0.4 rad in its <origin>"
 
 
 def test_a_robot_on_wheels_that_lean_by_a_rounded_pi_stands(tmp_path: Path) -> None:

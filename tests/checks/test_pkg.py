@@ -369,6 +369,7 @@ def test_include_that_leads_out_of_the_package(tmp_path: Path) -> None:
         ("package:\\p\\meshes\\a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
         ("..\\meshes\\a.stl", ("PKG011", "backslash", Severity.ERROR), "../meshes/a.stl"),
         (" package://p/meshes/a.stl ", ("PKG011", "blank", Severity.ERROR), "package://p/meshes/a.stl"),
+        ("package://p/meshes/a.stl OR p/a.stl", ("PKG011", "blank", Severity.ERROR), "package://p/meshes/a.stl"),
         ("package:/p/meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
         ("package:p/meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
         ("file:../meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "../meshes/a.stl"),
@@ -648,6 +649,30 @@ def test_line_is_only_proposed_for_a_package_that_has_what_is_used(
     found = [f for f in findings(tmp_path, "PKG007") if f.data["package"] == "p"]
     assert [f.message_id for f in found] == [expected]
     assert all(bool(f.fix and f.fix.edits) == (f.message_id == "undeclared") for f in found)
+
+
+def test_a_package_for_the_other_ros_is_not_the_one_that_lacks_a_file(tmp_path: Path) -> None:
+    launch = '<launch><param name="d" textfile="$(find q)/urdf/lost.urdf"/></launch>'
+    write(tmp_path, {"p/package.xml": manifest(), "p/launch/a.launch": launch, "p/urdf/r.urdf": URDF})
+    for build, expected in (("ament_cmake", "undeclared"), ("catkin", "dangling")):
+        export = f"<export><build_type>{build}</build_type></export>"
+        write(tmp_path, {"q/package.xml": manifest(export, name="q"), "q/urdf/r.urdf": URDF})
+        found = [f for f in findings(tmp_path, "PKG007") if f.data["package"] == "p"]
+        assert [f.message_id for f in found] == [expected]
+
+
+@pytest.mark.parametrize(("uses", "told"), [(False, True), (True, False)])
+def test_a_circle_ends_where_the_other_package_depends_on_this_one_without_use(
+    tmp_path: Path, uses: bool, told: bool
+) -> None:
+    model = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="$(find {})/a.xacro"/></robot>'
+    write(tmp_path / "p", {"package.xml": manifest(), "urdf/r.urdf.xacro": model.format("q"), ".git/HEAD": ""})
+    write(tmp_path / "q", {"package.xml": manifest("<depend>p</depend>", name="q"), "meshes/a.stl": ""})
+    if uses:
+        write(tmp_path / "q", {"urdf/b.urdf.xacro": model.format("p")})
+    (finding,) = [f for f in findings(tmp_path, "PKG007") if f.message_id == "circle"]
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete the dependency on p from the package.xml of q") == told
 
 
 @pytest.mark.parametrize("kind", ["depend", "exec_depend", "test_depend"])

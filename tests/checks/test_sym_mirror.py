@@ -1019,9 +1019,18 @@ def test_a_slight_tilt_that_the_next_joint_takes_back_is_typed(tmp_path: Path, t
     assert {finding.message_id for finding in alone} & {"axis", "pair_tilt", "tilt", "origin"}
 
 
-def test_a_joint_beside_its_place_takes_along_nothing_that_is_in_place(tmp_path: Path) -> None:
-    """The axis of an arm is 5 mm off, but the hand is where it should be."""
+@pytest.mark.parametrize("marked", [False, True])
+def test_a_joint_beside_its_place_takes_along_nothing_that_is_in_place(tmp_path: Path, marked: bool) -> None:
+    """The axis of an arm is 5 mm off, but the hand is where it should be. A frame that is fixed to the arm moves with it."""
     robot = with_(ROBOT, "joint[@name='right_arm_joint']/origin", xyz="0.025 -0.07 0")
+    for side in ("left", "right") if marked else ():
+        robot.append(ET.fromstring(f'<link name="{side}_tip"/>'))
+        robot.append(
+            ET.fromstring(
+                f'<joint name="{side}_tip_joint" type="fixed"><parent link="{side}_arm"/><child link="{side}_tip"/>'
+                '<origin xyz="0 0 -0.1"/></joint>'
+            )
+        )
     robot = with_(robot, "joint[@name='right_hand_joint']/origin", xyz="-0.005 -0.01 -0.32")
     finding = one(tmp_path, robot)
     assert finding.message_id == "origin"

@@ -211,3 +211,21 @@ def test_a_rotor_beside_its_ring_is_named(tmp_path: Path, count: int) -> None:
     (finding,) = find(tmp_path, f'<robot name="drone">{"".join(parts)}</robot>', "SYM002")
     assert finding.location.subject == "joint[rotor_2]/origin@xyz"
     assert finding.data["off"] == pytest.approx(10.0, abs=0.01)
+
+
+@pytest.mark.parametrize(("drawn_at", "message"), [(0.073, "drawn"), (0.07, "misplaced")])
+def test_a_wheel_is_not_taken_out_of_the_fork_that_its_parent_draws(
+    tmp_path: Path, drawn_at: float, message: str
+) -> None:
+    """Each fork is a triangle beside its wheel."""
+    lines, faces = [], []
+    for name, place in CORNERS.items():
+        x, y, z = map(float, place.split())
+        x = drawn_at if name == "front_left" else x
+        lines += [f"v {x + dx} {y * 0.9} {z + dz}" for dx, dz in ((0, 0), (0.004, 0.02), (-0.004, 0.02))]
+        faces.append(f"f {len(lines) - 2} {len(lines) - 1} {len(lines)}")
+    shape = '<link name="base"><visual><geometry><mesh filename="forks.obj"/></geometry></visual></link>'
+    text = car(front_left="0.073 0.052 0").replace('<link name="base"/>', shape)
+    (finding,) = find(tmp_path, {"robot.urdf": text, "forks.obj": "\n".join((*lines, *faces))}, "SYM002")
+    assert finding.message_id == message
+    assert bool(edits(finding)) == (message == "misplaced")

@@ -43,6 +43,34 @@ def test_a_castor_that_is_drawn_out_of_its_place_is_reported(tmp_path: Path) -> 
     assert finding.data["joint"] in {"lb_castor_joint", "lf_castor_joint", "rb_castor_joint"}
 
 
+@pytest.mark.parametrize(("kind", "found"), [("continuous", False), ("revolute", True)])
+def test_the_zero_of_a_swivel_that_turns_freely_tilts_no_axle(tmp_path: Path, kind: str, found: bool) -> None:
+    parts = [link("base", visual(box("0.8 0.3 0.05"), xyz="0 0 0.1"))]
+    for front, x in (("f", 0.35), ("b", -0.35)):
+        for side, y in (("r", -0.19), ("l", 0.19)):
+            name = f"{front}{side}"
+            bracket, wheel = f"{name}_bracket", f"{name}_wheel"
+            yaw = {"fl": 0.0147, "br": 0.03}.get(name, 0.0)
+            parts += [link(bracket, visual(box("0.07 0.07 0.05"))), link(wheel, visual(cylinder(0.05, 0.02)))]
+            place = f"{x} {y} 0.1"
+            parts.append(
+                joint(f"{bracket}_joint", "base", bracket, LIMIT, kind=kind, xyz=place, rpy=f"0 0 {yaw}", axis="0 0 1")
+            )
+            # The axles are beside the swivels by little: only their directions differ.
+            parts.append(
+                joint(
+                    f"{wheel}_joint",
+                    bracket,
+                    wheel,
+                    kind="continuous",
+                    xyz=f"0 {y / 100} -0.05",
+                    rpy="1.570796 0 0",
+                    axis="0 0 1",
+                )
+            )
+    assert ("axis" in {f.message_id for f in find_places(tmp_path, *parts)}) is found
+
+
 def make_legs(hip: float) -> list[str]:
     """Two pairs of legs without drawings; the frames of the left hips are ``hip`` farther along their axes, and the knees take it
     back. The plane is y = 0.083."""

@@ -166,6 +166,24 @@ def test_of_two_legs_an_axis_along_another_coordinate_is_found(tmp_path: Path, a
         assert finding.fix is None or not finding.fix.edits
 
 
+@pytest.mark.parametrize(("drawn", "count"), [(0.014, 0), (0.0, 1)])
+def test_a_wheel_whose_frame_is_elsewhere_on_its_axle_is_in_place_if_its_drawing_is(
+    tmp_path: Path, drawn: float, count: int
+) -> None:
+    parts = ['<link name="base"/>']
+    for number, (front, left) in enumerate(SIDES.values(), start=1):
+        y = 0.018 if number == 1 else 0.032 * left
+        at = drawn if number == 1 else 0.0
+        parts.append(f'<link name="wheel{number}">{BOX.replace("0 0 {z}", f"0 {at} 0")}</link>')
+        parts.append(
+            joint(
+                f"joint{number}", "base", f"wheel{number}", kind="continuous", xyz=f"{0.04 * front} {y} 0", axis="0 1 0"
+            )
+        )
+    text = f'<robot name="r">{"".join(parts)}</robot>'
+    assert [f.message_id for f in find(tmp_path, text, "SYM004")] == ["odd"] * count
+
+
 def test_an_angle_that_only_one_of_four_limbs_has_is_repaired(tmp_path: Path) -> None:
     text = make_quadruped()
     for angle, count in (("0.124", 1), ("0.5236", 0), ("0.002", 0)):

@@ -479,6 +479,14 @@ def test_hull_vertices_are_the_corners_and_of_a_flat_mesh_those_of_its_box() -> 
     assert np.isnan(flat.com).all()
 
 
+def test_a_surface_that_is_stored_from_both_sides_has_no_volume_at_all() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    vertices = (ball.vertices + 0.3 * np.sin(7.0 * ball.vertices[:, ::-1])).tolist()
+    facts = measure_mesh(obj(vertices, [*ball.faces.tolist(), *ball.faces[::-1, ::-1].tolist()]), "obj")
+    assert facts.volume == 0.0
+    assert np.isnan(facts.com).all()
+
+
 # --- formats ---------------------------------------------------------------------------------------------------------
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from builders import joint, link, robot
 from conftest import check
 from real_robots import find_lost_defects, list_defects, record_reported
 
@@ -356,3 +357,26 @@ def test_a_baseline_knows_it_in_every_model(tmp_path: Path, monkeypatch: pytest.
     write_robots(tmp_path, FORMULA, c=disc())
     assert main(["."]) == FINDINGS
     assert main(["a.urdf.xacro"]) == OK
+
+
+def test_what_one_macro_repeats_is_counted_once_however_many_robots_call_it(tmp_path: Path) -> None:
+    joints = "".join(
+        f'<joint name="${{prefix}}{side}"><command_interface name="velocity"/></joint>\n'
+        for side in ("left", "right") * 2
+    )
+    macro = (
+        f'<xacro:macro name="ctl" params="prefix"><ros2_control name="c" type="system"><hardware><plugin>a/B</plugin>'
+        f"</hardware>\n{joints}</ros2_control></xacro:macro>"
+    )
+    (tmp_path / "ctl.xacro").write_text(robot(macro, xacro=True))
+    for prefix in ("a_", "b_"):
+        parts = [link("base")]
+        for side in ("left", "right"):
+            name = prefix + side
+            parts += [link(name), joint(name, "base", name, kind="continuous", axis="0 1 0")]
+        call = f'<xacro:include filename="ctl.xacro"/><xacro:ctl prefix="{prefix}"/>'
+        (tmp_path / f"{prefix}.urdf.xacro").write_text(robot(*parts, call, xacro=True))
+    (finding,) = check(tmp_path, codes={"CTL005"}).findings
+    assert (finding.message_id, len(finding.occurrences)) == ("twice", 2)
+    assert [len(subjects) for subjects in finding.variants.values()] == [2, 2]
+    assert finding.headline.endswith("(+1 more)")

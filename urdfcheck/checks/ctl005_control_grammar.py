@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_name_hint
@@ -141,7 +142,7 @@ def _check_repeated_components(rule: Rule, block: Element) -> Iterator[Finding]:
             reported.add(name)
             first = seen[twice].tag
             is_one_kind = first == component.tag
-            yield rule.finding(
+            finding = rule.finding(
                 "twice" if is_one_kind else "kinds",
                 at=component,
                 related=[seen[twice]],
@@ -151,5 +152,7 @@ def _check_repeated_components(rule: Rule, block: Element) -> Iterator[Finding]:
                 first=first,
                 part=name,
             )
+            # Two places of one macro repeat the name in every robot that calls it, whatever the prefix is.
+            yield replace(finding, blames_text=component.location.via == seen[twice].location.via)
         for key in keys:
             seen.setdefault(key, component)

@@ -14,6 +14,7 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
+from urdfcheck.model.simulation_use import is_left_aside
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 
 if TYPE_CHECKING:
@@ -39,8 +40,9 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
         if model.masses and not any(declared.mass for declared in model.masses):
             return  # made to be drawn: INR002 reports the masses of 0
         what = f"robot {model.name}" if model.name else "the robot"
+        is_used = semantic_descriptions(model) or _has_inertials(model, moving)
         yield rule.finding(
-            "none" if semantic_descriptions(model) or _has_inertials(model, moving) else "drawing",
+            "drawing" if not is_used else "aside" if is_left_aside(model) else "none",
             at=model.name_location,
             severity=Severity.INFO,
             robot=model.name,

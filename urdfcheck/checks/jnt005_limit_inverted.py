@@ -81,7 +81,8 @@ def _describe_instead(model: Model, joints: Sequence[Joint], value: float) -> st
     if all(is_revolute_wheel(joint) and joint.child not in carriers for joint in joints):
         return _CONTINUOUS
     moved = "" if value == 0 else f", with {value:g} {joints[0].position_unit} in its <origin>"
-    return f"give the real range, or make the joint fixed{moved}"
+    turned = " and an <axis> (without one it is x)" if any(joint.axis_element is None for joint in joints) else ""
+    return f"give the real range{turned}, or make the joint fixed{moved}"
 
 
 def _describe_keeping(joints: Sequence[Joint], *, has_plugins: bool) -> str:

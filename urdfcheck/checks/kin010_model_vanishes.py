@@ -53,8 +53,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         count=len(model.links),
         joints=join_names(joint.name for joint in model.joints if joint.name in attached),
         mass=sum(declared.mass for declared in model.masses),
-        # Such as the ground that comes with PyBullet.
-        severity=Severity.INFO if is_static and len(model.links) == 1 else None,
+        # Such as the ground that comes with PyBullet, and obstacles that stand on it.
+        severity=Severity.INFO if is_static and not root_mass and not any(j.is_movable for j in model.joints) else None,
         also=_STATIC if is_static else "",
         consequences=_FIXED if is_static else None,
     )

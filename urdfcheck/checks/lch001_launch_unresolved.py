@@ -184,4 +184,6 @@ def _suggest_file(path: str, finder: PackageFinder) -> str:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
         return f"; the folder {folder.as_posix()} does not exist either"
-    return format_name_hint(Path(path).name, names)
+    wanted = Path(path).name
+    namesakes = [name for name in names if name.partition(".")[0] == wanted.partition(".")[0]]
+    return f" (did you mean {namesakes[0]!r}?)" if len(namesakes) == 1 else format_name_hint(wanted, namesakes or names)

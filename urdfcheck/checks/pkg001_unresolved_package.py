@@ -39,7 +39,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         yield _build_finding(source, rule, package, at=problem.location, related=problem.related)
     missing: dict[str, list[ResourceUse]] = {}
     for use in list_resource_uses(source):
-        if use.resource.package is not None and use.resource.path is None and not is_misspelt(use):
+        if use.resource.package is not None and use.resource.path is None and not is_misspelt(use, source):
             missing.setdefault(use.resource.package, []).append(use)
     for package, uses in missing.items():
         at = locate_text(uses[0].attribute, package, source.files)

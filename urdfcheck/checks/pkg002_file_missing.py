@@ -68,7 +68,11 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     missing: list[tuple[ResourceUse, Path]] = []
     special: dict[Path, list[ResourceUse]] = {}
     for use in list_resource_uses(source):
-        path = find_missing_path(use, source) if use.attribute.owner.tag == "mesh" and not is_misspelt(use) else None
+        path = (
+            find_missing_path(use, source)
+            if use.attribute.owner.tag == "mesh" and not is_misspelt(use, source)
+            else None
+        )
         if path is None:
             continue
         if path.exists():

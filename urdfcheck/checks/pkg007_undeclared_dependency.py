@@ -177,6 +177,7 @@ def _build_finding(
         where=", ".join(dict.fromkeys(use.location.span.file for use in missing[names[0]][:2] if use.location.span)),
         places=join_names((f"{name} in {_get_file(uses[0])}" for name, uses in missing.items()), 4),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
+        idle=_describe_idle_dependency(package, names[0], tags[names[0]]) if message == "circle" else "",
     )
     return replace(
         finding,
@@ -393,10 +394,21 @@ def _uses_files_of(package: Package, name: str) -> bool:
     return other is not None and mentions_package(other, package.name)
 
 
+def _describe_idle_dependency(package: Package, name: str, tag: str) -> str:
+    """Return the first repair of a circle in which another package depends on this one, and no model or launch file of it."""
+    folder = None if package.finder is None else package.finder.find(name)
+    if folder is None or not has_dependency_entry(folder, package.name) or _uses_files_of(package, name):
+        return ""
+    return (
+        f"delete the dependency on {package.name} from the package.xml of {name} if its code does not need it, as its models and "
+        f"launch files do not, and declare `<{tag}>{name}</{tag}>`; otherwise "
+    )
+
+
 def _leads_nowhere(use: PackageMention, package: Package) -> bool:
     """Whether a mention is of a file that the package lacks: a line left from another robot's launch file.
 
-    The package is found, or it is released and has no files.
+    The package is found, or it is released and has no files. One for the other ROS than this package is not what is meant.
     """
     folder = _find_package(package, use.package)
     path = use.subpath.strip("/")
@@ -404,7 +416,10 @@ def _leads_nowhere(use: PackageMention, package: Package) -> bool:
         return False
     if folder is None:
         return use.package in _METAPACKAGES
-    return package.finder.can_open(folder / "package.xml") and not (folder / path).exists()
+    if not package.finder.can_open(folder / "package.xml") or (folder / path).exists():
+        return False
+    other = load_package(folder)
+    return other is None or name_launch_command(other.root) == name_launch_command(package.root)
 
 
 def _are_for_tests(uses: Sequence[PackageMention], package: Package) -> bool:

@@ -12,6 +12,7 @@ from urdfcheck.core.text import find_nearest_name, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import (
     ResourceUse,
+    find_first_file,
     find_machine_path,
     is_misspelt,
     list_resource_uses,
@@ -42,14 +43,14 @@ class _PathProblem:
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     problems: dict[tuple[str, str], _PathProblem] = {}
     for use in list_resource_uses(source):
-        problem = _classify_path_problem(use)
+        problem = _classify_path_problem(use, source)
         if problem is not None and find_machine_path(use, source) is None:
             problems.setdefault((problem.message, problem.part), problem).uses.append(use)
     for problem in problems.values():
         yield _build_finding(problem, source, rule)
 
 
-def _classify_path_problem(use: ResourceUse) -> _PathProblem | None:
+def _classify_path_problem(use: ResourceUse, source: Source) -> _PathProblem | None:
     text = use.resource.text
     scheme = _SCHEME.match(text.strip())
     if use.resource.kind == "other" and scheme is not None:
@@ -66,8 +67,8 @@ def _classify_path_problem(use: ResourceUse) -> _PathProblem | None:
     if "\\" in text:
         return _PathProblem("backslash", "", normalize_spelling(text))
     if re.search(r"\s", text):
-        stripped = None if re.search(r"\s", text.strip()) else text.strip()
-        return _PathProblem("blank", _truncate_at_problem(text, r"\s"), stripped)
+        meant = text.strip() if len(text.split()) == 1 else find_first_file(text, source)
+        return _PathProblem("blank", _truncate_at_problem(text, r"\s"), meant)
     if not text.isascii():
         return _PathProblem("letters", _truncate_at_problem(text, r"[^\x00-\x7f]"), None)
     return None
@@ -82,11 +83,11 @@ def _truncate_at_problem(text: str, wrong: str) -> str:
 def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding:
     at, *others = problem.uses
     files = list(dict.fromkeys(use.resource.text for use in problem.uses))
-    lost = [use for use in problem.uses if is_misspelt(use)]
+    lost = [use for use in problem.uses if is_misspelt(use, source)]
     exists = any(
         source.finder.resolve_resource(normalize_spelling(u.resource.text), source.path.parent).exists for u in lost
     )
-    edits = [edit for use in problem.uses for edit in _propose_edits(use)]
+    edits = [edit for use in problem.uses for edit in _propose_edits(use, source)]
     return rule.finding(
         problem.message,
         at=at,
@@ -114,7 +115,7 @@ def _get_severity(problem: _PathProblem) -> Severity | None:
     return Severity.INFO if problem.message == "letters" and is_found else None
 
 
-def _propose_edits(use: ResourceUse) -> tuple[Edit, ...]:
-    problem = _classify_path_problem(use)  # paths with one problem have different corrections
+def _propose_edits(use: ResourceUse, source: Source) -> tuple[Edit, ...]:
+    problem = _classify_path_problem(use, source)  # paths with one problem have different corrections
     suggestion = None if problem is None else problem.suggestion
     return () if suggestion is None else build_replacement_edits([use.attribute], suggestion)

@@ -62,7 +62,7 @@ def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
 
 
 def _is_outside(use: ResourceUse, source: Source) -> bool:
-    return not use.resource.allowed and not is_misspelt(use) and find_machine_path(use, source) is None
+    return not use.resource.allowed and not is_misspelt(use, source) and find_machine_path(use, source) is None
 
 
 def _describe_repair(uses: Sequence[ResourceUse], source: Source, folder: str) -> str:

@@ -15,6 +15,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
 from urdfcheck.model.likeness.sibling_joints import find_common_base, sibling_joints, trace_fixed_chain
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
+from urdfcheck.model.shapes.drawn_seats import has_drawn_seat
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.model.wheel_names import WHEEL_NAME
 from urdfcheck.source.text.tokens import tokenize_attribute
@@ -146,6 +147,13 @@ def _build_finding(model: Model, rule: Rule, *, group: Sequence[Joint], misplace
     words = _format_xyz(correction, max(EXACT_SHARE * float(np.linalg.norm(off)), 2 * misplaced.residual))
     data["expected"] = " ".join(words)
     attribute, definitions = correction.joint.origin.get_attribute("xyz"), list_definitions(correction.joint, "xyz")
+    if correction.joint is joint and has_drawn_seat(model, joint, others, off):
+        return rule.finding(
+            "drawn",
+            at=locate_origin_attribute(joint, "xyz"),
+            related=[locate_origin_attribute(other, "xyz") for other in others],
+            **data,
+        )
     message = "misplaced" if correction.joint is joint else "mount"
     if attribute is not None and definitions:
         message = "computed"

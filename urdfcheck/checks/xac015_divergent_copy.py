@@ -33,6 +33,8 @@ class _ModelDifference:
     """Parts that the URDF lacks."""
     extensions: tuple[str, ...]
     """Extension elements whose numbers differ, in words."""
+    hardware: bool
+    """Whether ros2_control loads other hardware."""
 
     @property
     def weight(self) -> int:
@@ -40,10 +42,11 @@ class _ModelDifference:
         return len(self.values) + len(self.only_urdf) + len(self.only_xacro)
 
     def __bool__(self) -> bool:
-        return bool(self.names or self.weight or self.extensions)
+        return bool(self.names or self.weight or self.extensions or self.hardware)
 
 
 def check(outlines: list[ModelOutline], rule: Rule, *, overlap: float, links: int) -> Iterator[Finding]:
+    outlines = [outline for outline in outlines if outline.is_complete]
     for urdf in outlines:
         if urdf.is_xacro or urdf.package is None or len(urdf.links) < links:
             continue
@@ -71,7 +74,19 @@ def _build_finding(rule: Rule, urdf: ModelOutline, xacro: ModelOutline, *, diffe
         only_urdf=list(difference.only_urdf),
         only_xacro=list(difference.only_xacro),
         differ="; ".join(_describe_differences(urdf, xacro, difference)),
+        repair=_describe_repair(urdf, xacro, difference),
     )
+
+
+def _describe_repair(urdf: ModelOutline, xacro: ModelOutline, difference: _ModelDifference) -> str:
+    """Return the repair: the source is the file that xacro did not make, and variants may have one source."""
+    if xacro.is_output_of_xacro and not urdf.is_output_of_xacro:
+        return f"delete {xacro.path}, which says that xacro made it from another file, or make it again"
+    reason = "each is for its own hardware" if difference.hardware else "they are meant to differ"
+    step = f"delete the one that nothing loads, or once {xacro.path} has all,"
+    if difference.weight:
+        step = f"bring into {xacro.path} what is right in the URDF only, and"
+    return f"nothing if {reason}; otherwise {step} generate {urdf.path}: `xacro {xacro.path} > {urdf.path}`"
 
 
 def _describe_differences(urdf: ModelOutline, xacro: ModelOutline, difference: _ModelDifference) -> Iterator[str]:
@@ -83,6 +98,8 @@ def _describe_differences(urdf: ModelOutline, xacro: ModelOutline, difference: _
     for only, where in ((difference.only_urdf, "URDF"), (difference.only_xacro, "xacro")):
         if only:
             yield f"{format_count(len(only), 'part')} only in the {where} ({join_names(only, 3)})"
+    if difference.hardware:
+        yield f"the hardware ({join_names(urdf.hardware)} and {join_names(xacro.hardware)})"
     if difference.extensions:
         yield f"extensions ({', '.join(difference.extensions)})"
 
@@ -96,6 +113,7 @@ def _compare_outlines(urdf: ModelOutline, xacro: ModelOutline) -> _ModelDifferen
     tags = sorted({*urdf.extensions, *xacro.extensions})
     return _ModelDifference(
         names=urdf.robot != xacro.robot,
+        hardware=bool(urdf.hardware and xacro.hardware) and sorted(urdf.hardware) != sorted(xacro.hardware),
         values=tuple(sorted(p for p in both if not _are_equal(urdf.parts[p], xacro.parts[p]))),
         only_urdf=_reduce_to_top_parts(urdf.parts.keys() - both, xacro.parts),
         only_xacro=_reduce_to_top_parts(xacro.parts.keys() - both, urdf.parts),

@@ -12,6 +12,7 @@ from urdfcheck.model import Model
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import find_unprefixed_tags
 
 Value = tuple[str, ...]
 
@@ -33,13 +34,22 @@ class ModelOutline:
     """``link[wheel_1]/inertial/mass@value`` to its value."""
     extensions: Mapping[str, int]
     """How many elements there are of each other tag, such as ``gazebo``."""
+    hardware: Value
+    """The plugins of hardware that ros2_control loads."""
+    is_output_of_xacro: bool
+    is_complete: bool
+    """Whether no call of a macro lacks its prefix, so that all parts are known."""
 
 
 def build_outline(model: Model) -> ModelOutline:
     """Build the outline of a model; the caller fills in ``model``, its id."""
     parts: dict[str, Value] = {}
     extensions: dict[str, int] = {}
+    hardware: list[str] = []
     for element in model.robot.children:
+        if element.tag == "ros2_control":
+            blocks = element.find_children("hardware")
+            hardware += [plugin.text.strip() for block in blocks for plugin in block.find_children("plugin")]
         if element.tag in {"link", "joint"}:
             below = [(element, element.subject)]
             while below:
@@ -64,6 +74,9 @@ def build_outline(model: Model) -> ModelOutline:
         joints=frozenset(joint.name for joint in model.joints),
         parts=parts,
         extensions=extensions,
+        hardware=tuple(hardware),
+        is_output_of_xacro=model.source.is_output_of_xacro,
+        is_complete=not find_unprefixed_tags(model.source.trees, model.robot),
     )
 
 

@@ -30,6 +30,8 @@ _CLASSIC = re.compile(r"\bgazebo_ros\b|\bgzserver\b")
 _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control)")
 # The names of plugins and of hardware of the new Gazebo.
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
+# The names of model files, as launch files and scripts name them.
+_MODEL_FILE = re.compile(r"[\w.-]*\w\.(?:urdf|xacro)\b")
 _REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
 
 
@@ -41,12 +43,19 @@ def is_simulated_hardware(control: Element) -> bool:
 @fact
 def is_simulated(model: Model) -> bool:
     """Whether the robot has elements for a simulator, or a file of the model's package, or of a package that depends on it,
-    names one."""
+    names one, and is not about other models only."""
     if any(model.robot.find_child(tag) is not None for tag in _ELEMENTS):
         return True
     if any(map(is_simulated_hardware, model.robot.find_children("ros2_control"))):
         return True
-    return any(_SIMULATOR.search(_drop_comments(text)) for text in _read_project_texts(model))
+    return any(map(_SIMULATOR.search, _list_project_texts(model))) and not is_left_aside(model)
+
+
+def is_left_aside(model: Model) -> bool:
+    """Whether files of the model's package, or of those that depend on it, name other models and not this one: a copy for
+    display, or for other programs."""
+    named = {name for text in _list_project_texts(model) for name in _MODEL_FILE.findall(text)}
+    return bool(named) and model.source.path.name not in named
 
 
 @fact
@@ -74,7 +83,7 @@ def _list_moving_links(model: Model) -> list[Link]:
 def starts_classic(model: Model) -> bool:
     """Whether a file of the model's package, or of a package that depends on it, names the launcher of Gazebo Classic, and none
     names its successor."""
-    texts = [_drop_comments(text) for text in _read_project_texts(model)]
+    texts = _list_project_texts(model)
     return any(map(_CLASSIC.search, texts)) and not any(map(_SUCCESSOR.search, texts))
 
 
@@ -110,6 +119,12 @@ def _collect_condition_names(model: Model, element: Element) -> set[str]:
 
 def _get_place(element: Element) -> tuple[str, int] | None:
     return None if element.span is None else (element.span.file, element.span.start)
+
+
+@fact
+def _list_project_texts(model: Model) -> tuple[str, ...]:
+    """List the texts of `_read_project_texts` without comments."""
+    return tuple(_drop_comments(text) for text in _read_project_texts(model))
 
 
 def _read_project_texts(model: Model) -> Iterator[str]:

@@ -448,7 +448,8 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
             kind="launch",
             path=str(path),
             id=make_model_id(path, {}, root=find_root(path)),
-            is_explicit=plan.whole_packages.isdisjoint(path.parents),
+            # Without a model, nothing of the folder is checked whatever the launch file loads.
+            is_explicit=not plan.models or plan.whole_packages.isdisjoint(path.absolute().parents),
         )
         for path in plan.launches
     ]

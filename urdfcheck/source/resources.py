@@ -60,9 +60,19 @@ def normalize_spelling(text: str) -> str:
     return _ONE_SLASH.sub(r"\1://", plain)
 
 
-def is_misspelt(use: ResourceUse) -> bool:
+def is_misspelt(use: ResourceUse, source: Source) -> bool:
     """Whether a path leads nowhere and its spelling is not portable: then PKG011 reports the spelling first."""
-    return not use.resource.exists and normalize_spelling(use.resource.text) != use.resource.text
+    text = use.resource.text
+    if use.resource.exists:
+        return False
+    return normalize_spelling(text) != text or find_first_file(text, source) is not None
+
+
+def find_first_file(text: str, source: Source) -> str | None:
+    """Return the first of several paths in one text (``a.stl OR b.stl``) that is a file."""
+    words = text.split()
+    found = (source.finder.resolve_resource(word, source.path.parent) for word in words if len(words) > 1)
+    return next((one.text for one in found if one.exists and one.path is not None and one.path.is_file()), None)
 
 
 def find_uninstalled_files(source: Source) -> dict[str, set[str]]:

@@ -188,10 +188,11 @@ def join_strips(parts: Sequence[RoundStrips]) -> RoundStrips:
 
 def _pair_edges(faces: Indices, count: int) -> tuple[Indices, Indices, Indices, Indices]:
     """Pair the edges that two faces share: edges ``3 * face + k`` (E,) of one and the other, and their two ends (E,)."""
-    ends = np.stack((faces, np.roll(faces, -1, axis=1)), axis=2).reshape(-1, 2)
-    low, high = ends.min(axis=1), ends.max(axis=1)
-    order = np.argsort(low * count + high, kind="stable")
-    key = (low * count + high)[order]
+    starts, ends = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    low, high = np.minimum(starts, ends), np.maximum(starts, ends)
+    edges = low * count + high
+    order = np.argsort(edges, kind="stable")
+    key = edges[order]
     same = np.flatnonzero(key[1:] == key[:-1])
     one, other = order[same], order[same + 1]
     return one, other, low[one], high[one]

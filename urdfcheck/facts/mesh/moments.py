@@ -28,7 +28,7 @@ class MeshMoments:
     """Moments of a mesh, in the units of its vertices."""
 
     volume: float
-    """Signed, of the solid."""
+    """Signed, of the solid; 0 where only rounding is left."""
     com: Vec3
     """Of the solid at uniform density; NaN without volume."""
     covariance: Mat3
@@ -86,6 +86,8 @@ def compute_mesh_moments(vertices: Array, faces: Indices) -> MeshMoments:
     com, covariance = nothing
     if abs(volume) > 1e-15 * size**3:
         com, covariance = _compute_central_moments(sums[0, 1:4] / 24.0 / volume, sums[0, 4:] / 120.0 / volume)
+    else:
+        volume = 0.0  # the rest of a sum of volumes that cancel, as of a surface that is stored from both sides
     centroid, shell = np.zeros(3), np.zeros((3, 3))
     if area > 0.0:
         centroid, shell = _compute_central_moments(sums[1, 1:4] / 6.0 / area, sums[1, 4:] / 24.0 / area)

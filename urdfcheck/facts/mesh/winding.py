@@ -5,20 +5,41 @@ from __future__ import annotations
 import numpy as np
 
 from urdfcheck.facts.arrays import Array, Bools, Indices
+from urdfcheck.facts.mesh.topology import compute_bounds
 
 # Pairs of a point and a triangle that are compared at once.
-_MOST_PAIRS = 300_000
+_MOST_PAIRS = 100_000
 
 
 def compute_winding_numbers(triangles: Array, points: Array) -> Array:
     """Compute how many times closed surfaces of ``triangles`` (F, 3, 3) wind around each of some points (N, 3).
 
     The sum of their solid angles (van Oosterom and Strackee, *The solid angle of a plane triangle*, 1983) over that of a
-    sphere.
+    sphere. Of corners a, b and c, seen from a point, the triple product is linear in the point, and the product of two follows
+    from the distances to the corners and the length of the edge: matrix products, in place of vectors from each point to each
+    corner.
     """
-    step = max(1, _MOST_PAIRS // max(1, len(triangles)))
-    windings = [_sum_solid_angles(triangles, points[i : i + step]) for i in range(0, len(points), step)]
-    return np.concatenate(windings) / (4.0 * np.pi) if windings else np.zeros(0)
+    if not len(triangles) or not len(points):
+        return np.zeros(len(points))
+    centre = triangles.reshape(-1, 3).mean(axis=0)  # near the origin, little is lost in differences of squares
+    points, corners = points - centre, np.moveaxis(triangles - centre, 1, 0)
+    a, b, c = corners
+    across_ab = np.cross(a, b)
+    normals, volumes = across_ab + np.cross(b, c) + np.cross(c, a), _multiply_rows(across_ab, c)
+    ab2, bc2, ca2 = (_multiply_rows(edge, edge) for edge in (a - b, b - c, c - a))
+    windings = []
+    step = max(1, _MOST_PAIRS // len(triangles))
+    for seen_from in (points[i : i + step] for i in range(0, len(points), step)):
+        squares = _multiply_rows(seen_from, seen_from)[:, None]
+        a2, b2, c2 = (
+            np.maximum(squares - 2.0 * (seen_from @ corner.T) + _multiply_rows(corner, corner), 0.0)
+            for corner in corners
+        )
+        la, lb, lc = np.sqrt(a2), np.sqrt(b2), np.sqrt(c2)
+        products = (a2 + b2 - ab2) * lc + (b2 + c2 - bc2) * la + (c2 + a2 - ca2) * lb
+        angles = np.arctan2(volumes - seen_from @ normals.T, la * lb * lc + 0.5 * products)
+        windings.append(angles.sum(axis=1) / (2.0 * np.pi))
+    return np.concatenate(windings)
 
 
 def has_body_against(triangles: Array, labels: Indices, volume: float) -> bool:
@@ -35,17 +56,13 @@ def are_inside(triangles: Array, points: Array) -> Bools:
 
     A surface with small holes counts as closed.
     """
-    corners = triangles.reshape(-1, 3)
-    inside: Bools = ((points >= corners.min(axis=0)) & (points <= corners.max(axis=0))).all(axis=1)
+    low, high = compute_bounds(triangles.reshape(-1, 3))
+    inside: Bools = ((points >= low) & (points <= high)).all(axis=1)
     inside[inside] = np.abs(compute_winding_numbers(triangles, points[inside])) > 0.5
     return inside
 
 
-def _sum_solid_angles(triangles: Array, points: Array) -> Array:
-    """Return the sum (N,) of the solid angles of all triangles, seen from each point."""
-    a, b, c = np.moveaxis(triangles[None] - points[:, None, None], 2, 0)
-    la, lb, lc = (np.linalg.norm(side, axis=2) for side in (a, b, c))
-    across = np.einsum("nfi,nfi->nf", a, np.cross(b, c))
-    along = la * lb * lc + lc * (a * b).sum(axis=2) + lb * (a * c).sum(axis=2) + la * (b * c).sum(axis=2)
-    angles: Array = 2.0 * np.arctan2(across, along).sum(axis=1)
-    return angles
+def _multiply_rows(one: Array, other: Array) -> Array:
+    """Return the scalar products (N,) of the rows of two arrays (N, 3)."""
+    products: Array = np.einsum("ni,ni->n", one, other)
+    return products

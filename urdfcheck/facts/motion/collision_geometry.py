@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.mesh.topology import compute_bounds
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -71,9 +72,10 @@ class PlacedGeometry:
 def compute_shape_box(geometry: CollisionGeometry) -> tuple[Vec3, Vec3, float]:
     """Return a box about a shape in its own frame: centre (3,), half edges (3,); and the shape's radius about the centre (m)."""
     corners = geometry.corners
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    low, high = compute_bounds(corners)
     middle = (low + high) / 2
-    radius = float(np.linalg.norm(corners - middle, axis=1).max())
+    away = corners - middle
+    radius = math.sqrt(float(np.einsum("ij,ij->i", away, away).max()))
     if geometry.kind == "sphere":
         radius = geometry.size[0]
     elif geometry.kind == "capsule":

@@ -21,8 +21,8 @@ _MECANUM = tuple(f"{end}_{side}_wheel_command_joint_name" for end in ("front", "
 _TRICYCLE = ("traction_joint_name",)
 # Wheels are on two sides if they are so far apart (m); an axis is across the line between them within this cosine.
 _APART, _ACROSS = 0.01, 0.1
-# What is farther from the axis than this share of the reach of a wheel is its rim.
-_RIM = 0.9
+# What is farther from the axis than this share of the reach of a wheel is its tread: sidewalls need not be alike on both sides.
+_TREAD = 0.98
 
 
 def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[YamlValue]]:
@@ -109,7 +109,7 @@ def measure_wheel_radii(model: Model, joint: str) -> list[float]:
 def measure_wheel_separations(model: Model, left: str, right: str) -> list[float]:
     """Measure the distances (m) along their common axis between two wheels.
 
-    Those of the middles of the rims that they collide as and draw, where these are known, come first, then that of the joints:
+    Those of the middles of the treads that they collide as and draw, where these are known, come first, then that of the joints:
     a joint may be at the inner face of its wheel. None where the axes are not parallel or a mesh could not be read.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
@@ -161,7 +161,7 @@ def _locate_middles(model: Model, joint: str) -> list[Array]:
 
 
 def _compute_wheel_middles(model: Model, joint: str, axis: Array) -> list[float]:
-    """Return where the middles of the rims are along the ``axis`` (m): of what a wheel collides as, and of what it draws.
+    """Return where the middles of the treads are along the ``axis`` (m): of what a wheel collides as, and of what it draws.
 
     A stub of the axle touches no ground and does not move the middle.
     """
@@ -173,8 +173,8 @@ def _compute_wheel_middles(model: Model, joint: str, axis: Array) -> list[float]
         along = points @ axis
         offsets = points - centre
         distances = np.linalg.norm(offsets - np.outer(offsets @ axis, axis), axis=1)
-        rim = along[distances >= _RIM * distances.max()]
-        middles.append(float(rim.min() + rim.max()) / 2)
+        tread = along[distances >= _TREAD * distances.max()]
+        middles.append(float(tread.min() + tread.max()) / 2)
     return middles
 
 

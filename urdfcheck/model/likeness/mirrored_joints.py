@@ -240,6 +240,8 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
     is_slip = STRAIGHT < angle < ARRANGED or (angle > ARRANGED and _is_renamed(pair, joints))
     if is_slip and angle < _SLIGHT_TILT and _is_turn_taken_back(pair, known_pairs):
         is_slip = False
+    if is_slip and _is_turned_by_swivel(model, other, image):
+        is_slip = False
     tilted_by = angle if distance <= PLACE and is_slip else 0.0
     above = (p for p in known_pairs if p is not pair and pair.is_attached_to(p))
     if not (displaced_by or tilted_by) or not all(_is_mirrored_in_pose(p) for p in above):
@@ -271,6 +273,17 @@ def _is_turned_with_parent(model: Model, pair: MirrorPair, joints: tuple[Joint, 
     radii = [float(np.linalg.norm(arm - part * axis)) for arm, part in zip(arms, along, strict=True)]
     slack = _TURNED_SHARE * distance if _is_typed_alike(joints) else _TURNED_EXACTLY
     return math.hypot(along[0] - along[1], radii[0] - radii[1]) < slack
+
+
+def _is_turned_by_swivel(model: Model, joint: Joint, image: Array) -> bool:
+    """Whether a joint's axis is turned away from where it should be about a swivel before it that turns without limits, as that
+    of a caster: which of its angles is zero is then of no consequence. ``image``: the unit axis (3,) as it should be."""
+    before = [one for one in model.tree.find_path_to(joint.parent) if one.is_movable]
+    if not before or before[-1].type != "continuous" or before[-1].name not in model.axes:
+        return False
+    swivel = model.axes[before[-1].name]
+    along = [abs(float(axis @ swivel)) for axis in (image, model.axes[joint.name])]
+    return abs(along[0] - along[1]) < math.sin(STRAIGHT)
 
 
 def _is_mirrored_in_parents(joints: tuple[Joint, Joint], known_pairs: Sequence[MirrorPair], least: float) -> bool:
@@ -311,13 +324,16 @@ def measure_axis_offset(model: Model, pair: MirrorPair) -> float:
 def are_children_mirrored(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> bool:
     """Whether the next pairs behind a pair are mirror images in place: they take back any offset of the pair's own frames.
 
+    Frames in which nothing is drawn move with the part, and count only if there are no others.
+
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     below = [known for known in known_pairs if known is not pair and known.is_attached_to(pair)]
     nearest = [one for one in below if not any(one is not other and one.is_attached_to(other) for other in below)]
     # An offset along parallel axes is a choice in each of them, but only a frame that is in place takes it back.
     in_place = any(one.is_in_place for one in below)
-    return in_place and all(measure_axis_offset(model, one) <= PLACE for one in nearest)
+    drawn = [one for one in nearest if one.drawn_as is not None] or nearest
+    return in_place and all(measure_axis_offset(model, one) <= PLACE for one in drawn)
 
 
 def are_parents_mirrored(joints: tuple[Joint, Joint], known_pairs: Sequence[MirrorPair]) -> bool:

@@ -255,7 +255,8 @@ def is_taken_back(model: Model, odd: Joint, like: Joint, *, by_sign: bool = Fals
     """Whether an origin that differs from that of another limb moves nothing.
 
     What the joint carries is where it is on the other limb, or the joint itself takes back what the one before it adds: distances
-    along the axes of a common parent agree. ``by_sign``: the origins differ in signs, so that these have to agree there.
+    along the axes of a common parent agree. Or the frame is elsewhere on its axis, and what it draws is not. ``by_sign``: the
+    origins differ in signs, so that these have to agree there.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -274,7 +275,7 @@ def is_taken_back(model: Model, odd: Joint, like: Joint, *, by_sign: bool = Fals
         ]
         return _agree(*behind) and bool(np.abs(np.array(signed[0]) - np.array(signed[1])).max(initial=0.0) <= PLACE)
     before = [model.tree.parent_joint.get(joint.parent) for joint in (odd, like)]
-    if _agree(*behind):
+    if _agree(*behind) or _is_drawn_in_place(model, odd, like):
         return True
     if before[0] is None or before[1] is None or before[0].parent == odd.parent:
         return False
@@ -284,6 +285,23 @@ def is_taken_back(model: Model, odd: Joint, like: Joint, *, by_sign: bool = Fals
         if one
     ]
     return _agree(*place)
+
+
+def _is_drawn_in_place(model: Model, odd: Joint, like: Joint) -> bool:
+    """Whether two joints differ along their axes only, where a frame may be anywhere, and what they draw is as far from their
+    parents along each axis."""
+    if not {odd.name, like.name} <= model.axes.keys():
+        return False
+    distances, places = [], []
+    for joint in (odd, like):
+        home = np.linalg.inv(model.frames[joint.parent])
+        centroid = compute_centroid(model, joint.child)
+        if centroid is None:
+            return False
+        axis = np.abs(home[:3, :3] @ model.axes[joint.name])
+        places.append(np.abs(joint.origin.xyz or (0, 0, 0)) * (1.0 - axis))
+        distances.append(np.abs(home[:3, :3] @ centroid + home[:3, 3]))
+    return bool(max(np.abs(one - other).max() for one, other in (places, distances)) <= PLACE)
 
 
 def _measure_distances(model: Model, home: str, names: Sequence[str]) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from urdfcheck.source.reach import FileReach
@@ -10,24 +11,29 @@ from urdfcheck.system.files import read_regular, walk
 
 # Limit on the patterns of one .gitignore that are read.
 MAX_PATTERNS = 1_000
+# What a build calls that makes a file out of another.
+_MAKES_FILES = re.compile(r"xacro_add_|add_custom_|execute_process|configure_file|subprocess|os\.system|process_file")
 
 
 def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
     """Whether a package's build or a program of its own may make or install a missing file.
 
-    It may if the package has a file of that name with other suffixes, if the build mentions the name, or if git ignores it.
+    It may if the build mentions the name, if git ignores it, or if the package has a template of it, or a file of that name with
+    other suffixes and a build that makes files.
     """
+    reach = FileReach.from_paths([package], [])
+    places = [package / name for name in ("CMakeLists.txt", "setup.py")]
+    builds = [_read_text(place) for place in places if reach.can_open(place)]
+    if any(path.name in text for text in builds) or is_git_ignored(path, reach):
+        return True
+    makes_files = any(map(_MAKES_FILES.search, builds))
     stem = path.name.partition(".")[0]
     for _, names, files in walk(package):
         names[:] = [n for n in names if not n.startswith(".")]
         alike = [file for file in files if any(suffix in file.lower() for suffix in suffixes)]
-        if any(file.partition(".")[0] == stem for file in alike):
+        if f"{path.name}.in" in alike or (makes_files and any(file.partition(".")[0] == stem for file in alike)):
             return True
-    reach = FileReach.from_paths([package], [])
-    builds = [package / name for name in ("CMakeLists.txt", "setup.py")]
-    if any(path.name in _read_text(build) for build in builds if reach.can_open(build)):
-        return True
-    return is_git_ignored(path, reach)
+    return False
 
 
 def is_git_ignored(path: Path, reach: FileReach) -> bool:

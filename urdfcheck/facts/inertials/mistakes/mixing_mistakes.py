@@ -348,9 +348,10 @@ def _undo_other_body(suspect: Suspect) -> Corrected:
     own = suspect.reference.twin or DeclaredInertial(mass, solid.com, compute_solid_inertia(solid, mass))
     white = _compute_solid_whitening(suspect, solid)
     for name, body in _iter_other_bodies(geometry):
-        if _is_different_shape(body, white) and not (
-            name == "convex_hull" and _has_no_products_of(suspect.declared, body)
-        ):
+        is_excluded = (name == "convex_hull" and _has_no_products_of(suspect.declared, body)) or (
+            name == "one_piece" and _has_com_of_whole(suspect.declared, solid, body)
+        )
+        if _is_different_shape(body, white) and not is_excluded:
             yield replace(make_mistake(name), source_body=body), own
 
 
@@ -359,6 +360,12 @@ def _has_no_products_of(declared: DeclaredInertial, body: Solid) -> bool:
     products = (declared.rotation.T @ body.covariance @ declared.rotation)[_PRODUCTS]
     is_turned = np.abs(products).max() > _LEAST_PRODUCT * np.trace(body.covariance)
     return bool(is_turned and not declared.tensor[_PRODUCTS].any())
+
+
+def _has_com_of_whole(declared: DeclaredInertial, whole: Solid, piece: Solid) -> bool:
+    """Whether the COM is that of all pieces: then the tensors of like pieces were added where they are, which makes a tensor like
+    that of one (``steiner_missing``)."""
+    return bool(np.linalg.norm(declared.com - whole.com) < np.linalg.norm(declared.com - piece.com))
 
 
 def _iter_other_bodies(geometry: VisualGeometry) -> Iterator[tuple[str, Solid]]:
