@@ -117,8 +117,11 @@ def withdraw_shared_edits(
         """List what is made of the text that a repair changes, and needs none."""
         if _is_safe(finding):
             return []
-        others = [made.get(edit.span, set()) - owners[finding.code, edit] for edit in _list_edits(finding)]
-        return sorted(set().union(*others))
+        others: set[str] = set()
+        for edit in _list_edits(finding):
+            several = made.get(edit.span, set())
+            others |= several - owners[finding.code, edit] if len(several) > 1 else set()
+        return sorted(others)
 
     settled = []
     for finding in findings:
