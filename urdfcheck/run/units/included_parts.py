@@ -92,7 +92,7 @@ def assign_parts(
             kept.append((unit, report))
         elif role.kind == "library" and unit.is_explicit and name not in read:
             includes = "that was checked reads it" if unit.is_part else "of its package or repository includes it"
-            reasons[name] = f"only defines macros, and no model {includes}"
+            reasons[name] = f"{role.reason}, and no model {includes}"
         elif role.kind == "part" and name not in (used if role.is_doubtful else read) and not is_srdf(Path(unit.path)):
             if role.must_be_checked and _find_home(Path(unit.path)) not in excusing:
                 kept.append((unit, replace(report, role=MODEL)))
