@@ -120,7 +120,9 @@ def test_a_semantic_description_by_any_name_is_no_robot_without_links(package: P
     run = check(Path("."))
     assert (run.models, list_errors(run)) == ((), [])
     run = check(Path("arm_srdf.xacro"))
-    assert [skip.reason.partition(",")[0] for skip in run.skipped if skip.code == "ALL"] == ["describes another robot"]
+    assert [skip.reason.partition(",")[0] for skip in run.skipped if skip.code == "ALL"] == [
+        "describes another robot (SRDF)"
+    ]
     assert compute_exit_code(run, "error") == NOTHING
 
 

@@ -405,7 +405,7 @@ class _Planner:
                 )
 
     def may_be_robot(self, path: Path) -> bool:
-        """Whether a model that a launch file names is no semantic description, which xacro may make as well."""
+        """Whether what a launch file names as a model is not a semantic description, which xacro may also make."""
         file = self.budget.read_file(path) if is_srdf(path) else None
         return file is None or file.makes_robot
 

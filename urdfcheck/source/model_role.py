@@ -41,7 +41,7 @@ class ModelRole:
 
 MODEL = ModelRole("model")
 LIBRARY = ModelRole("library", "only defines macros")
-SEMANTIC_DESCRIPTION = ModelRole("library", "describes another robot, as an SRDF does")
+SEMANTIC_DESCRIPTION = ModelRole("library", "describes another robot (SRDF)")
 
 
 def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False) -> ModelRole:
