@@ -396,6 +396,9 @@ def test_a_part_of_a_model_that_failed_is_no_second_model(package: Path) -> None
     (package / "urdfcheck.toml").write_text('unchecked = ["car.*"]')
     accepted = check(Path("."), config_resolver=ConfigResolver())
     assert sorted(m.path for m in accepted.unchecked_models) == ["arm.xacro", "camera.xacro", "car.urdf.xacro"]
+    told = {f.model: f.message for f in accepted.findings if f.code == "XML002"}
+    assert all(message.startswith("car.urdf.xacro names this file") for message in told.values())
+    assert sorted(told) == ["arm.xacro", "camera.xacro"]
     assert compute_exit_code(accepted, "error") == FINDINGS
 
 
