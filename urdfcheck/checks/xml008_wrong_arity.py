@@ -14,7 +14,8 @@ from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
 
 # The probable meaning of fewer numbers: one scale for all axes, a colour without alpha.
-_COMPLETED = {("mesh", "scale", 1): "{0} {0} {0}", ("color", "rgba", 3): "{0} {1} {2} 1"}
+_ONE_SCALE = ("mesh", "scale", 1)
+_COMPLETED = {_ONE_SCALE: "{0} {0} {0}", ("color", "rgba", 3): "{0} {1} {2} 1"}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -31,13 +32,19 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 at=attribute,
                 edits=_propose_edits(attribute, words),
                 related=attribute.collect_definitions(),
-                consequences={"urdfdom": describe_loss(element)} if message == "count" else None,
+                consequences=_describe_effects(attribute, words) if message == "count" else None,
                 where=f"{element.subject}@{name}",
                 value=" ".join(words) if len(words) <= 8 else " ".join(words[:8]) + " …",
                 found=len(words),
                 expected=count,
                 needed=format_count(count, "number"),
             )
+
+
+def _describe_effects(attribute: Attribute, words: list[str]) -> dict[str, str]:
+    effects = {"urdfdom": describe_loss(attribute.owner)}
+    is_one_scale = (attribute.owner.tag, attribute.name, len(words)) == _ONE_SCALE
+    return effects | {"drake": "loads it: one number scales all axes"} if is_one_scale else effects
 
 
 def _propose_edits(attribute: Attribute, words: list[str]) -> list[Edit]:
