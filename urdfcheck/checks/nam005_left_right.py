@@ -38,7 +38,7 @@ class _LimbPair:
     right: Joint
     named: tuple[str, str]
     offset: float
-    """The distance (m) by which the link named left is left of the other in the frame of the body, whose y axis points to the left."""
+    """The distance (m) by which the link named left is left of the other in the frame of the body (its y axis points left)."""
 
     @property
     def moves(self) -> bool:
