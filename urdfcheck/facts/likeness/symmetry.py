@@ -124,7 +124,7 @@ class _FrameRelation:
 
     @property
     def is_pure(self) -> bool:
-        """Whether the operation maps the frames onto each other unchanged, but for what is wrong with one of them."""
+        """Whether the operation maps the frames onto each other unchanged, apart from what is wrong with one of them."""
         return bool((self.snapped == np.eye(3)).all())
 
 
