@@ -78,6 +78,14 @@ def test_a_housing_and_a_mesh(tmp_path: Path) -> None:
     assert list_seen(tmp_path, housing, nose, sensor("gpu_ray")) == ["nose"]
 
 
+@pytest.mark.parametrize("shape", [box("0.6 0.6 0.6"), '<sphere radius="0.3"/>', '<cylinder radius="0.3" length="1"/>'])
+def test_collided_rays_end_at_the_far_side_of_what_holds_the_sensor(tmp_path: Path, shape: str) -> None:
+    (finding,) = find(tmp_path, robot(link("base", collision(shape)), sensor("ray")), "GZB009")
+    assert (finding.message_id, finding.data["share"], finding.data["nearest"]) == ("inside", 1.0, "300 mm")
+    assert not find(tmp_path, robot(link("base", visual(shape)), sensor("gpu_ray")), "GZB009")
+    assert not find(tmp_path, robot(link("base", collision(shape)), sensor("ray", least=0.5)), "GZB009")
+
+
 @pytest.mark.parametrize(("height", "seen"), [(0.0499, ["camera"]), (0.04999, []), (0.0499999, []), (0.05, [])])
 def test_rays_in_the_plane_of_a_face_show_nothing(tmp_path: Path, height: float, seen: list[str]) -> None:
     """The box ends at 0.05 m: rays just below that end at it in theory."""

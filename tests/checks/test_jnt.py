@@ -836,8 +836,13 @@ def test_an_angle_beyond_a_turn_is_degrees_unless_it_is_a_sum(tmp_path: Path, an
     assert bool(find(tmp_path, text, "JNT012")) == degrees
 
 
-@pytest.mark.parametrize(("angle", "message"), [("300", "tried"), ("270", "degrees"), ("45", "degrees")])
-def test_degrees_are_not_meant_where_the_radians_are_nearly_square(tmp_path: Path, angle: str, message: str) -> None:
+@pytest.mark.parametrize(
+    ("angle", "message"),
+    [("300", "tried"), ("95", "tried"), ("150", "degrees"), ("270", "degrees"), ("45", "degrees")],
+)
+def test_degrees_are_not_meant_where_the_radians_are_nearly_square_or_diagonal(
+    tmp_path: Path, angle: str, message: str
+) -> None:
     (finding,) = find(tmp_path, make_three_links(make_joint(f'<origin rpy="{angle} 0 0"/>', "fixed")), "JNT012")
     assert finding.message_id == message
     assert finding.fix is not None

@@ -395,6 +395,15 @@ def test_what_stands_on_the_ground_of_bullet_has_the_mass_0_too(tmp_path: Path, 
     assert (finding.message_id, finding.severity) == ("vanishes", severity)
 
 
+def test_massless_links_that_would_be_dropped_next_need_a_mass_too(tmp_path: Path) -> None:
+    names = ["map", "x", "yaw", "pelvis", "eye"]
+    parts = [link(name, inertial(*((9, 1) if name == "pelvis" else (0, 0)))) for name in names]
+    parts += [joint(f"j{i}", one, two, kind="continuous") for i, (one, two) in enumerate(pairwise(names))]
+    (finding,) = check_text(tmp_path, robot(*parts), codes={"KIN010"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("give map (and x, yaw below it, which would be dropped next) a mass, or")
+
+
 def test_an_empty_model_is_an_error_where_gazebo_is_the_target(tmp_path: Path) -> None:
     (finding,) = check_text(tmp_path, moving("base", ""), codes={"KIN010"}, targets=("gazebo",)).findings
     assert finding.severity == Severity.ERROR

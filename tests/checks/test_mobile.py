@@ -117,6 +117,14 @@ def test_the_body_is_lower_than_the_wheels(tmp_path: Path) -> None:
     assert "5 mm below" in finding.message
 
 
+@pytest.mark.parametrize(("body", "found"), [("0 0 0.045", ["leans"]), ("0 0 0.035", ["leans", "touches"])])
+def test_a_body_that_only_touches_because_short_casters_lean_the_robot(
+    tmp_path: Path, body: str, found: list[str]
+) -> None:
+    text = cart(casters=("0.12 0 0.03", "-0.12 0 0.03"), body=body)
+    assert sorted(finding.message_id for finding in find(tmp_path, text, "DYN006")) == found
+
+
 @pytest.mark.parametrize(
     ("drawn", "words", "repair"),
     [

@@ -488,3 +488,9 @@ def test_two_of_the_authors_angles_stay_where_many_are_one_rotation() -> None:
     assert np.abs(rpy_to_matrix(found) - true).max() < 2e-3
     # Elsewhere only one set of angles is the rotation.
     assert find_nearest_rpy(rpy_to_matrix((0.0, 0.0, np.pi / 2)), (0.3, 0.2, 0.1)) == [0.0, 0.0, np.pi / 2]
+
+
+def test_a_repair_does_not_keep_the_angle_that_is_not_round() -> None:
+    """At a pitch of 90° a yaw of -0.0049 would make up for it."""
+    wanted = rpy_to_matrix((np.pi - 0.0003, 1.5708, 0.0003))
+    assert find_nearest_rpy(wanted, (3.1367, 1.5708, 0.0)) == [pytest.approx(np.pi), 1.5708, 0.0]

@@ -31,6 +31,8 @@ PLACES = {
     "fr": "0.2 -0.1 0",
     "mid": "0 0.3 0",
     "top": "0 0 0.3",
+    "one": "0 0.1 0.02",
+    "two": "0 -0.1 0",
 }
 
 
@@ -129,6 +131,20 @@ def test_the_odd_one_is_named_with_what_differs_and_repaired(
     assert finding.location.subject == f"link[rl_part]/{place}"
     assert told in finding.message
     assert not repaired(tmp_path, text)
+
+
+def test_mirrored_inertials_of_one_drawing_may_both_be_right(tmp_path: Path) -> None:
+    """The frames are at other heights, so that the links are no pair of SYM004."""
+    mirror = np.diag((1, -1, 1))
+    image = make_lump_inertial(com=COM * (1, -1, 1) + (0, 0, 0.02), tensor=mirror @ TENSOR @ mirror)
+    text = make_parts_on_base("one", "two", two=drawn() + image)
+    (finding,) = find_odd_inertia(tmp_path / "a", text)
+    assert (finding.message_id, finding.severity) == ("mirrored", Severity.INFO)
+    assert finding.location.subject == "link[one_part]/visual"
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    (finding,) = find_odd_inertia(tmp_path / "b", text.replace("0 0.1 0.02", "0 0.1 0.03"))
+    assert finding.message_id != "mirrored"
 
 
 def test_frames_and_names_do_not_matter(tmp_path: Path) -> None:

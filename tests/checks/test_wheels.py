@@ -563,6 +563,22 @@ def test_legs_are_only_mentioned(tmp_path: Path) -> None:
     assert not find_in_car(tmp_path / "c", "DYN004", table(com=0.3, names="finger"))
 
 
+@pytest.mark.parametrize(("places", "falls"), [((0.15, -0.15), False), ((0.15,), True)])
+def test_a_foot_stands_on_several_small_spheres(tmp_path: Path, places: tuple[float, ...], falls: bool) -> None:
+    """One so small is a dummy."""
+    spheres = "".join(
+        f'<collision><origin xyz="{x} 0 -0.24"/><geometry><sphere radius="0.005"/></geometry></collision>'
+        for x in places
+    )
+    feet = "".join(
+        f'<link name="foot_{i}">{spheres}</link><joint name="sole_{i}" type="fixed"><parent link="leg_{i}_lower"/>'
+        f'<child link="foot_{i}"/></joint>'
+        for i in range(4)
+    )
+    text = table(com=0.3).replace("</robot>", f"{feet}</robot>")
+    assert bool(find_in_car(tmp_path, "DYN004", text)) is falls
+
+
 @pytest.mark.parametrize(
     ("lower", "upper", "said"),
     [(0, 0, True), (-3.1416, 3.1416, True), (-0.6, 0.6, False)],

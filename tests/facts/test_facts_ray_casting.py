@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from urdfcheck.facts.arrays import Array
-from urdfcheck.facts.motion.ray_casting import make_scan_directions, measure_mesh_entries, measure_primitive_entries
+from urdfcheck.facts.motion.ray_casting import cross_primitive, make_scan_directions, measure_mesh_entries
 
 AZIMUTHS = np.linspace(-np.pi, np.pi, 181)
 ELEVATIONS = np.linspace(-1.5, 1.5, 31)
@@ -17,6 +17,12 @@ SHAPES = {
     "cylinder": ((0.2, 0.5), trimesh.creation.cylinder(0.2, 0.5, sections=360)),
     "capsule": ((0.2, 0.5), trimesh.creation.capsule(0.5, 0.2, count=(90, 90))),
 }
+
+
+def measure_primitive_entries(kind: str, size: tuple[float, ...], origin: Array, directions: Array) -> Array:
+    low, high = cross_primitive(kind, size, origin, directions)
+    entries: Array = np.where((low > 0) & (low < high), low, np.inf)
+    return entries
 
 
 def cast_at_primitive(kind: str, size: tuple[float, ...], place: Array, turn: Array) -> Array:
@@ -47,6 +53,16 @@ def test_a_sensor_inside_a_shape_sees_out(kind: str) -> None:
     assert np.isinf(cast_at_primitive(kind, size, np.array((0.01, 0.02, 0.03)), np.eye(3))).all()
     vertices = np.asarray(mesh.vertices) + np.array((0.01, 0.02, 0.03))
     assert np.isinf(measure_mesh_entries(vertices, np.asarray(mesh.faces), AZIMUTHS, ELEVATIONS, 0.0)).all()
+
+
+@pytest.mark.parametrize(
+    ("kind", "size"),
+    [("box", (0.4, 0.4, 1.0)), ("sphere", (0.2,)), ("cylinder", (0.2, 1.0)), ("capsule", (0.2, 0.6))],
+)
+def test_a_ray_leaves_a_shape_at_its_far_side(kind: str, size: tuple[float, ...]) -> None:
+    low, high = cross_primitive(kind, size, np.array((0.05, 0.0, 0.0)), np.array([(1.0, 0, 0), (-1.0, 0, 0)]))
+    assert low.tolist() == pytest.approx([-0.25, -0.15])
+    assert high.tolist() == pytest.approx([0.15, 0.25])
 
 
 def test_what_is_nearer_than_the_shortest_range_does_not_count() -> None:

@@ -315,6 +315,15 @@ def test_of_a_row_of_three_the_one_that_differs_from_both_others_is_shown(odd: i
     assert one.angles == pytest.approx((0.3,))
 
 
+def test_the_half_turn_that_relates_two_frames_is_named() -> None:
+    """Places that differ in z alone are mapped by half turns about x and about y."""
+    places = [(0.0, 0.0, 0.03), (0.0, 0.0, 0.01)]
+    turns = frames([(3.1367, 1.5708, 0), (3.14159, -1.5708, 0)])
+    pair = find_suspect_frames(places, turns, [(0, 0, -1)] * 2)
+    assert pair is not None
+    assert (pair.kind, pair.pattern) == ("axis_tilt", "rotation by 180° about y")
+
+
 def test_three_of_which_none_fits_have_no_suspect() -> None:
     places = [(0.1 * i, 0, 0) for i in range(3)]
     assert find_suspect_frames(places, frames([(0, 0, 0), (0, 0.3, 0), (0, 0.7, 0)]), [(0, 1, 0)] * 3) is None

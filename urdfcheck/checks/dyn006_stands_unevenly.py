@@ -10,7 +10,12 @@ from urdfcheck.core import Finding, Located, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.ground.rest_pose import RestPose, find_rest_pose
-from urdfcheck.model.ground.rest_words import describe_level_repair, describe_uneven_reason, locate_uneven_cause
+from urdfcheck.model.ground.rest_words import (
+    describe_level_repair,
+    describe_uneven_reason,
+    find_odd_casters,
+    locate_uneven_cause,
+)
 from urdfcheck.model.ground.wheels import is_on_vertical_slide
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.model.shapes.corners import compute_shape_corners
@@ -43,17 +48,20 @@ def check(model: Model, rule: Rule, *, spread: float, least: float, lean: float)
         )
     elif math.degrees(pose.tilt) > lean:
         yield rule.finding("leans", at=locate_uneven_cause(model, pose), root=model.tree.root, **data)
-    yield from _check_body(model, rule, pose, data)
+    yield from _check_body(model, rule, pose, lean=lean, data=data)
 
 
-def _check_body(model: Model, rule: Rule, pose: RestPose, data: dict[str, Any]) -> Iterator[Finding]:
+def _check_body(model: Model, rule: Rule, pose: RestPose, *, lean: float, data: dict[str, Any]) -> Iterator[Finding]:
     """Report the part that reaches farthest below the ground on which wheels and casters stand, if it collides."""
     carriers = {*(wheel.joint.child for wheel in pose.driven), *pose.casters}
+    # Where casters at another height lean the robot, what is above the lowest points of the wheels touches because of them.
+    leans = math.degrees(pose.tilt) > lean and find_odd_casters(pose)
     deep = {
         name: -height
         for name, height in pose.heights.items()
         if name not in carriers
         and -height > pose.tolerance
+        and not (leans and -pose.upright[name] <= pose.tolerance)
         and model.link_by_name[name].collisions
         # The ground lifts what slides up and down.
         and not is_on_vertical_slide(model, name)

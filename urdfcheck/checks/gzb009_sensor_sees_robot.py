@@ -29,14 +29,16 @@ def check(model: Model, rule: Rule, *, least: float) -> Iterator[Finding]:
 
 def _build_finding(model: Model, rule: Rule, scan: SelfScan) -> Finding:
     is_filtered = model.package is not None and _FILTERS in model.package.dependencies
+    within = join_names(dict.fromkeys(seen.link for seen in scan.seen if seen.holds_sensor))
     return rule.finding(
-        "cloud" if scan.layers > 1 else "filtered" if is_filtered else "sees",
+        "cloud" if scan.layers > 1 else "filtered" if is_filtered else "inside" if within else "sees",
         at=scan.sensor.element,
         related=[locate_geometry(seen.shape) for seen in scan.seen],
         severity=Severity.INFO if scan.layers > 1 or is_filtered else None,
         sensor=scan.sensor.name,
         share=scan.share,
         links=join_names(dict.fromkeys(seen.link for seen in scan.seen)),
+        within=within,
         sectors=join_names(scan.describe_sectors()),
         nearest=format_length(scan.nearest),
         farthest=format_length(scan.farthest),

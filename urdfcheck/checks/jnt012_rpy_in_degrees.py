@@ -14,8 +14,11 @@ from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number, parse_numbers
 from urdfcheck.source.text.xml import Attribute
 
-# An angle this near (rad) to a quarter turn looks right in a viewer: 300 rad are 47.75 turns.
-_LOOKS_SQUARE = math.radians(2)
+# An angle this near (rad) to a quarter turn, or half of one, looks right in a viewer: 300 rad are 47.75 turns.
+_LOOKS_RIGHT = math.radians(2)
+_SQUARE, _DIAGONAL = math.pi / 2, math.pi / 4
+# Angles in degrees are multiples of this: 150 is, and its 23.87 turns come out diagonal by chance; 95 is not.
+_USUAL_DEGREES = 15
 # Sums of angles stay below some turns: 95 is in degrees and not a multiple of 15° in radians with few digits.
 _MOST_TURNS = 4
 
@@ -33,7 +36,7 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
     worst = max((v for a in wrong.values() for v in _parse_angles(a)), key=abs)
     angles = [v for a in wrong.values() for v in _parse_angles(a) if _is_degrees(v, step, near)]
     where = format_count(len(attributes), "origin holds", "origins hold")
-    if all(_is_square(v) and not _is_square(math.radians(v)) for v in angles):
+    if all(_is_tried(v) for v in angles):
         finding = rule.finding(
             "tried",
             at=attributes[0],
@@ -43,6 +46,7 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
             turns=abs(worst) / math.tau,
             same=math.remainder(worst, math.tau),
             degrees=math.degrees(math.remainder(worst, math.tau)),
+            looks="square" if _is_near_multiple(worst, _SQUARE) else "diagonal",
         )
         yield replace(finding, subjects=tuple(dict.fromkeys(a.location.subject for a in attributes)))
         return
@@ -83,9 +87,15 @@ def _is_degrees(angle: float, step: float, near: float) -> bool:
     return math.tau < size <= 360 * _MOST_TURNS and not fraction and not is_computed
 
 
-def _is_square(angle: float) -> bool:
-    """Whether an angle (rad) is nearly a multiple of a quarter turn."""
-    return abs(math.remainder(angle, math.pi / 2)) < _LOOKS_SQUARE
+def _is_tried(angle: float) -> bool:
+    """Whether an angle puts a part square or diagonal as radians, and askew as degrees."""
+    if _is_near_multiple(angle, _SQUARE):
+        return not _is_near_multiple(math.radians(angle), _SQUARE)
+    return _is_near_multiple(angle, _DIAGONAL) and angle % _USUAL_DEGREES != 0
+
+
+def _is_near_multiple(angle: float, part: float) -> bool:
+    return abs(math.remainder(angle, part)) < _LOOKS_RIGHT
 
 
 def _format_radians(word: Token, *, in_xacro: bool) -> str:

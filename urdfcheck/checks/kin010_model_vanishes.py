@@ -55,6 +55,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         mass=sum(declared.mass for declared in model.masses),
         # Such as the ground that comes with PyBullet, and obstacles that stand on it.
         severity=Severity.INFO if is_static and not root_mass and not any(j.is_movable for j in model.joints) else None,
+        below=_describe_carriers(model, preserved, links),
         also=_STATIC if is_static else "",
         consequences=_FIXED if is_static else None,
     )
@@ -87,6 +88,17 @@ def _list_merged_links(model: Model, head: str, preserved: frozenset[str]) -> li
         joints = model.tree.child_joints[merged[-1]]
         queue.extend(joint.child for joint in joints if joint.type == "fixed" and joint.name not in preserved)
     return merged
+
+
+def _describe_carriers(model: Model, preserved: frozenset[str], dropped: list[Link]) -> str:
+    """Name the links that would be dropped next, with what they carry, if one that is dropped had a mass."""
+    tree = model.tree
+    heads = [joint.child for joint in model.joints if joint.type != "fixed" or joint.name in preserved]
+    merged = {head: [model.link_by_name[name] for name in _list_merged_links(model, head, preserved)] for head in heads}
+    heavy = {step.child for head, links in merged.items() if _has_mass(links) for step in tree.find_path_to(head)}
+    bare = {head for head, links in merged.items() if not _has_mass(links)} - {link.name for link in dropped}
+    carriers = [name for name in tree.order if name in bare & heavy]
+    return f" (and {join_names(carriers)} below it, which would be dropped next)" if carriers else ""
 
 
 def _list_preserved_joints(model: Model) -> frozenset[str]:

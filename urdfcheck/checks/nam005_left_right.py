@@ -32,12 +32,13 @@ _MAX_NAME_LENGTH = 200
 
 @dataclass(frozen=True, slots=True)
 class _LimbPair:
-    """The joints that hold a left and a right limb of one body."""
+    """The joints that hold a left and a right limb of one body, and the links on the limbs whose names differ in the side."""
 
     left: Joint
     right: Joint
+    named: tuple[str, str]
     offset: float
-    """The distance (m) by which left is left of right in the frame of the body, whose y axis points to the left."""
+    """The distance (m) by which the link named left is left of the other in the frame of the body (its y axis points left)."""
 
     @property
     def moves(self) -> bool:
@@ -52,18 +53,21 @@ def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Fin
         # The robot's y axis may point to its right. Fixed parts alone do not show that: they may be turned round.
         usual, odd = [side for side in odd if side.moves], usual
     if odd and len(usual) >= least * len(odd):
-        joints = [joint for side in odd for joint in (side.left, side.right)]
+        joints = [model.tree.parent_joint[name] for side in odd for name in side.named]
+        # Of limbs that are named otherwise, or not at all, only the names farther out are in question.
+        are_limbs = all(side.named == (side.left.child, side.right.child) for side in odd)
         finding = rule.finding(
             "swapped",
             at=joints[0].child_location,
             related=joints[1:10],
-            left=odd[0].left.child,
-            right=odd[0].right.child,
+            left=odd[0].named[0],
+            right=odd[0].named[1],
             offset=abs(odd[0].offset),
-            others=join_names(side.left.child for side in usual),
+            others=join_names(side.named[0] for side in usual),
             count=len(usual),
             consequences=_MOVING if any(_is_driven(model, side) for side in odd) else None,
-            more="" if len(odd) == 1 else f" (likewise {join_names(side.left.child for side in odd[1:])})",
+            more="" if len(odd) == 1 else f" (likewise {join_names(side.named[0] for side in odd[1:])})",
+            signs=", or the signs of y in the origins of their joints" if are_limbs else "",
         )
         yield replace(finding, subjects=tuple(f"link[{joint.child}]" for joint in joints))
 
@@ -95,7 +99,7 @@ def _find_limb_pairs(model: Model, apart: float) -> Iterator[_LimbPair]:
             across = abs(distance[1]) >= max(apart, 0.5 * float(np.linalg.norm(distance)))
             if across and (left.name, right.name) not in yielded and _can_tell_sides(body, left, right):
                 yielded.add((left.name, right.name))
-                yield _LimbPair(left, right, float(distance[1]))
+                yield _LimbPair(left, right, (name, other), float(distance[1]))
 
 
 def _can_tell_sides(body: Array, left: Joint, right: Joint) -> bool:

@@ -12,12 +12,13 @@ from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
-from urdfcheck.facts.likeness.mirror import measure_deviation
+from urdfcheck.facts.likeness.mirror import MirrorPlane, measure_deviation
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, format_millimetres, locate_difference
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
+from urdfcheck.model.likeness.declared_inertials import turn_inertial
 from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.parts import Inertial, Link
@@ -35,6 +36,8 @@ _COM_APART = 0.05
 # No motor makes one of two copies ten times as heavy; a decimal point does. Slightly less, for rounded numbers. Nor does it make
 # a moment ten times as large where the masses are equal to this share.
 SLIPPED_POINT, _SAME_MASS = 9.9, 0.01
+# The plane between left and right.
+_MIDDLE = MirrorPlane(np.array((0.0, 1.0, 0.0)), 0.0)
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
@@ -60,7 +63,9 @@ def _compare_copies(model: Model, rule: Rule, *, differ: float, note: float) -> 
     for pair in find_differing_pairs(model, note, excluded=sides):
         wrong = _pick_wrong_inertial(model, pair)
         if do_drawings_overlap(model, pair[0].link, pair[1].link):
-            yield _build_overlap_finding(rule, pair, note=note)
+            yield _build_drawing_finding(rule, "drawing", pair, note=note)
+        elif _are_mirrored(model, pair, differ):
+            yield _build_drawing_finding(rule, "mirrored", pair, note=note)
         elif wrong is None:
             yield _build_pair_finding(model, rule, pair, note=note)
         else:
@@ -116,19 +121,29 @@ def _build_pair_finding(
     )
 
 
-def _build_overlap_finding(rule: Rule, pair: tuple[CopyComparison, CopyComparison], *, note: float) -> Finding:
-    """Report two links that draw one part into each other: the drawing of either may be wrong, not the numbers."""
+def _build_drawing_finding(
+    rule: Rule, message: str, pair: tuple[CopyComparison, CopyComparison], *, note: float
+) -> Finding:
+    """Report two links of which one may draw the part of the other by mistake, and the numbers be right."""
     one, other = pair
     return rule.finding(
-        "drawing",
+        message,
         at=one.link.visuals[0],
         related=[other.link.visuals[0]],
-        consequences={"rviz": "shows the part twice"},
+        consequences={"rviz": "shows the same part twice"},
         severity=Severity.INFO,
         confidence=Confidence.HEURISTIC,
         sibling=other.link.name,
         **_collect_data(one, note),
     )
+
+
+def _are_mirrored(model: Model, pair: Sequence[CopyComparison], differ: float) -> bool:
+    """Whether two inertials are mirror images between the left and the right of the root's frame, much more than copies."""
+    one, other = pair
+    linear, shift = _MIDDLE.relate_frames(model.frames[one.link.name], model.frames[other.link.name])
+    image = turn_inertial(one.actual, linear, com=linear @ one.actual.com + shift)
+    return measure_deviation(other.actual, image).worst < min(differ, other.deviation.worst / MIN_DEVIATION_RATIO)
 
 
 def _has_slipped_moment(one: DeclaredInertial, other: DeclaredInertial) -> bool:

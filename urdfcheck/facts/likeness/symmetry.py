@@ -38,6 +38,8 @@ _AXIS_CHOICES = np.array(
 )
 # More joints are an array rather than a robot's limbs, and trying them takes long (the third power of their number).
 _MAX_MEMBERS = 32
+# How the names of operations that turn begin.
+_ROTATION = "rotation"
 # Positions match within 0.2 mm, a careful hand measurement, or half a percent of the pattern's size.
 _PLACE_ABSOLUTE, _PLACE_RELATIVE = 2e-4, 5e-3
 
@@ -120,6 +122,11 @@ class _FrameRelation:
     def members(self) -> frozenset[int]:
         return frozenset((self.source, self.target))
 
+    @property
+    def is_pure(self) -> bool:
+        """Whether the operation maps the frames onto each other unchanged, apart from what is wrong with one of them."""
+        return bool((self.snapped == np.eye(3)).all())
+
 
 @dataclass(frozen=True, slots=True)
 class _FramePrediction:
@@ -191,13 +198,18 @@ def find_suspect_frames(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike
     if any(all(not r.good and r.members & suspects for r in group) for group in whole):
         return None
     ways = [
-        (len(place) == 2 and _reverses_axis(op, turn=turn, axes=axis), way)
+        (len(place) == 2 and _reverses_axis(op, turn=turn, axes=axis), all(r.is_pure for r in group), way)
         for op, group in related
         if (way := _suspect_members(sorted(suspects), op, group, turn=turn, axes=axis)) is not None
     ]
-    best = min((_rank_suspects(way) for _, way in ways), default=None)
-    nearest = [(reverses, way) for reverses, way in ways if _rank_suspects(way) == best]
-    return None if all(reverses for reverses, _ in nearest) else nearest[0][1]
+    best = min((_rank_suspects(way) for *_, way in ways), default=None)
+    nearest = [one for one in ways if _rank_suspects(one[-1]) == best]
+    if all(reverses for reverses, *_ in nearest):
+        return None
+    # Of rotations that say the same, the one that turns one frame into the other is how the joints are related.
+    alike = [way for _, is_pure, way in nearest if is_pure and way.pattern.startswith(_ROTATION)]
+    first = nearest[0][-1]
+    return alike[0] if alike and first.pattern.startswith(_ROTATION) else first
 
 
 def _rank_suspects(way: SuspectFrames) -> tuple[bool, float]:
@@ -261,7 +273,7 @@ def _list_point_operations() -> list[tuple[str, Array]]:
             turn[j, j] = turn[k, k] = math.cos(angle)
             turn[k, j] = math.sin(angle)
             turn[j, k] = -turn[k, j]
-            named.append((f"rotation by {360 // order}° about {letter}", turn))
+            named.append((f"{_ROTATION} by {360 // order}° about {letter}", turn))
     return named
 
 

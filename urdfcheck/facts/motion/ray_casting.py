@@ -1,6 +1,6 @@
-"""Rays of a range sensor against shapes: how far from the sensor each ray enters one.
+"""Rays of a range sensor against shapes: how far from the sensor each ray meets one.
 
-Only surfaces that face the sensor count: a camera that renders culls the others, and a sensor inside its own housing sees out.
+Of meshes only surfaces that face the sensor count, of primitives also the far side where a ray is collided from inside.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from urdfcheck.facts.arrays import Array, Bools, Indices
+from urdfcheck.facts.arrays import Array, Indices
 
 # Pairs of a ray and a triangle that are compared at once.
 _MOST_PAIRS = 2_000_000
@@ -24,36 +24,27 @@ def make_scan_directions(azimuths: Array, elevations: Array) -> Array:
     return np.stack((across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)), axis=-1)
 
 
-def measure_primitive_entries(kind: str, size: Sequence[float], origin: Array, directions: Array) -> Array:
-    """Measure where rays enter a convex primitive: distances (N,), inf for none, also for an ``origin`` inside it.
+def cross_primitive(kind: str, size: Sequence[float], origin: Array, directions: Array) -> tuple[Array, Array]:
+    """Return where rays enter and leave a convex primitive: distances (N,), negative ones behind ``origin``.
 
-    ``size`` as in `urdfcheck.model.parts.Shape`; ``origin`` (3,) and the unit ``directions`` (N, 3) in the frame of the shape.
+    A ray that misses it does not enter before it leaves. ``size`` as in `urdfcheck.model.parts.Shape`; ``origin`` (3,) and the
+    unit ``directions`` (N, 3) in the frame of the shape.
     """
     if kind == "box":
-        low, high = _cross_slabs(origin, directions, np.array(size) / 2)
-    elif kind == "sphere":
-        low, high = _cross_round(origin, directions, size[0])
-    else:
-        radius, length = size
-        flat = np.array((1.0, 1.0, 0.0))
-        low, high = _cross_round(origin * flat, directions * flat, radius)
-        slab = _cross_slabs(origin[2:], directions[:, 2:], np.array((length / 2,)))
-        low, high = np.maximum(low, slab[0]), np.minimum(high, slab[1])
-        if kind == "capsule":
-            centres = [origin - (0, 0, side * length / 2) for side in (-1, 1)]
-            inner = origin - (0, 0, np.clip(origin[2], -length / 2, length / 2))
-            if inner @ inner < radius**2:  # also between the ends, whose balls the rays enter from inside
-                return np.full(len(directions), np.inf)
-            crossed = [(low, high), *(_cross_round(centre, directions, radius) for centre in centres)]
-            nearest: Array = np.min([np.where(_is_entry(*pair), pair[0], np.inf) for pair in crossed], axis=0)
-            return nearest
-    entries: Array = np.where(_is_entry(low, high), low, np.inf)
-    return entries
-
-
-def _is_entry(low: Array, high: Array) -> Bools:
-    inside: Bools = (low > 0) & (low < high)
-    return inside
+        return _cross_slabs(origin, directions, np.array(size) / 2)
+    if kind == "sphere":
+        return _cross_round(origin, directions, size[0])
+    radius, length = size
+    flat = np.array((1.0, 1.0, 0.0))
+    low, high = _cross_round(origin * flat, directions * flat, radius)
+    slab = _cross_slabs(origin[2:], directions[:, 2:], np.array((length / 2,)))
+    low, high = np.maximum(low, slab[0]), np.minimum(high, slab[1])
+    if kind == "capsule":
+        centres = [origin - (0, 0, side * length / 2) for side in (-1, 1)]
+        parts = [(low, high), *(_cross_round(centre, directions, radius) for centre in centres)]
+        low = np.min([np.where(enters < leaves, enters, np.inf) for enters, leaves in parts], axis=0)
+        high = np.max([np.where(enters < leaves, leaves, -np.inf) for enters, leaves in parts], axis=0)
+    return low, high
 
 
 def _cross_slabs(origin: Array, directions: Array, half: Array) -> tuple[Array, Array]:

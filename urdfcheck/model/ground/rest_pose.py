@@ -40,6 +40,8 @@ class RestPose:
     """Unit vector (3,) to the vertical, in root coordinates."""
     heights: Mapping[str, float]
     """Height of the lowest point of each link with a shape above the ground; what does not carry may be below it."""
+    upright: Mapping[str, float]
+    """Height of the lowest point of each link with a shape above those of the driven wheels, in the root's frame."""
     drops: Mapping[str, float]
     """How far the lowest point of each caster is below those of the driven wheels, in the root's frame, where these are level."""
     tolerance: float
@@ -103,6 +105,7 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
         tilt=end.tilt,
         up=end.up,
         heights={name: height - ground for name, height in heights.items()},
+        upright={name: height - min(float(wheel.contact[2]) for wheel in driven) for name, height in upright.items()},
         drops=_measure_drops(driven, {name: upright[name] for name in casters}, tolerance),
         tolerance=tolerance,
     )

@@ -11,7 +11,7 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.contact import GroundSupport
 from urdfcheck.model.ground.wheels import Wheel, rolling_wheels
-from urdfcheck.model.parts import GROUND_NAMES, Link
+from urdfcheck.model.parts import GROUND_NAMES, Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.corners import collect_shape_corners
@@ -68,9 +68,9 @@ def list_link_masses(model: Model) -> tuple[LinkMass, ...]:
 def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, Indices]:
     """Collect points (n, 3) whose hull is that of the robot, and the index (n,) of each point's link in the tree's order.
 
-    In root coordinates. Collision shapes count where a link has them, what it draws otherwise; dummy shapes do not, unless
-    they are casters. ``wheels`` by link add the two lowest points of their treads, between which the corners of a mesh may
-    hang in the air.
+    In root coordinates. Collision shapes count where a link has them, what it draws otherwise; a dummy shape does not, unless
+    it is a caster, or one of several with which a link collides: such are the points on which a foot stands. ``wheels`` by link
+    add the two lowest points of their treads, between which the corners of a mesh may hang in the air.
 
     :raises FactUnavailableError: when the tree is broken, or a shape is not known.
     """
@@ -79,8 +79,7 @@ def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Ar
     for index, name in enumerate(model.tree.order):
         frame = model.frames[name]
         link = model.link_by_name[name]
-        shapes = [s for s in link.collisions or link.visuals if CASTER_NAME.search(name) or not is_dummy_shape(s)]
-        points = collect_shape_corners(model, shapes)
+        points = collect_shape_corners(model, _list_solid_shapes(link))
         if points is None:
             raise FactUnavailableError(f"a shape of link {name!r} is not known")
         placed = points @ frame[:3, :3].T + frame[:3, 3]
@@ -91,6 +90,14 @@ def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Ar
         parts.append(placed)
         owners += [index] * len(placed)
     return np.concatenate(parts), np.array(owners, dtype=np.int64)
+
+
+def _list_solid_shapes(link: Link) -> list[Shape]:
+    """List the shapes with which a link may touch the ground."""
+    shapes = list(link.collisions or link.visuals)
+    if CASTER_NAME.search(link.name) or sum(map(is_dummy_shape, link.collisions)) > 1:
+        return shapes
+    return [shape for shape in shapes if not is_dummy_shape(shape)]
 
 
 def compute_contact_points(model: Model, points: Array, owners: Indices, support: GroundSupport) -> dict[str, Array]:

@@ -23,12 +23,12 @@ ROUND_STEP = math.pi / 12
 def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[float]:
     """Return the angles of a rotation (3, 3), with two of the author's three where those do.
 
-    Near a pitch of 90° many angles are one rotation.
+    Near a pitch of 90° many angles are one rotation: those with the fewest that are not round are what the author meant.
     """
     rpy = [_snap_angle(angle) for angle in matrix_to_rpy(rotation)]
     if typed is None or sum(abs(a - b) > ANGLE_TOLERANCE for a, b in zip(rpy, typed, strict=True)) < 2:
         return rpy
-    best, least = rpy, ANGLE_TOLERANCE
+    best, least = rpy, (len(rpy) + 1, ANGLE_TOLERANCE)
     roll, pitch, yaw = (rpy_to_matrix(np.eye(3)[slot] * typed[slot]) for slot in range(3))
     # The rotation is yaw @ pitch @ roll: what is left of it without the two that stay.
     for slot, left in (
@@ -39,15 +39,20 @@ def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[flo
         kept = [float(angle) for angle in typed]
         kept[slot] = _snap_angle(matrix_to_rpy(left)[slot])
         off = measure_rotation_angle(rpy_to_matrix(kept), rotation)
-        if off < least:
-            best, least = kept, off
+        misfit = (sum(not _is_round(angle) for angle in kept), off)
+        if off < ANGLE_TOLERANCE and misfit < least:
+            best, least = kept, misfit
     return best
 
 
 def _snap_angle(angle: float) -> float:
     """Round a predicted angle to a near multiple of 15°, else to 1e-6 rad."""
-    nearest = round(angle / ROUND_STEP) * ROUND_STEP
-    return nearest if abs(angle - nearest) < ANGLE_TOLERANCE else round(angle, 6)
+    return round(angle / ROUND_STEP) * ROUND_STEP if _is_round(angle) else round(angle, 6)
+
+
+def _is_round(angle: float) -> bool:
+    """Whether an angle is near a multiple of 15°."""
+    return abs(math.remainder(angle, ROUND_STEP)) < ANGLE_TOLERANCE
 
 
 def format_angle(angle: float, *, xacro: bool) -> str:

@@ -36,6 +36,8 @@ class SeenShape:
 
     shape: Shape
     link: str
+    holds_sensor: bool
+    """Whether the sensor is inside it, so that rays end at its far side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -48,9 +50,9 @@ class SelfScan:
     azimuths: Array
     """The directions of the rays that were followed (A,), in rad."""
     distances: Array
-    """Where each ray enters a shape (E, A), in m, inf for none."""
+    """Where each ray meets a shape (E, A), in m, inf for none."""
     seen: tuple[SeenShape, ...]
-    """The shapes that rays enter first."""
+    """The shapes that rays meet first."""
 
     @property
     def layers(self) -> int:
@@ -130,13 +132,26 @@ def _scan_from(
     distances = np.full((len(elevations), len(azimuths)), np.inf)
     first = np.full(distances.shape, -1)
     shapes = list(_iter_shapes(model, sensor.reference, role))
-    to_sensor = np.linalg.inv(place)
+    to_sensor, holding = np.linalg.inv(place), set()
     for index, (shape, link) in enumerate(shapes):
-        entries = _measure_entries(model, shape, to_sensor @ model.frames[link], azimuths, elevations, least)
-        entries[(entries < least) | (entries > most)] = np.inf
+        frame = to_sensor @ model.frames[link]
+        if shape.kind == "mesh":
+            entries = _measure_mesh_entries(model, shape, frame, azimuths, elevations, least)
+        else:
+            low, high = _cross_primitive(shape, frame, azimuths, elevations)
+            entries = np.where(low < high, low, np.inf)
+            if role == "collision":
+                # ODE lets a ray that begins inside a primitive end at its far side.
+                entries = np.where((low < least) & (least < high), high, entries)
+                if (low < 0.0).all() and (high > 0.0).all():
+                    holding.add(index)
+        entries[(entries < least) | (entries > most) | (entries <= 0.0)] = np.inf
         nearer = entries < distances
         distances[nearer], first[nearer] = entries[nearer], index
-    seen = tuple(SeenShape(shape=shapes[i][0], link=shapes[i][1]) for i in np.unique(first[first >= 0]).tolist())
+    seen = tuple(
+        SeenShape(shape=shapes[i][0], link=shapes[i][1], holds_sensor=i in holding)
+        for i in np.unique(first[first >= 0]).tolist()
+    )
     return SelfScan(sensor=sensor, least=least, azimuths=azimuths, distances=distances, seen=seen)
 
 
@@ -172,30 +187,36 @@ def _list_seen_links(tree: Tree, joint: Joint, *, carries: bool) -> list[str]:
     return found
 
 
-def _measure_entries(
+def _measure_mesh_entries(
     model: Model, shape: Shape, frame: Array, azimuths: Array, elevations: Array, least: float
 ) -> Array:
-    from urdfcheck.facts.motion.ray_casting import (
-        make_scan_directions,
-        measure_mesh_entries,
-        measure_primitive_entries,
-    )
+    from urdfcheck.facts.motion.ray_casting import measure_mesh_entries
 
-    pose, size = shape.origin.matrix, shape.size
-    assert pose is not None
-    assert size is not None  # see is_usable_shape
-    placed = frame @ pose
+    placed = _place_shape(shape, frame)
+    facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
+    assert facts is not None
+    assert scale is not None
+    vertices = facts.vertices * np.array(scale) @ placed[:3, :3].T + placed[:3, 3]
+    faces = facts.faces if math.prod(scale) > 0 else facts.faces[:, ::-1]
+    return measure_mesh_entries(vertices, faces, azimuths, elevations, least)
+
+
+def _cross_primitive(shape: Shape, frame: Array, azimuths: Array, elevations: Array) -> tuple[Array, Array]:
+    """Return where rays enter and leave a shape (E, A), in m."""
+    from urdfcheck.facts.motion.ray_casting import cross_primitive, make_scan_directions
+
+    assert shape.size is not None  # see is_usable_shape
+    placed = _place_shape(shape, frame)
     turn, origin = placed[:3, :3], placed[:3, 3]
-    if shape.kind == "mesh":
-        facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
-        assert facts is not None
-        assert scale is not None
-        vertices = facts.vertices * np.array(scale) @ turn.T + origin
-        faces = facts.faces if math.prod(scale) > 0 else facts.faces[:, ::-1]
-        return measure_mesh_entries(vertices, faces, azimuths, elevations, least)
     directions = make_scan_directions(azimuths, elevations)
-    entries = measure_primitive_entries(shape.kind or "", size, -turn.T @ origin, directions.reshape(-1, 3) @ turn)
-    return entries.reshape(directions.shape[:2])
+    low, high = cross_primitive(shape.kind or "", shape.size, -turn.T @ origin, directions.reshape(-1, 3) @ turn)
+    return low.reshape(directions.shape[:2]), high.reshape(directions.shape[:2])
+
+
+def _place_shape(shape: Shape, frame: Array) -> Array:
+    assert shape.origin.matrix is not None  # see is_usable_shape
+    placed: Array = frame @ shape.origin.matrix
+    return placed
 
 
 def _read_angles(element: Element | None, most: int) -> Array | None:
