@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import arm_on_base, box, find, joint, link, robot, visual
-from castings import CASTING, PLASTIC, Block, drawn_boxes, format_inertial, geometry, pieces, uniform
+from builders import arm_on_base, box, collision, find, joint, link, mesh, robot, visual
+from castings import CASTING, PLASTIC, Block, drawn_boxes, format_inertial, geometry, pieces, uniform, write_stl
 
 from urdfcheck.core import Finding
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
@@ -34,9 +34,8 @@ def test_a_sign_is_edited_if_no_other_sign_is_wrong_then(tmp_path: Path, z: floa
     assert count_edits(finding) == edits
 
 
-@pytest.mark.parametrize(("first", "edits"), [(0.12, 16), (0.0, 0)])
-def test_a_unit_is_edited_in_all_links_or_in_none(tmp_path: Path, first: float, edits: int) -> None:
-    """Pounds and inches in all links, of which the first also lacks its COM: no mass inside it has the tensor then."""
+def make_chain_in_pounds(first: float, *more: str) -> str:
+    """Links in pounds and inches; the COM of the first one is at this height (m), and the part's at 0.12."""
     parts = [link("base")]
     for i, edges in enumerate(EDGES):
         mass, com = 2700.0 * float(np.prod(edges)), np.array((0.0, 0.0, 0.12 if i else first))
@@ -46,9 +45,28 @@ def test_a_unit_is_edited_in_all_links_or_in_none(tmp_path: Path, first: float, 
             joint(f"j{i}", f"l{i - 1}" if i else "base", f"l{i}", kind="continuous", xyz="0.1 0.2 0.4"),
             link(f"l{i}", format_inertial(DeclaredInertial(mass / POUND, com, tensor)), shape),
         ]
-    (finding,) = find(tmp_path, robot(*parts), "INR009")
+    return robot(*parts, *more)
+
+
+@pytest.mark.parametrize(("first", "edits"), [(0.12, 16), (0.0, 0)])
+def test_a_unit_is_edited_in_all_links_or_in_none(tmp_path: Path, first: float, edits: int) -> None:
+    """Pounds and inches in all links, of which the first also lacks its COM: no mass inside it has the tensor then."""
+    (finding,) = find(tmp_path, make_chain_in_pounds(first), "INR009")
     assert finding.message_id == "habit"
     assert count_edits(finding) == edits
+
+
+def test_links_whose_meshes_are_open_may_have_the_mistake_of_their_file(tmp_path: Path) -> None:
+    write_stl(tmp_path / "open.stl", CASTING)
+    lines = (tmp_path / "open.stl").read_text().split("endfacet\n")
+    (tmp_path / "open.stl").write_text("solid part\n" + "endfacet\n".join(lines[1:]))
+    shapes = visual(mesh("open.stl")) + collision(box("0.2 0.15 0.1"))
+    hand = link("hand", format_inertial(uniform(geometry(CASTING).solid)), shapes)
+    text = make_chain_in_pounds(0.12, hand, joint("j", "l0", "hand", kind="continuous"))
+    (finding,) = (f for f in find(tmp_path, text, "INR009") if f.message_id == "habit")
+    assert finding.message.endswith(". 1 other link has an open visual mesh, which does not show it")
+    assert finding.fix is not None
+    assert "each of the" not in finding.fix.title
 
 
 @pytest.mark.parametrize(("factors", "edits"), [((1.0, 1.0, 1.0), 6), ((0.3, 0.7, 0.4), 0)])
