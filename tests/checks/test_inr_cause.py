@@ -600,7 +600,7 @@ def test_no_unit_is_named_that_fits_some_links_and_not_the_others(tmp_path: Path
     """One COM fits inches, one centimetres or inches, and one, 2 m away, no unit: so inches are no cause."""
     block = [((0.2, 0.1, 0.06), (0.02, 0.01, 0.0))]
     part = uniform(geometry(block).solid)
-    places = [part.com / 0.0254, part.com / 0.015, part.com + (1.3, -0.9, 1.2)]
+    places = [part.com / 0.0254, part.com / 0.015, part.com + np.array((1.3, -0.9, 1.2))]
     parts = [link("base")]
     for i, place in enumerate(places):
         shape = drawn_boxes(block)

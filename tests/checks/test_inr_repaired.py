@@ -95,7 +95,7 @@ def test_one_side_is_edited_if_it_is_known_what_is_wrong_with_the_other(
 @pytest.mark.parametrize(("sign", "advised"), [(1.0, False), (-1.0, True), (0.0, False)])
 def test_products_that_fit_keep_their_signs(tmp_path: Path, sign: float, advised: bool) -> None:
     """The COM is on the wrong side in x; the products with x are those of the drawn part, the opposite, or zero."""
-    blocks = [(size, np.array(place) + (0.2, 0.0, 0.0)) for size, place in CASTING]
+    blocks = [(size, np.add(place, (0.2, 0.0, 0.0))) for size, place in CASTING]
     true = uniform(geometry(blocks).solid)
     signs = np.ones((3, 3))
     signs[0, 1:] = signs[1:, 0] = sign
@@ -104,3 +104,21 @@ def test_products_that_fit_keep_their_signs(tmp_path: Path, sign: float, advised
     assert finding.message_id == "sign"
     assert finding.fix is not None
     assert ("check the products of inertia" in finding.fix.title) == advised
+
+
+@pytest.mark.parametrize(("count", "named"), [(3, True), (2, False)])
+def test_coms_in_the_frame_of_the_root_are_one_mistake(tmp_path: Path, count: int, named: bool) -> None:
+    """Of three links the COMs are where the parts are in the root's frame, or of two; the last one is turned."""
+    parts = [link("base")]
+    for i, edges in enumerate(EDGES[:3]):
+        tensor = compute_solid_inertia(make_box_solid(edges), 2.0)
+        rpy, com = ("1.5707963 0 0", (0.3, 0.4, 0.9)) if i == 2 else ("", (0.1 * (i + 1), 0.0, 0.4 * (i + 1)))
+        place = (0.0, 0.0, 0.0) if i >= count else com
+        numbers = DeclaredInertial(2.0, np.array(place), tensor)
+        above, xyz = (f"l{i - 1}", "0.1 0 0.4") if i < 2 else ("l1", "0.1 0.4 0.1")
+        parts += [
+            joint(f"j{i}", above if i else "base", f"l{i}", kind="continuous", xyz=xyz, rpy=rpy),
+            link(f"l{i}", format_inertial(numbers), visual(box(" ".join(map(str, edges))))),
+        ]
+    found = find(tmp_path, robot(*parts), "INR006")
+    assert {f.cause.id for f in found if f.cause is not None} == ({"root"} if named else set())

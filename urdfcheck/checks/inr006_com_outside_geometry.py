@@ -15,6 +15,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_diameter, measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.model import Model
+from urdfcheck.model.inertials.habits.root_coms import find_root_coms
 from urdfcheck.model.inertials.inertial_hull import (
     NEGLIGIBLE_SHARE,
     EnclosedInertial,
@@ -62,6 +63,7 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             continue
         sign = _find_sign_repair(model, part)
         missing = sign is None and not any(part.inertial.origin.xyz or ())
+        is_of_root = part.link.name in find_root_coms(model)
         is_bolted = sign is None and part.link.name in list_bolted_links(model)
         other_frame = "" if sign is not None or is_bolted else describe_other_frame(model, part.link)
         message = "sign" if sign is not None else "bolted" if is_bolted else "drawn" if other_frame else "outside"
@@ -70,7 +72,7 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             message,
             at=_locate_drawing(part) if other_frame else _locate(part),
             severity=Severity.INFO if is_bolted else None,
-            cause="sign" if sign is not None else "missing" if missing else None,
+            cause="sign" if sign is not None else "missing" if missing else "root" if is_of_root else None,
             edits=() if sign is None else sign.repair.edits,
             link=part.link.name,
             distance=float(f"{distance:.3g}"),
@@ -82,6 +84,7 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             edit=None if sign is None else sign.repair.text,
             advice="" if sign is None else sign.advice,
             evidence=other_frame,
+            root=model.tree.root if is_of_root else "",
         )
 
 

@@ -330,7 +330,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
 
 
 def _count_unseen_links(model: Model, links: Sequence[Link]) -> int:
-    """Count the links beside some that have a mistake, of which a collision shape stands for an open mesh: they may have it, too."""
+    """Count the links beside some with a mistake of which a collision shape stands for an open mesh: they may have it, too."""
     names = inertial_diagnoses(model).keys() - {link.name for link in links}
     return sum(explain_collision_stand_in(model, model.link_by_name[name]) == "open" for name in names)
 

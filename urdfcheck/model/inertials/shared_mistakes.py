@@ -179,7 +179,9 @@ def find_disputed_units(model: Model) -> dict[str, str]:
         elif diagnosis.cause is None and not diagnosis.fits_geometry and diagnosis.com_mismatch > FAR:
             units.setdefault("com_unit", {})[name] = "none"
     return {
-        cause: "" if _find_common_units(links, but="none") else join_names(f"{n} {detail}" for n, detail in links.items())
+        cause: ""
+        if _find_common_units(links, but="none")
+        else join_names(f"{n} {detail}" for n, detail in links.items())
         for cause, links in units.items()
         if set(links.values()) != {"none"} and not _find_common_units(links)
     }
