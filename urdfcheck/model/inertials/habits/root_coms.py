@@ -9,13 +9,13 @@ from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
-# A COM is outside of a part beyond this share of its size, and inside up to that share of it; so many links prove the mistake.
+# A COM is outside a part beyond this share of its size, and inside up to that share of it; so many links prove the mistake.
 _OUTSIDE, _INSIDE, _FEWEST = 0.5, 0.02, 3
 
 
 @fact
 def find_root_coms(model: Model) -> frozenset[str]:
-    """Find the links whose COM is far outside of what they draw, and inside if it is in the frame of the root; none unless
+    """Find the links whose COM is far outside what they draw, and inside if it is in the frame of the root; none unless
     several links prove it."""
     try:
         frames = model.frames

@@ -136,7 +136,7 @@ def is_evident(diagnosis: Diagnosis) -> bool:
 
 
 def _list_links_to_mend(model: Model, link: Link, diagnosed: DiagnosedInertial) -> list[str]:
-    """List the links that are mended together: where most links of a file are in another unit, these, and else one alone."""
+    """List the links that are repaired together: where most links of a file are in another unit, these, and else one alone."""
     if not diagnosed.is_habit or diagnosed.diagnosis.cause not in _UNIT_CAUSES:
         return [link.name]
     return [name for name, one in inertial_diagnoses(model).items() if one.is_habit]
