@@ -240,6 +240,14 @@ def test_more_digits_do_not_make_a_box_of_a_line_of_points(tmp_path: Path, size:
     assert finding.consequences["gazebo"].startswith("loads it" if kind == "fixed" else "refuses")
 
 
+def test_copies_of_a_fixed_part_are_loaded_by_what_merges_them(tmp_path: Path) -> None:
+    rounded = inertial("0.0314", ixx="6.5e-05", ixy="5.1e-05", ixz="-1e-06", iyy="5e-05", iyz="1e-06", izz="0.000103")
+    text = make_arm(SOUND, more=fixed("left", rounded) + fixed("right", rounded))
+    (finding,) = find(tmp_path, text, "INR003")
+    assert (finding.message_id, len(finding.subjects)) == ("rounded", 2)
+    assert finding.consequences["gazebo"].startswith("loads it")
+
+
 def test_a_violation_that_the_digits_do_not_explain_is_not(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_arm(inertial(ixx="0.001234000", iyy="0.002345000", izz="0.003580000")), "INR003")
     assert (finding.message_id, finding.severity) == ("violated", Severity.ERROR)

@@ -596,6 +596,19 @@ def test_links_of_one_model_that_fit_different_units_are_left_alone(tmp_path: Pa
     assert "(unit of the COM: inches)" in alone.message
 
 
+def test_no_unit_is_named_that_fits_some_links_and_not_the_others(tmp_path: Path) -> None:
+    """One COM fits inches, one centimetres or inches, and one, 2 m away, no unit: so inches are no cause."""
+    block = [((0.2, 0.1, 0.06), (0.02, 0.01, 0.0))]
+    part = uniform(geometry(block).solid)
+    places = [part.com / 0.0254, part.com / 0.015, part.com + np.array((1.3, -0.9, 1.2))]
+    parts = [link("base")]
+    for i, place in enumerate(places):
+        shape = drawn_boxes(block)
+        parts += [joint(f"j{i}", "base", f"l{i}"), link(f"l{i}", format_inertial(replace(part, com=place)), shape)]
+    messages = {f.message_id for f in find(tmp_path, robot(*parts), CODES)}
+    assert "disputed" not in messages
+
+
 def test_another_mass_is_claimed_only_for_one_ratio_of_all_moments(tmp_path: Path) -> None:
     tripled = replace(TRUE, tensor=3 * TRUE.tensor)
     finding = one(tmp_path / "a", make_drawn_arm(format_inertial(tripled)))

@@ -70,14 +70,16 @@ def test_a_decimal_point_of_a_moment_is_edited_where_the_rest_fits(
     assert bool(finding.fix.edits) == is_edited
 
 
-def test_the_unit_of_a_file_is_reported_once(tmp_path: Path) -> None:
-    """Tensors in g·m², four of which have the axes of another frame, and one is exactly the drawn part's."""
+@pytest.mark.parametrize("lone", [(1e3, 1.0), (1.0 / 0.0254**2, 1.0 / 0.0254)])
+def test_the_unit_of_a_file_is_reported_once(tmp_path: Path, lone: tuple[float, float]) -> None:
+    """Tensors in g·m², four of which have the axes of another frame, and one is exactly the drawn part's, or is that with its COM
+    in inches."""
     numbers = []
     for i in range(5):
         part = make_part(i)
         turned = np.roll(np.diag(part.tensor), 1) * (1.3, 0.9, 1.1)
         moved = replace(part, com=part.com + 0.02, tensor=1e3 * np.diag(turned))
-        numbers.append(replace(part, tensor=1e3 * part.tensor) if i == 2 else moved)
+        numbers.append(replace(part, tensor=lone[0] * part.tensor, com=lone[1] * part.com) if i == 2 else moved)
     (finding,) = find(tmp_path, make_chain(numbers), {"INR005", "INR009"})
     assert (finding.code, finding.message_id, len(finding.subjects)) == ("INR005", "unit", 5)
     assert finding.data["explains"] == ["INR009 link[l2]"]

@@ -182,6 +182,9 @@ def test_a_collision_shape_or_a_hull_is_named_and_never_edited(tmp_path: Path) -
     assert "(the convex hull of the open mesh at this mass and uniform density)" in hull.fix.title
     assert "(the collision shape at this mass and uniform density; the visual mesh is open)" in shape.fix.title
     assert "xyz" not in hull.fix.title + shape.fix.title
+    motor = one(tmp_path, arm_on_base(impossible, mesh + collision(box("0.03 0.03 0.03"))), {"INR003"})
+    assert motor.fix is not None
+    assert "collision shape" not in motor.fix.title
 
 
 # -- numbers that slipped or were copied --------------------------------------------------------------------------------

@@ -478,6 +478,14 @@ def test_a_line_is_deleted_with_its_line_break_and_nothing_else(tmp_path: Path) 
     assert [e.expected for e in leftover.fix.edits] == ['<param name="use_gui" value="1"/>']
 
 
+@pytest.mark.parametrize(("other", "exported"), [("tf_footprint_base", True), ("controllers", False)])
+def test_an_exporter_is_named_beside_another_of_its_nodes(tmp_path: Path, other: str, exported: bool) -> None:
+    body = '<node name="n" pkg="rostopic" type="rostopic" args="pub /calibrated std_msgs/Bool true"/>'
+    beside = f'<node name="{other}" pkg="tf" type="static_transform_publisher" args="0 0 0 0 0 0 a b 40"/>'
+    (finding,) = find_in_launch(tmp_path, body + beside, "LCH007")
+    assert (finding.cause is not None) == exported
+
+
 def test_an_element_with_content_is_not_deleted(tmp_path: Path) -> None:
     body = '<node name="n" pkg="rostopic" type="rostopic" args="pub /calibrated std_msgs/Bool true"><env/></node>'
     (finding,) = find_in_launch(tmp_path, body, "LCH007")

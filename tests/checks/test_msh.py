@@ -650,6 +650,21 @@ def test_metres_that_are_scaled_as_millimetres_vanish(tmp_path: Path) -> None:
     assert finding.message_id == "small"
 
 
+@pytest.mark.parametrize(("mass", "reported"), [("8.4e-8", False), ("0.1", True)])
+def test_a_part_that_weighs_as_little_as_its_mesh_is_meant(tmp_path: Path, mass: str, reported: bool) -> None:
+    """A letter of a logo, of steel: 0.4 mm, in millimetres like the rest of the robot."""
+    inertial = f'<inertial><mass value="{mass}"/></inertial>'
+    drawn = shape("visual", scale="0.001 0.001 0.001")
+    found = find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 0.4), "", inertial + drawn, step=0.3)
+    assert bool(found) == reported
+
+
+@pytest.mark.parametrize("role", ["visual", "collision"])
+def test_moveit_does_not_load_the_unit_of_a_visual_mesh(tmp_path: Path, role: str) -> None:
+    (finding,) = find_in_mesh(tmp_path, "MSH008", collada(0.0254, 15.0), shape(role, "part.dae"), name="part.dae")
+    assert (role == "collision") == ("MoveIt" in finding.message) == ("ignores" in finding.consequences["moveit"])
+
+
 @pytest.mark.parametrize(("others", "found"), [(3, True), (1, False)])
 def test_millimetres_that_are_scaled_twice_get_the_usual_scale(tmp_path: Path, others: int, found: bool) -> None:
     """What most other meshes of the robot have decides: 400 may be millimetres, centimetres or inches."""

@@ -81,6 +81,16 @@ def find_odd_inertia(folder: Path, text: str, name: str = "robot.urdf") -> list[
     return find(folder, text, "SYM003", name=name)
 
 
+def test_a_com_with_the_numbers_of_the_others_stays_where_the_drawing_is_a_little_apart(tmp_path: Path) -> None:
+    """The mass is another one; the mesh is half a millimetre higher, which its author saw and the COM did not need."""
+    odd = drawn("0 0 0.0005") + make_lump_inertial(0.8 * MASS)
+    (finding,) = find_odd_inertia(tmp_path, make_parts_on_base(*FOUR, rr=odd))
+    assert "mass" in finding.message
+    assert "COM" not in finding.message
+    assert finding.fix is not None
+    assert len(finding.fix.edits) == 1
+
+
 def repaired(folder: Path, text: str) -> list[Finding]:
     """What is left when the only finding's edits are applied."""
     (finding,) = find_odd_inertia(folder, text)

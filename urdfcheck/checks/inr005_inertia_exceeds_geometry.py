@@ -176,7 +176,7 @@ def _build_unit_finding(
 ) -> Finding:
     """Report together the ``links`` of a file whose tensors are in another unit, each with whether no undrawn part makes up for
     its tensor. It explains what INR009 reports of one of them alone."""
-    alone = [declared.link for declared, _ in links if has_mistake(model, declared.link, "inertia_unit")]
+    alone = [declared.link for declared, _ in links if _has_lone_unit(model, declared.link)]
     places = [declared.element for declared, _ in links]
     return build_group_finding(
         rule,
@@ -191,6 +191,13 @@ def _build_unit_finding(
         remedy=unit.remedy,
         explains=[f"INR009 link[{link.name}]" for link in alone],
     )
+
+
+def _has_lone_unit(model: Model, link: Link) -> bool:
+    """Whether INR009 reports the unit of a link's tensor, or those of mass, tensor and COM together that fit no other link."""
+    judged = inertial_diagnoses(model).get(link.name)
+    cause = None if judged is None else judged.diagnosis.cause
+    return cause == "inertia_unit" or (cause == "units" and judged is not None and not judged.is_habit)
 
 
 def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, ratio: float, excess: float) -> _Advice:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,7 +13,9 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_diameter, measure_extent, measure_hull_distance
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.model import Model
+from urdfcheck.model.inertials.habits.root_coms import find_root_coms
 from urdfcheck.model.inertials.inertial_hull import (
     NEGLIGIBLE_SHARE,
     EnclosedInertial,
@@ -26,9 +29,15 @@ from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertia
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
 
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Mat3
+
 # A coordinate has the wrong sign if the other sign brings the centre of mass this near to the drawn part's own, relative to the
 # part's size; a motor at one end of a link moves it by as much.
 _NEAR = 0.1
+# Products are those of the drawn part, signs included, if they differ by less than this share of their size; below the other
+# share of the largest moment they are none.
+_SAME_PRODUCTS, _NO_PRODUCTS = 0.5, 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +46,8 @@ class _SignRepair:
 
     axis: str
     repair: InertialRepair
+    advice: str
+    """What to do about the products of inertia; empty where these fit the drawn part as they are."""
 
 
 def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
@@ -52,6 +63,7 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             continue
         sign = _find_sign_repair(model, part)
         missing = sign is None and not any(part.inertial.origin.xyz or ())
+        is_of_root = part.link.name in find_root_coms(model)
         is_bolted = sign is None and part.link.name in list_bolted_links(model)
         other_frame = "" if sign is not None or is_bolted else describe_other_frame(model, part.link)
         message = "sign" if sign is not None else "bolted" if is_bolted else "drawn" if other_frame else "outside"
@@ -60,7 +72,7 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             message,
             at=_locate_drawing(part) if other_frame else _locate(part),
             severity=Severity.INFO if is_bolted else None,
-            cause="sign" if sign is not None else "missing" if missing else None,
+            cause="sign" if sign is not None else "missing" if missing else "root" if is_of_root else None,
             edits=() if sign is None else sign.repair.edits,
             link=part.link.name,
             distance=float(f"{distance:.3g}"),
@@ -70,7 +82,9 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             around=part.geometry_phrase,
             axis=None if sign is None else sign.axis,
             edit=None if sign is None else sign.repair.text,
+            advice="" if sign is None else sign.advice,
             evidence=other_frame,
+            root=model.tree.root if is_of_root else "",
         )
 
 
@@ -91,8 +105,19 @@ def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | Non
             repair = build_inertial_repair(part.inertial, wanted)
             # A tensor about other axes would still be one: the sign of the COM alone makes no sound part.
             is_enough = not measure_turn_of_tensor(wanted, drawn.solid)
-            repairs.append(_SignRepair(axis, repair if is_enough else replace(repair, edits=())))
+            fits = _has_drawn_products(wanted, compute_solid_inertia(drawn.solid, part.mass), i)
+            advice = "" if fits else ", and check the products of inertia, whose signs change with it"
+            repairs.append(_SignRepair(axis, repair if is_enough else replace(repair, edits=()), advice))
     return repairs[0] if len(repairs) == 1 else None
+
+
+def _has_drawn_products(declared: DeclaredInertial, uniform: Mat3, axis: int) -> bool:
+    """Whether the products of inertia with an axis are those of the uniform part, or zero."""
+    products, expected = (np.delete(tensor[axis], axis) for tensor in (declared.inertia, uniform))
+    size = float(np.linalg.norm(products))
+    if size <= _NO_PRODUCTS * float(np.abs(declared.inertia).max()):
+        return True
+    return float(np.linalg.norm(products - expected)) < _SAME_PRODUCTS * size
 
 
 def _locate_drawing(part: EnclosedInertial) -> Located:

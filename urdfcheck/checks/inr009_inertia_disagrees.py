@@ -8,7 +8,7 @@ import numpy as np
 
 from urdfcheck.core import Confidence, FactUnavailableError, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
@@ -91,6 +91,7 @@ MIRROR_CAUSES = frozenset({"unmirrored"})
 _OTHER_UNIT = 100.0
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
 _FAR_SMALLER = 0.2
+_UNSEEN = ("other link has an open visual mesh, which does", "other links have open visual meshes, which do")
 _POSSIBLE_TERM = (
     ". It may be the sum of the tensors of several bodies without the parallel-axis term: the COM is right, and the mesh has"
     " several bodies"
@@ -304,6 +305,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
     has_vast = any(is_vast(model, link, one) for link, one in zip(links, judged, strict=True))
     is_certain = len(complete) == len(links) and all(is_proven(model, link) for link in links)
     edits = {edit.span: edit for repair in complete for edit in repair.edits} if is_certain else {}
+    unseen = _count_unseen_links(model, links)
     return build_group_finding(
         rule,
         "habit",
@@ -322,7 +324,15 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         after=float(f"{_compute_median_mismatch(judged, is_mended=True):.2g}"),
         better=describe_median_agreement(model, links),
         edit="" if repairs[0] is None else repairs[0].words,
+        unseen=f". {format_count(unseen, *_UNSEEN)} not show it" if unseen else "",
+        each="" if unseen else f", or each of the {len(links)} links",
     )
+
+
+def _count_unseen_links(model: Model, links: Sequence[Link]) -> int:
+    """Count the links beside some with a mistake of which a collision shape stands for an open mesh: they may have it, too."""
+    names = inertial_diagnoses(model).keys() - {link.name for link in links}
+    return sum(explain_collision_stand_in(model, model.link_by_name[name]) == "open" for name in names)
 
 
 def _compute_median_mismatch(judged: Sequence[DiagnosedInertial], *, is_mended: bool) -> float:

@@ -15,13 +15,15 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
     if launch.root is None:
         return
+    # The SolidWorks exporter writes another node of this name beside the one that is left over.
+    is_exported = any(e.tag == "node" and e.get("name") == "tf_footprint_base" for e in launch.root.walk())
     for element in launch.root.walk():
         message = _classify_leftover(element)
         if message is not None:
             yield rule.finding(
                 message,
                 at=element,
-                cause="solidworks-exporter" if message == "calibration" else None,
+                cause="solidworks-exporter" if message == "calibration" and is_exported else None,
                 edits=build_removal_edits(element, launch.files),
                 name=element.get("name"),
             )

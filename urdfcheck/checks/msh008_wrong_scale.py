@@ -12,10 +12,11 @@ import numpy as np
 from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names, join_numbers
+from urdfcheck.facts.inertials.materials import is_part_density
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.repairs.edits import edit_numbers
-from urdfcheck.model.shapes.solids import compute_drawn_scale
+from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
 
 # The units of CAD systems, in metres.
 UNITS = {"millimetres": 0.001, "inches": 0.0254, "centimetres": 0.01}
@@ -27,6 +28,8 @@ MAX_CONVERSION_SCALE = 0.03
 ENLARGED = 20.0
 # A part that measures more than this in all three directions (m) is not a ground plane or a wall.
 MIN_ENLARGED = 1.0
+# What MoveIt does with a mesh that is only drawn.
+_DRAWN_ONLY = {"moveit": "loads no visual mesh"}
 
 
 def check(model: Model, rule: Rule, *, largest: float, ratio: float, smallest: float) -> Iterator[Finding]:
@@ -96,6 +99,7 @@ def _check_invalid_units(model: Model, rule: Rule) -> Iterator[Finding]:
             "unit_invalid",
             at=users[0].filename,
             related=[use.filename for use in users[1:]],
+            consequences=None if _has_collision(users) else _DRAWN_ONLY,
             meshes=_describe_declaring_meshes(users),
             declared=declared[:80],
         )
@@ -163,8 +167,18 @@ def _classify_size(model: Model, mesh: _MeasuredMesh, sizes: _SizeLimits, *, usu
         return "enlarged"
     if mesh.size >= sizes.smallest or max(map(abs, mesh.use.shape.size or (1.0,))) >= MAX_CONVERSION_SCALE:
         return None
+    if _weighs_as_drawn(model, mesh.use):
+        return None
     in_file = _measure_size_in_file(model, mesh.use)
     return "small" if sizes.is_plausible(in_file) else "twice" if sizes.is_plausible(in_file * usual) else None
+
+
+def _weighs_as_drawn(model: Model, use: MeshUse) -> bool:
+    """Whether the mass of the link is that of a part as small as the mesh, such as a letter of a logo."""
+    solid, inertial = measure_shape_solid(model, use.shape), use.link.inertial
+    if solid is None or not solid.volume > 0 or inertial is None or inertial.mass is None:
+        return False
+    return is_part_density(inertial.mass / solid.volume)
 
 
 def _is_enlarged(model: Model, mesh: _MeasuredMesh, sizes: _SizeLimits) -> bool:
@@ -208,6 +222,11 @@ def _set_all_subjects(finding: Finding, uses: Iterable[MeshUse]) -> Finding:
     return replace(finding, subjects=tuple(dict.fromkeys(use.filename.location.subject for use in uses)))
 
 
+def _has_collision(uses: Iterable[MeshUse]) -> bool:
+    """Whether one of the meshes is a collision shape, which MoveIt loads, rather than a visual one."""
+    return any(use.shape in use.link.collisions for use in uses)
+
+
 def _describe_declaring_meshes(uses: list[MeshUse]) -> str:
     names = list(dict.fromkeys(use.name for use in uses))
     return f"mesh {names[0]} declares" if len(names) == 1 else f"meshes {join_names(names)} declare"
@@ -227,7 +246,9 @@ def _build_unit_finding(rule: Rule, sizes: _SizeLimits, *, unit: float, meshes: 
         "unit",
         at=uses[0].filename,
         related=[use.filename for use in uses[1:]],
+        consequences=None if _has_collision(uses) else _DRAWN_ONLY,
         meshes=_describe_declaring_meshes(uses),
+        unaware="Pinocchio, MoveIt and trimesh" if _has_collision(uses) else "Pinocchio and trimesh",
         name=names[0],
         count=len(names),
         unit=unit,

@@ -93,6 +93,7 @@ def _merge_group(rule: Rule, group: Sequence[Finding], *, names: Sequence[str], 
         related=[*places[1:], *(place for finding in group for place in finding.related)],
         severity=first.severity,
         confidence=first.confidence,
+        consequences=_join_consequences(group),
         **data,
     )
     message = finding.message

@@ -179,14 +179,17 @@ def find_disputed_units(model: Model) -> dict[str, str]:
         elif diagnosis.cause is None and not diagnosis.fits_geometry and diagnosis.com_mismatch > FAR:
             units.setdefault("com_unit", {})[name] = "none"
     return {
-        cause: join_names(f"{name} {detail}" for name, detail in links.items()) if len(_name_units(links)) > 1 else ""
+        cause: ""
+        if _find_common_units(links, but="none")
+        else join_names(f"{n} {detail}" for n, detail in links.items())
         for cause, links in units.items()
-        if _name_units(links) and not set.intersection(*(set(detail.split(" or ")) for detail in links.values()))
+        if set(links.values()) != {"none"} and not _find_common_units(links)
     }
 
 
-def _name_units(links: Mapping[str, str]) -> set[str]:
-    return set(links.values()) - {"none"}
+def _find_common_units(links: Mapping[str, str], but: str = "") -> set[str]:
+    """Return the units that fit every link, of those that do not fit ``but``."""
+    return set.intersection(*(set(detail.split(" or ")) for detail in links.values() if detail != but))
 
 
 @fact

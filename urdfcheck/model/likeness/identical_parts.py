@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 NOTABLE_SHARE = 0.01
 # Shapes of two links are arranged alike when their placements agree to within this share of the distances between them.
 _ARRANGEMENT_TOLERANCE = 1e-4
+# What links draw is placed by hand to this length (m).
+_SAME_PLACE = 1e-3
 # This many members of a group are compared with all others.
 _MAX_CANDIDATES = 16
 # A part is symmetric when its image under the symmetry differs by less than this share of its size.
@@ -324,9 +326,12 @@ def _is_same_arrangement(one: Sequence[Array], other: Sequence[Array]) -> bool:
 
 
 def _transform_to_copy(source: PartCopy, target: PartCopy) -> DeclaredInertial:
-    """Return the inertial of one copy as that of another, in the other's frame."""
-    linear = target.linear @ source.linear.T
-    return turn_inertial(source.numbers, linear, com=linear @ (source.numbers.com - source.shift) + target.shift)
+    """Return the inertial of one copy as that of another, in the other's frame. One COM in both frames stays, where the drawings
+    are placed apart by no more than a hand measures."""
+    linear, own = target.linear @ source.linear.T, source.numbers.com
+    com = linear @ (own - source.shift) + target.shift
+    is_one = np.array_equal(own, target.numbers.com) and float(np.linalg.norm(com - own)) <= _SAME_PLACE
+    return turn_inertial(source.numbers, linear, com=own if is_one else com)
 
 
 def _transform_about(numbers: DeclaredInertial, linear: Array, centre: Array) -> DeclaredInertial:

@@ -9,6 +9,7 @@ import numpy as np
 
 from urdfcheck.core import Span
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST
 from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
@@ -18,7 +19,12 @@ from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, has_loose_hull, measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import (
+    explain_collision_stand_in,
+    has_loose_hull,
+    measure_link_geometry,
+    measure_role_geometry,
+)
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Mat3
@@ -28,6 +34,8 @@ if TYPE_CHECKING:
 _MESH_NOISE = 1e-3
 # Significant digits of numbers that a uniform density gives.
 _GUESSED_DIGITS = 4
+# A collision shape of this share of the length of what is drawn stands for the part.
+_MOST_OF_PART = 0.5
 # Halves of a unit in the last typed place.
 _LAST_PLACE = 2.0
 
@@ -119,6 +127,15 @@ def _is_replaced_by_collision(model: Model, link: Link) -> bool:
     return explain_collision_stand_in(model, link) in {"open", "unread"}
 
 
+def _is_collision_of_detail(model: Model, link: Link) -> bool:
+    """Whether the collision shapes that replace an open mesh are far smaller: those of the motor alone of a leg, for example."""
+    if explain_collision_stand_in(model, link) != "open":
+        return False
+    roles = [measure_role_geometry(model, link, role) for role in ("collision", "visual")]
+    colliding, visible = (0.0 if drawn is None else measure_extent(drawn.points) for drawn in roles)
+    return colliding < _MOST_OF_PART * visible
+
+
 def _is_air(link: Link, drawn: VisualGeometry) -> bool:
     """Whether no material is so light: then a mesh is drawn many times too large, and its tensor and COM are as wrong."""
     mass = None if link.inertial is None else link.inertial.mass
@@ -146,6 +163,8 @@ def _format_drawn_inertial(model: Model, link: Link) -> str | None:
 def _compute_from_geometry(model: Model, link: Link, *, with_com: bool = False) -> InertialRepair | None:
     inertial, drawn = link.inertial, measure_link_geometry(model, link)
     if inertial is None or drawn is None or inertial.mass is None or not inertial.mass > 0:
+        return None
+    if _is_collision_of_detail(model, link):
         return None
     size = float(np.trace(drawn.solid.covariance))
     if not size > 0.0:  # a surface that is not a solid, or numbers too large to square

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from urdfcheck.core import Span
+from urdfcheck.core import FactUnavailableError, Span
 from urdfcheck.facts.inertials.certainty import EXACT, UNIFORM
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial
@@ -16,6 +16,7 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
 from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text
+from urdfcheck.model.likeness.mirror_pairs import list_named_pairs
 from urdfcheck.model.parts import Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
@@ -56,9 +57,10 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
         not diagnosed.diagnosis.com_order  # two mistakes, and only the numbers of one of them are proven
         and is_evident(diagnosed.diagnosis)
         and _has_same_mistake(model, inertial.element.span)
-        and not _contradicts_twins(model, diagnosed)
+        and not _contradicts_twins(model, link, diagnosed)
         and not _is_lone_unit(model, diagnosed)
         and not _is_of_either_side(model, link, diagnosed)
+        and not any(_leaves_mistake(model, name) for name in _list_links_to_mend(model, link, diagnosed))
     )
     change = replace(change, where=describe_own_call(model, link, change))
     return change if is_certain else replace(change, edits=())
@@ -80,6 +82,17 @@ def _complete_term(model: Model, link: Link, diagnosed: DiagnosedInertial) -> De
         return None
     uniform = compute_solid_inertia(solid, declared.mass)
     return replace(declared, tensor=declared.rotation.T @ uniform @ declared.rotation)
+
+
+@fact
+def _leaves_mistake(model: Model, name: str) -> bool:
+    """Whether a link's numbers without the mistake show another one, or are those of no mass inside the drawn part: the link
+    would be reported again."""
+    drawn, diagnosis = measure_link_geometry(model, model.link_by_name[name]), inertial_diagnoses(model)[name].diagnosis
+    if drawn is None or diagnosis.mended is None or diagnosis.judged_by == "twin":
+        return False
+    left = diagnose_inertial(diagnosis.mended, drawn)
+    return left is not None and not left.sound and (left.cause is not None or not left.fits_geometry)
 
 
 def has_mistake(model: Model, link: Link, cause: str) -> bool:
@@ -122,6 +135,13 @@ def is_evident(diagnosis: Diagnosis) -> bool:
     return after < most and after < _REMAINING * before
 
 
+def _list_links_to_mend(model: Model, link: Link, diagnosed: DiagnosedInertial) -> list[str]:
+    """List the links that are repaired together: where most links of a file are in another unit, these, and else one alone."""
+    if not diagnosed.is_habit or diagnosed.diagnosis.cause not in _UNIT_CAUSES:
+        return [link.name]
+    return [name for name, one in inertial_diagnoses(model).items() if one.is_habit]
+
+
 def _is_lone_unit(model: Model, diagnosed: DiagnosedInertial) -> bool:
     """Whether a unit was found in one link alone, and the numbers in that unit are not exactly the drawn part's: no program
     writes one link of a file in another unit."""
@@ -148,12 +168,25 @@ def _is_of_either_side(model: Model, link: Link, diagnosed: DiagnosedInertial) -
     return of_twin is None or not of_twin.sound
 
 
-def _contradicts_twins(model: Model, diagnosed: DiagnosedInertial) -> bool:
-    """Whether undoing a mistake may make two parts differ that are drawn alike: the other does not have the mistake."""
-    diagnosis = diagnosed.diagnosis
+def _contradicts_twins(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
+    """Whether undoing a mistake may make two parts differ that are drawn alike, where the other does not have the mistake, or
+    that are left and right, where what is wrong with the other is not known."""
+    diagnosis, judged = diagnosed.diagnosis, inertial_diagnoses(model)
     if diagnosis.judged_by == "twin":
         return False
+    sides = [judged[other].diagnosis for other in _list_other_sides(model, link) if other in judged]
+    if any(side.cause is None and not side.sound for side in sides):
+        return True
     return any(identify_mistake(model, model.link_by_name[twin])[0] != diagnosis.cause for twin in diagnosed.twins)
+
+
+def _list_other_sides(model: Model, link: Link) -> list[str]:
+    """List the links whose names differ from that of a link in nothing but the side."""
+    try:
+        pairs = list_named_pairs(model)
+    except FactUnavailableError:
+        return []
+    return [other for pair in pairs for one, other in (pair, pair[::-1]) if one == link.name]
 
 
 @fact
