@@ -573,7 +573,9 @@ def test_a_footprint_is_no_root_where_odometry_publishes_the_base(tmp_path: Path
         shape = '<geometry><sphere radius="0.3"/></geometry>'
         (finding,) = find_in_package(tmp_path / height, transform(words), "LCH005", shape)
         assert finding.fix is not None
-        assert finding.fix.title.startswith("if odometry publishes odom → base_footprint, make base_footprint the root link")
+        assert finding.fix.title.startswith(
+            "if odometry publishes odom → base_footprint, make base_footprint the root link"
+        )
         assert finding.fix.title.endswith(f"; if it publishes odom → base_link, {otherwise}")
 
 

@@ -167,8 +167,8 @@ def collect_command_interfaces(model: Model) -> dict[str, set[str]] | None:
 def can_offer_with_other_arguments(model: Model, joint: str, interface: str) -> bool:
     """Whether other arguments of the model may give a joint this command interface.
 
-    An argument is its interface's name, a condition leaves out what is typed in the joint's block, or a file that the model can include
-    has a block with the joint and the interface that this expansion leaves out.
+    An argument is its interface's name, a condition leaves out what is typed in the joint's block, or a file that the model can
+    include has a block with the joint and the interface that this expansion leaves out.
     """
     typed = re.compile(rf"""<command_interface\s[^<>]*?name\s*=\s*["']{re.escape(interface)}["']""")
     blocks = model.robot.find_children("ros2_control")

@@ -178,9 +178,7 @@ def is_about_model(srdf: Srdf, source: Source) -> bool:
 def is_configured_for(srdf: Srdf, source: Source) -> bool:
     """Whether it is about the model itself, and not about one that its package derives from it or that it was set up for."""
     return (
-        is_about_model(srdf, source)
-        and not has_derived_model(srdf, source)
-        and not is_set_up_for_another(srdf, source)
+        is_about_model(srdf, source) and not has_derived_model(srdf, source) and not is_set_up_for_another(srdf, source)
     )
 
 
@@ -194,7 +192,7 @@ def has_derived_model(srdf: Srdf, source: Source) -> bool:
 
 
 def is_set_up_for_another(srdf: Srdf, source: Source) -> bool:
-    """Whether the MoveIt Setup Assistant made a semantic description for another file than the model's and those that it includes.
+    """Whether the MoveIt Setup Assistant made a semantic description for a file that is neither the model's nor included by it.
 
     It notes the file in ``.setup_assistant`` in the package that it makes.
     """
