@@ -25,10 +25,12 @@ from truth_page.rounds import (
     count_useful,
     count_wrong,
     list_of,
+    read_first_build,
     read_rounds,
     render_bars,
     render_rounds,
     render_rules,
+    render_yardstick,
 )
 from truth_page.tables import copy_summary, copy_table, render_share
 
@@ -73,6 +75,7 @@ def render_page() -> str:
         wrong=render_share(*count_wrong(last.drawn_labels)),
         bars=render_bars(rounds),
         rounds=render_rounds(rounds),
+        yardstick=render_yardstick(next(one for one in rounds if one.number == 15), read_first_build()),
         fewest=FEWEST,
         rules=render_rules(rounds),
         published=copy_table(accuracy, "published robots"),

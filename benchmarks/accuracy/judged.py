@@ -24,11 +24,12 @@ import urdfcheck
 from urdfcheck.core import Finding, Run, Severity
 
 ROUNDS = Path(__file__).parent / "judged"
-COLUMNS = ("robot", "place", "code", "message", "severity", "label", "sure", "says", "reason")
+COLUMNS = ("robot", "place", "code", "message", "severity", "label", "bad", "sure", "says", "reason")
 # Columns that a round may lack.
-OPTIONAL = {"says"}
+OPTIONAL = {"says", "bad"}
 LABELS = {"TU": "true and useful", "TP": "true, pedantic", "F": "false", "M": "misleading", "?": "can't tell"}
 SURE = ("recomputed", "read", "judged")
+BAD = ("harm", "slip")
 NONE = "-"
 # What a finding that was judged is now.
 KEPT, CHANGED, GONE, UNKNOWN = "as judged", "says something else", "not reported", "robot not at hand"
@@ -53,6 +54,8 @@ class Label:
     """That it had when it was judged."""
     label: str
     """A key of `LABELS`."""
+    bad: str | None
+    """Of a false or misleading finding, one of `BAD`; None where nobody said."""
     sure: str
     """One of `SURE`."""
     says: str | None
@@ -159,6 +162,8 @@ def _read_label(name: str, number: int, row: Mapping[str, str | None]) -> Label:
         raise ValueError(f"{where}: no label: {cells['label']}")
     if cells["sure"] not in SURE:
         raise ValueError(f"{where}: {cells['sure']} is none of {', '.join(SURE)}")
+    if cells["bad"] not in (*BAD, NONE):
+        raise ValueError(f"{where}: {cells['bad']} is none of {', '.join(BAD)}")
     if not re.fullmatch(r"[A-Z]{3}\d{3}", cells["code"]):
         raise ValueError(f"{where}: {cells['code']} is not the code of a rule")
     if cells["severity"] not in {str(severity) for severity in Severity}:
@@ -176,6 +181,7 @@ def _read_label(name: str, number: int, row: Mapping[str, str | None]) -> Label:
         message=None if cells["message"] == NONE else cells["message"],
         severity=cells["severity"],
         label=cells["label"],
+        bad=None if cells["bad"] == NONE else cells["bad"],
         sure=cells["sure"],
         says=None if cells["says"] == NONE else cells["says"],
         reason=cells["reason"],

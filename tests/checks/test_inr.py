@@ -585,6 +585,9 @@ def test_all_turned_frames_are_one_finding_at_the_worst(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, text, "INR013")
     assert finding.subjects == ("link[arm]/inertial/origin@rpy",)
     assert [place.subject for place in finding.related] == ["link[base]/inertial/origin@rpy"]
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("the same body, in every program")  # and has the edits of both
+    assert {edit.replacement for edit in finding.fix.edits} >= {"0 0 0"}
 
 
 # -- INR014 ---------------------------------------------------------------------------------------------------------

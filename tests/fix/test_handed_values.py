@@ -73,6 +73,21 @@ def test_a_number_that_something_else_reads_is_advice(tmp_path: Path, other: str
     assert 'write ixy="0" ixz="0" iyz="0"' in finding.fix.title
 
 
+def test_a_number_of_which_a_macro_makes_a_right_one_too_is_advice(tmp_path: Path) -> None:
+    macro = (
+        '<xacro:macro name="part" params="name d"><link name="${name}"><inertial><mass value="1"/>'
+        '<inertia ixx="${d}" ixy="0.001" ixz="0.001" iyy="${d}" iyz="0.001" izz="${d}"/></inertial></link></xacro:macro>'
+    )
+    left, right = '<xacro:part name="left" d="0.001"/>', '<xacro:part name="right" d="0.01"/>'
+    _, changed = fix(tmp_path, macro + left, "INR003")
+    assert changed == {"r.urdf.xacro": XACRO.format(macro.replace('"0.001"', '"0"') + left)}
+    found, changed = fix(tmp_path, macro + left + right, "INR003")
+    assert changed == {}
+    (finding,) = found.outcome.findings
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("; not in right, which is made of the same text")
+
+
 def test_a_name_that_a_call_hands_over(tmp_path: Path) -> None:
     call = '<xacro:arm parent="base_lnk" child="lever" top="1"/>'
     _, changed = fix(tmp_path, ARM + call, "KIN002")

@@ -57,6 +57,11 @@ def read_rounds() -> list[Round]:
     return sorted(rounds, key=lambda one: one.number)
 
 
+def read_first_build() -> list[Label]:
+    """Read what the judges of round 15 said about the first build that was ever judged."""
+    return read_round(ROUNDS / "first_build.tsv")
+
+
 def count_useful(labels: Iterable[Label]) -> tuple[int, int]:
     """Return how many are true and useful, and how many could be decided."""
     counts = Counter(label.label for label in labels)
@@ -124,6 +129,22 @@ def render_bars(rounds: Sequence[Round]) -> str:
     most = f"at most {100 * MOST_WRONG:.1f} %"
     rows.append(("false or misleading", most, render_share(*count_wrong(newest)), _describe_count(few, len(rounds))))
     return render_table(("judged findings", "bar", f"round {rounds[-1].number}", "reached in"), rows, text_columns=4)
+
+
+def render_yardstick(newest: Round, first: Sequence[Label]) -> str:
+    """Return a table of what the judges of one round say about its build and about the first one."""
+    both = newest.drawn_labels, first
+    rows = [
+        (f"{severity}s that are useful", *(render_share(*count_useful(list_of(some, str(severity)))) for some in both))
+        for severity in BAR
+    ]
+    rows.append(("false or misleading", *(render_share(*count_wrong(some)) for some in both)))
+    rows.append(
+        ("of all, harmful", *(render_share(sum(one.bad == "harm" for one in some), len(some)) for some in both))
+    )
+    return render_table(
+        ("the same judges", f"build {newest.build}", "build 1a5b6dc5, 2026-11-22"), rows, text_columns=1
+    )
 
 
 def render_rules(rounds: Sequence[Round]) -> str:

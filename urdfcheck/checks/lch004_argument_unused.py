@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Finding, Rule
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.launch_file import Launch, is_included_by_sibling
 from urdfcheck.source.text.tokens import build_removal_edits
@@ -35,7 +35,7 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
         elif not any(key in argument.attributes for key in ("default", "value", "doc", "description")):
             included = is_included_by_sibling(launch.path) if included is None else included
             if not included and not _has_comment(argument, launch):
-                yield rule.finding("required", at=argument, severity=Severity.WARNING, argument=name)
+                yield rule.finding("required", at=argument, argument=name)
 
 
 def _has_comment(argument: Element, launch: Launch) -> bool:

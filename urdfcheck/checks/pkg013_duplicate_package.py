@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import format_count, join_names
-from urdfcheck.source.package.duplicates import are_of_series, select_rivals
+from urdfcheck.source.package.duplicates import are_in_separate_workspaces, are_of_series, select_rivals
 from urdfcheck.source.package.finder import Package, format_path
 
 
@@ -22,17 +22,23 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         return
     outer = min((package.path, *rivals), key=lambda folder: len(folder.parts))
     nested = all(outer in folder.parents for folder in (package.path, *rivals) if folder != outer)
-    is_series = are_of_series((package.path, *rivals))
+    message = "nested" if nested else _classify_copies((package.path, *rivals))
     yield rule.finding(
-        "nested" if nested else "series" if is_series else "several",
+        message,
         at=name,
-        severity=Severity.INFO if is_series and not nested else None,
+        severity=None if message in {"nested", "several"} else Severity.INFO,
         related=[_locate_manifest(folder) for folder in rivals],
         name=package.name,
         amount=format_count(len(rivals) + 1, "package"),
         folders=[format_path(folder) for folder in (package.path, *rivals)],
         listed=join_names((format_path(folder / "package.xml") for folder in sorted((package.path, *rivals))), 4),
     )
+
+
+def _classify_copies(folders: Sequence[Path]) -> str:
+    if are_of_series(folders):
+        return "series"
+    return "workspaces" if are_in_separate_workspaces(folders) else "several"
 
 
 def _is_told_elsewhere(own: Path, rivals: list[Path], namesakes: list[Path]) -> bool:

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Span
+from urdfcheck.core.text import join_names
 from urdfcheck.source.text.handed_values import find_typed_value
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -52,9 +53,7 @@ def _get_edit_key(finding: Finding, edit: Edit) -> tuple[str, str, Edit]:
 
 def _list_safe_edits(finding: Finding) -> list[Edit]:
     """Return the edits of a safe fix that change what a model is made of; edits of comments do not."""
-    if finding.fix is None or finding.fix.applicability is not Applicability.SAFE:
-        return []
-    return [edit for edit in finding.fix.edits if not edit.expected.strip().startswith("<!--")]
+    return [edit for edit in _list_edits(finding) if _is_safe(finding) and not edit.expected.strip().startswith("<!--")]
 
 
 def _mark_unsafe(finding: Finding) -> Finding:
@@ -86,18 +85,20 @@ class ElementCounts:
 def withdraw_shared_edits(
     findings: Iterable[Finding], root: Element | None, loose_reads: AbstractSet[Span]
 ) -> list[Finding]:
-    """Make a repair advice where it changes a yaml value, a property or a macro call that others read too.
+    """Make a repair advice where it changes a yaml value, a property or a macro call that others read too, or text of which a
+    macro makes others.
 
-    It stays if the same attribute of each element that reads the value is what findings of the rule repair in this way.
+    It stays if the same attribute of each element that reads the value, or is made of the text, is what findings of the rule
+    repair in this way.
 
     :param root: the expanded model.
     :param loose_reads: the places of definitions that something other than an attribute reads.
     """
     findings = list(findings)
     edited = {edit.span for finding in findings for edit in _list_edits(finding)}
-    readers = {} if root is None or not edited else _index_readers(root, edited)
-    if not readers:
+    if root is None or not edited:
         return findings
+    readers, made = _index_readers(root, edited), _index_typed_attributes(root, edited)
     owners: dict[_Wish, set[str]] = {}
     for finding in findings:
         for edit in _list_edits(finding):
@@ -112,7 +113,34 @@ def withdraw_shared_edits(
                 return True
         return False
 
-    return [_withdraw(finding) if is_shared(finding) else finding for finding in findings]
+    def list_others(finding: Finding) -> list[str]:
+        """List what is made of the text that a repair changes, and needs none."""
+        if _is_safe(finding):
+            return []
+        others: set[str] = set()
+        for edit in _list_edits(finding):
+            several = made.get(edit.span, set())
+            others |= several - owners[finding.code, edit] if len(several) > 1 else set()
+        return sorted(others)
+
+    settled = []
+    for finding in findings:
+        others = list_others(finding)
+        kept = _withdraw(finding) if others or is_shared(finding) else finding
+        settled.append(_except_others(kept, others) if others else kept)
+    return settled
+
+
+def _except_others(finding: Finding, owners: Sequence[str]) -> Finding:
+    """Say that a repair is not for these elements, which a macro makes of the same text."""
+    names = join_names(owner.partition("[")[2] or owner for owner in owners)
+    verb = "is" if len(owners) == 1 else "are"
+    title = "" if finding.fix is None else finding.fix.title
+    return replace(finding, fix=Fix(f"{title}; not in {names}, which {verb} made of the same text"))
+
+
+def _is_safe(finding: Finding) -> bool:
+    return finding.fix is not None and finding.fix.applicability is Applicability.SAFE
 
 
 def _list_edits(finding: Finding) -> tuple[Edit, ...]:
@@ -128,6 +156,16 @@ def _index_readers(root: Element, spans: AbstractSet[Span]) -> Mapping[Span, lis
                 if definition.span is not None and definition.span in spans:
                     readers.setdefault(definition.span, []).append(attribute)
     return readers
+
+
+def _index_typed_attributes(root: Element, spans: AbstractSet[Span]) -> Mapping[Span, set[str]]:
+    """Return the owners of the attributes whose values were typed at some places, by place."""
+    owners: dict[Span, set[str]] = {}
+    for element in root.walk():
+        for attribute in element.attributes.values():
+            if attribute.literal and attribute.span is not None and attribute.span in spans:
+                owners.setdefault(attribute.span, set()).add(_get_owner(element.subject))
+    return owners
 
 
 def _hands_on(reader: Attribute, span: Span, owners: AbstractSet[str]) -> bool:

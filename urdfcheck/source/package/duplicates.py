@@ -43,6 +43,16 @@ def are_of_series(folders: Sequence[Path]) -> bool:
     return all(map(_has_series_number, parts)) and len({re.sub(r"\d+", "", "/".join(names)) for names in parts}) == 1
 
 
+def are_in_separate_workspaces(folders: Sequence[Path]) -> bool:
+    """Whether the folder ``src`` around each of some packages is another one, so that each may be built alone."""
+    workspaces = [_find_workspace(folder.absolute()) for folder in folders]
+    return None not in workspaces and len(set(workspaces)) == len(workspaces)
+
+
+def _find_workspace(folder: Path) -> Path | None:
+    return next((above.parent for above in folder.parents if above.name == "src"), None)
+
+
 def _has_series_number(parts: Sequence[str]) -> bool:
     return bool(parts) and _SERIES.search(parts[0]) is not None
 
