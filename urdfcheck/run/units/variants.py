@@ -81,7 +81,7 @@ def _is_checked(report: UnitReport) -> bool:
 
 
 def _reduce_to_skip(unit: Unit, report: UnitReport) -> UnitReport:
-    """Return what the report says of the launch files, and that the model was not checked."""
+    """Return the report on the launch files alone, with the reason why the model was not checked."""
     names = join_names(sorted(unit.unknown_arguments))
     reason = f"cannot be expanded with the default of {names}: the launch file sets it to a value that is only known at launch"
     findings = tuple(finding for finding in report.findings if not finding.blocks_check)
