@@ -26,7 +26,7 @@ from judged import (
 )
 from real.robots import RealRobot
 
-ROW = ("some/robot:arm", "robot.urdf:1", "KIN002", "unknown", "error", "TU", "read", "-", "no such link")
+ROW = ("some/robot:arm", "robot.urdf:1", "KIN002", "unknown", "error", "TU", "-", "read", "-", "no such link")
 
 
 def write_round(folder: Path, *rows: tuple[str, ...], columns: tuple[str, ...] = COLUMNS) -> Path:
@@ -62,11 +62,19 @@ def test_a_missing_cell_is_an_error(tmp_path: Path) -> None:
         read_round(write_round(tmp_path, ROW[:-1]))
 
 
-def test_the_words_may_be_left_out(tmp_path: Path) -> None:
-    columns = tuple(c for c in COLUMNS if c != "says")
-    row = tuple(cell for column, cell in zip(COLUMNS, ROW, strict=True) if column != "says")
+@pytest.mark.parametrize("left_out", [{"says"}, {"bad"}, {"says", "bad"}])
+def test_the_words_and_how_bad_they_are_may_be_left_out(tmp_path: Path, left_out: set[str]) -> None:
+    columns = tuple(c for c in COLUMNS if c not in left_out)
+    row = tuple(cell for column, cell in zip(COLUMNS, ROW, strict=True) if column not in left_out)
     (label,) = read_round(write_round(tmp_path, row, columns=columns))
-    assert (label.line, label.says, label.reason) == (1, None, "no such link")
+    assert (label.line, label.says, label.bad, label.reason) == (1, None, None, "no such link")
+
+
+def test_a_misleading_finding_does_harm_or_is_a_slip(tmp_path: Path) -> None:
+    (label,) = read_round(write_round(tmp_path, changed(label="M", bad="slip", says="no such joint")))
+    assert (label.label, label.bad) == ("M", "slip")
+    with pytest.raises(ValueError, match="bitter is none of harm, slip"):
+        read_round(write_round(tmp_path, changed(label="M", bad="bitter")))
 
 
 def test_what_became_of_a_finding(tmp_path: Path) -> None:

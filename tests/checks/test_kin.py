@@ -552,3 +552,36 @@ def test_a_part_of_another_model_of_the_robot_is_no_error(
     ):
         (tmp_path / "laser.urdf").write_text(other, encoding="utf-8")
         assert "fragment" not in {f.message_id for f in check(tmp_path / "laser.urdf", codes={"KIN002"}).findings}
+
+
+@pytest.mark.parametrize(
+    ("params", "name", "calls", "line", "message"),
+    [
+        ("", "tool", ("", ""), 2, "two links are called tool, so references to the name are ambiguous"),
+        (
+            "prefix:=l_",
+            "${prefix}tool",
+            ("", ""),
+            4,
+            "two links are called l_tool, because both calls leave prefix at the default",
+        ),
+        (
+            "p q",
+            "${p}${q}",
+            ('p="a" q="b"',) * 2,
+            4,
+            "two links are called ab, because both calls pass the same p and q",
+        ),
+    ],
+)
+def test_one_name_of_two_calls_is_told_where_it_can_be_mended(
+    tmp_path: Path, params: str, name: str, calls: tuple[str, str], line: int, message: str
+) -> None:
+    macro = f'<xacro:macro name="arm" params="{params}">\n<link name="{name}"/></xacro:macro>'
+    lines = (
+        f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{macro}',
+        *(f"<xacro:arm {c}/>" for c in calls),
+    )
+    (finding,) = check_text(tmp_path, "\n".join([*lines, "</robot>"]), codes={"KIN001"}, name="arm.xacro").findings
+    assert finding.location.span is not None
+    assert (finding.location.span.line, finding.message) == (line, message)

@@ -262,6 +262,16 @@ def test_an_include_of_ros_2_may_be_put_there_by_the_build(tmp_path: Path) -> No
     assert not find_in_package(tmp_path, body, "LCH001")
 
 
+@pytest.mark.parametrize(("given", "found"), [("arm", False), ("leg", True), ("", True)])
+def test_an_include_may_be_written_by_a_program_that_gets_the_launch_file(
+    tmp_path: Path, given: str, found: bool
+) -> None:
+    """Started with another argument, the same launch file makes what it includes."""
+    node = f'<node pkg="p" type="make.py" name="m" args="$(find car)/launch/{given}.launch -v"/>' if given else ""
+    body = f'<group if="false">{node}</group>' + INCLUDE.format("$(find car)/launch/arm_spawner.launch")
+    assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ["include-file"] * found
+
+
 def test_a_circle_through_another_file_closes_in_that_one(tmp_path: Path) -> None:
     (tmp_path / "car" / "launch").mkdir(parents=True)
     other = tmp_path / "car" / "launch" / "other.launch"

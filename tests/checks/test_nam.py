@@ -23,6 +23,19 @@ def model(link: str, joint: str = "j") -> str:
 
 class TestNAM001:
     @pytest.mark.parametrize(
+        ("namespace", "name", "typed"),
+        [("", "${ns}/base", "${ns}/base"), ("", "/base${ns}", ""), ("/r", "${ns}/base", ""), ("/", "${ns}base", "")],
+    )
+    def test_a_slash_behind_an_empty_value(self, tmp_path: Path, namespace: str, name: str, typed: str) -> None:
+        ns = f'<xacro:property name="ns" value="{namespace}"/>'
+        text = f'<robot name="r" {XACRO}>{ns}<link name="{name}"/></robot>'
+        finding = check_text(tmp_path, text, codes={"NAM001"}, name="r.xacro").findings[0]
+        assert (finding.message_id, finding.data["typed"]) == (
+            "slash_behind_nothing" if typed else "leading_slash",
+            typed,
+        )
+
+    @pytest.mark.parametrize(
         "name", ["arm", "arm_2", "arm-2", "arm.2", "a__b", "_arm", "__arm", "Arm", "worlds", "größe"]
     )
     def test_harmless(self, tmp_path: Path, name: str) -> None:

@@ -216,6 +216,19 @@ def test_a_ball_caster_rolls_about_any_axis(tmp_path: Path) -> None:
     assert not find(tmp_path, caster(collision(sphere(0.03))), "JNT015")
 
 
+@pytest.mark.parametrize(
+    ("axis", "radius", "found"),
+    [("0 1 0", 0.03, False), ("1 0 0", 0.03, True), ("0 0 1", 0.03, True), ("1 0 0", 0.02, False)],
+)
+def test_a_wheel_that_collides_as_a_ball_of_its_size_has_its_own_axis(
+    tmp_path: Path, axis: str, radius: float, found: bool
+) -> None:
+    disc = visual(cylinder(0.03, 0.01), rpy="1.5708 0 0")
+    part = link("wheel", inertial(0.1, 1e-4), disc, collision(sphere(radius)))
+    text = robot(link("base"), part, joint("j", "base", "wheel", kind="continuous", axis=axis))
+    assert bool(find(tmp_path, text, "JNT015")) == found
+
+
 @pytest.mark.parametrize(("right", "found"), [("0.05 0 0", False), ("0.05 0.03 0", True)])
 def test_equal_inertials_of_drawings_that_are_shifted_are_not_compared(tmp_path: Path, right: str, found: bool) -> None:
     """The right part is drawn 20 mm aside. Where its COM is its own as well, the two differ."""

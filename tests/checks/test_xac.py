@@ -274,6 +274,16 @@ def test_the_only_file_of_a_kind_is_named_for_a_missing_one(tmp_path: Path, othe
     assert (finding.message_id, finding.data["hint"]) == ("file-missing", hint)
 
 
+@pytest.mark.parametrize("build", ["", "convert_model(${arms}/arm.dae)\nadd_custom_target(all ALL)"])
+def test_a_missing_file_that_the_build_may_make_is_built_first(tmp_path: Path, build: str) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>arm</name></package>")
+    (tmp_path / "CMakeLists.txt").write_text(build)
+    write(tmp_path, {"arm.urdf.xacro": HEAD + '<xacro:include filename="arm.urdf"/></robot>'})
+    finding = only(check(tmp_path / "arm.urdf.xacro", codes={"XAC001"}))
+    assert finding.message_id == "file-missing"
+    assert finding.data["repair"].startswith("build arm first" if build else "correct the path")
+
+
 def test_missing_yaml_key(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("a: 1\n", encoding="utf-8")
     text = """<xacro:property name="data" value="${xacro.load_yaml('a.yaml')}"/><link name="${data['b']}"/>"""

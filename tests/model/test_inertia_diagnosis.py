@@ -49,21 +49,21 @@ def make_link(name: str, numbers: DeclaredInertial | None, drawn: str = MESH) ->
     return link(name, "" if numbers is None else format_inertial(numbers), drawn)
 
 
-def model(folder: Path, text: str, cache: ArrayCache | None = None) -> Model:
+def model(folder: Path, text: str, cache: ArrayCache | None = None, tier: str = "full") -> Model:
     folder.mkdir(exist_ok=True)
     if not (folder / "part.stl").exists():
         write_stl(folder / "part.stl", CASTING)
     path = folder / "robot.urdf"
     path.write_text(text)
     source = load_source(path, {}, PackageFinder(path))
-    return Model(source=source, robot=source.root, cache=cache or ArrayCache())
+    return Model(source=source, robot=source.root, cache=cache or ArrayCache(), tier=tier)
 
 
 # -- what is judged again -----------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
-def judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], tuple[dict[str, str | None], int]]:
+def judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[dict[str, str | None], int]]:
     """The cause found in each link of a robot, and how many times a diagnosis was made for it."""
     calls = 0
 
@@ -74,16 +74,16 @@ def judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], t
 
     monkeypatch.setattr(link_diagnosis, "diagnose_inertial", counted)
 
-    def judge(text: str) -> tuple[dict[str, str | None], int]:
+    def judge(text: str, tier: str = "full") -> tuple[dict[str, str | None], int]:
         nonlocal calls
         calls = 0
-        found = inertial_diagnoses(model(tmp_path, text, ArrayCache(tmp_path / "cache")))
+        found = inertial_diagnoses(model(tmp_path, text, ArrayCache(tmp_path / "cache"), tier))
         return {name: one.diagnosis.cause for name, one in found.items()}, calls
 
     return judge
 
 
-Judge = Callable[[str], tuple[dict[str, str | None], int]]
+Judge = Callable[..., tuple[dict[str, str | None], int]]
 ARM, LEG = make_link("arm", WRONG["com_missing"]), make_link("leg", WRONG["about_origin"], drawn_boxes(CASTING))
 
 
@@ -92,6 +92,15 @@ def test_an_unchanged_robot_is_not_judged_again(judged: Judge) -> None:
     assert first == {"arm": "com_missing", "leg": "about_origin"}
     assert calls >= 2
     assert judged(make_star(ARM, LEG)) == (first, 0)
+
+
+def test_a_check_without_meshes_keeps_its_own_verdicts(judged: Judge) -> None:
+    first, _ = judged(make_star(ARM, LEG))
+    without_meshes, calls = judged(make_star(ARM, LEG), tier="source")
+    assert without_meshes == {"leg": "about_origin"}
+    assert calls >= 1
+    for tier, found in (("full", first), ("source", without_meshes)):
+        assert judged(make_star(ARM, LEG), tier=tier) == (found, 0)
 
 
 def test_a_verdict_that_was_kept_is_the_one_that_was_made(tmp_path: Path) -> None:

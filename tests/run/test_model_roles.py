@@ -114,6 +114,18 @@ def test_a_named_library_that_no_checked_model_reads_is_told(package: Path) -> N
     assert compute_exit_code(run, "error") == OK
 
 
+def test_a_semantic_description_by_any_name_is_no_robot_without_links(package: Path) -> None:
+    group = '<xacro:macro name="groups"><group name="arm"/></xacro:macro>'
+    write(package, {"arm_srdf.xacro": xacro(include("groups.xacro") + "<xacro:groups/>"), "groups.xacro": xacro(group)})
+    run = check(Path("."))
+    assert (run.models, list_errors(run)) == ((), [])
+    run = check(Path("arm_srdf.xacro"))
+    assert [skip.reason.partition(",")[0] for skip in run.skipped if skip.code == "ALL"] == [
+        "describes another robot (SRDF)"
+    ]
+    assert compute_exit_code(run, "error") == NOTHING
+
+
 def test_a_named_library_of_which_only_the_package_was_checked_is_nothing(package: Path) -> None:
     """Only the expansion of a file that includes others shows that it is a library: its package was checked by then."""
     write(package, {"wheels.urdf.xacro": xacro(include("more.xacro") + MACRO), "more.xacro": xacro(MACRO, "")})
@@ -384,6 +396,9 @@ def test_a_part_of_a_model_that_failed_is_no_second_model(package: Path) -> None
     (package / "urdfcheck.toml").write_text('unchecked = ["car.*"]')
     accepted = check(Path("."), config_resolver=ConfigResolver())
     assert sorted(m.path for m in accepted.unchecked_models) == ["arm.xacro", "camera.xacro", "car.urdf.xacro"]
+    told = {f.model: f.message for f in accepted.findings if f.code == "XML002"}
+    assert all(message.startswith("car.urdf.xacro names this file") for message in told.values())
+    assert sorted(told) == ["arm.xacro", "camera.xacro"]
     assert compute_exit_code(accepted, "error") == FINDINGS
 
 

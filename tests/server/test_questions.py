@@ -185,7 +185,7 @@ def test_definitions_are_found_across_includes(editor: Editor, robot: tuple[Path
     where = editor.find(macros, 'child link="${prefix}_arm"', part="_arm")
     assert define(editor, macros, where) == {("arm.xacro", "${prefix}_arm")}
     assert define(editor, user, editor.find(user, 'filename="arm.xacro"', part="arm.")) == {("arm.xacro", "")}
-    assert define(editor, user, editor.find(user, "sizes.base.width", part="width")) == {("sizes.yaml", "0.75")}
+    assert define(editor, user, editor.find(user, "sizes.base.width", part="width")) == {("sizes.yaml", "width")}
 
 
 def test_uses_are_found_across_includes(editor: Editor, robot: tuple[Path, Path]) -> None:

@@ -455,3 +455,62 @@ def test_names_in_python_launch_files_where_the_call_says_that_they_are_names(
     assert sorted(rename(editor, start, at, "trunk")) == [
         *("controllers.yaml", "show.launch", "start.launch.py", "two_arms.srdf", robot.name)
     ]
+
+
+SIZED = """<robot name="sized" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="tall" default="false"/>
+  <xacro:property name="sizes" value="${xacro.load_yaml('sizes.yaml')}"/>
+  <xacro:property name="base" value="${sizes['base']}" scope="global"/>
+  <xacro:property name="hand" value="${sizes.get('hand')}"/>
+  <xacro:macro name="box" params="name size"><link name="${name}"><visual><geometry>
+    <box size="${size['width']} ${size.depth} ${base['width'] + hand.width}"/>
+  </geometry></visual></link></xacro:macro>
+  <xacro:box name="base" size="${base}"/>
+  <xacro:if value="$(arg tall)"><link name="${base['width']}"/></xacro:if>
+  <link name="${hand['width']}_${sizes['feet'][0]['width']}"/>
+  <link name="${sizes['base']['de' + 'pth']}"/>
+</robot>
+"""
+SIZES = "base: &base {width: 2, 'depth': 3}\nhand:\n  <<: *base\n  # width\n  'width': 5\nfeet: [{width: 7}]\n"
+SIZED_FILES = {"urdf/sized.urdf.xacro": SIZED, "urdf/sizes.yaml": SIZES, "urdf/small/small.yaml": "width: 1\n"}
+
+
+@pytest.fixture
+def sized(editor: Editor, files: dict[str, Path]) -> tuple[Path, Path]:
+    """A robot and the yaml file that it loads, both open."""
+    robot, sizes = files["sized.urdf.xacro"], files["sizes.yaml"]
+    editor.open(robot)
+    editor.open(sizes)
+    editor.rest()
+    return robot, sizes
+
+
+@pytest.mark.parametrize("files", [SIZED_FILES], indirect=True, ids=["sized"])
+def test_a_yaml_key_gets_another_name_where_expressions_read_it(editor: Editor, sized: tuple[Path, Path]) -> None:
+    robot, sizes = sized
+    told = editor.client.messages
+    told.clear()
+    assert prepare(editor, robot, editor.find(robot, "size['width']", part="width")) == "width"
+    # One text reads the keys of two mappings, which get the name together; that of the third is another.
+    assert rename(editor, sizes, editor.find(sizes, "width: 2", part="width"), "breadth") == {
+        "sized.urdf.xacro": [
+            "<box size=\"${size['breadth']} ${size.depth} ${base['breadth'] + hand.breadth}\"/>",
+            "<link name=\"${hand['breadth']}_${sizes['feet'][0]['width']}\"/>",
+        ],
+        "sizes.yaml": ["base: &base {breadth: 2, 'depth': 3}", "'breadth': 5"],
+    }
+    editor.rest()
+    (message,) = [message.message for message in told]
+    assert message == (
+        "Not renamed: `width` in sized.urdf.xacro:10 (nothing that is read there now has it), "
+        "`width` in small.yaml:1 (the file may be about another robot)."
+    )
+
+
+@pytest.mark.parametrize("files", [SIZED_FILES], indirect=True, ids=["sized"])
+def test_a_yaml_key_that_is_computed_or_taken_keeps_its_name(editor: Editor, sized: tuple[Path, Path]) -> None:
+    _, sizes = sized
+    width, depth = (editor.find(sizes, f"{name}", part=name) for name in ("width", "depth"))
+    assert refuse(editor, sizes, width, "depth").startswith("A yaml key is already called `depth` (")
+    assert "could no longer be expanded" in refuse(editor, sizes, depth, "length")
+    assert "no digit first" in refuse(editor, sizes, width, "2")

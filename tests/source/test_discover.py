@@ -478,6 +478,21 @@ def test_a_python_launch_file_leads_to_the_models_that_it_names(workspace: Path)
     assert [Path(m).resolve() for m in models("car/launch/car.launch.py")] == [workspace / "car/urdf/car.urdf"]
 
 
+def test_a_semantic_description_that_a_python_launch_file_expands_is_no_model(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "arm/package.xml": manifest("arm"),
+            "arm/config/arm.srdf.xacro": xacro('<virtual_joint name="fixed"/>'),
+            "arm/config/robot.srdf.xacro": xacro(LINK),
+            "arm/launch/arm.launch.py": "m = 'config/arm.srdf.xacro'",
+            "arm/launch/robot.launch.py": "m = 'config/robot.srdf.xacro'",
+        },
+    )
+    assert models("arm/launch/arm.launch.py") == []
+    assert [Path(m).name for m in models("arm/launch/robot.launch.py")] == ["robot.srdf.xacro"]
+
+
 def test_a_python_launch_file_is_checked_with_the_one_model_that_it_names(workspace: Path) -> None:
     write(
         workspace,

@@ -104,6 +104,26 @@ def test_a_block_handed_through_two_macros_stays_where_it_was_typed(expand_text:
     assert x.calls(origin) == []
 
 
+def test_what_is_in_a_condition_is_copied_for_each_call_and_each_block(expand_text: Expand) -> None:
+    x = expand_text(
+        """
+        <xacro:macro name="inner" params="n *b">
+          <xacro:if value="${n > 1}"><xacro:unless value="${n > 2}"><link name="in${n}"/></xacro:unless><!-- if --></xacro:if>
+          <xacro:insert_block name="b"/><xacro:insert_block name="b"/>
+        </xacro:macro>
+        <xacro:macro name="outer" params="n">
+          <xacro:if value="${n}"><xacro:macro name="local" params="m"><xacro:if value="${m}"><link name="l${n}${m}"/></xacro:if>
+          </xacro:macro></xacro:if>
+          <xacro:local m="1"/><xacro:local m="0"/>
+          <xacro:inner n="${n}"><group><xacro:if value="${n > 1}"><link name="b${n}"/></xacro:if></group></xacro:inner>
+        </xacro:macro>
+        <xacro:outer n="1"/><xacro:outer n="2"/><xacro:outer n="3"/>"""
+    )
+    assert x.root is not None
+    links = [element.get("name") for element in x.root.walk() if element.tag == "link"]
+    assert links == ["l11", "l21", "in2", "b2", "b2", "l31", "b3", "b3"]
+
+
 def test_a_property_block_points_to_the_property_and_comes_through_the_macro_that_inserts_it(
     expand_text: Expand,
 ) -> None:

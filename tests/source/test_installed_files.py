@@ -32,6 +32,7 @@ def read_setup(text: str) -> InstalledFiles | None:
         (f"install(DIRECTORY description/urdf/ {FOR_SHARE})", "a.urdf", "description/urdf/a.urdf"),
         (f"install(DIRECTORY description/urdf/ {FOR_SHARE}/urdf)", "urdf/x/a.urdf", "description/urdf/x/a.urdf"),
         (f"install(DIRECTORY description/urdf {FOR_SHARE})", "description/urdf/a.urdf", None),
+        (f'add_definitions(-DROOT=\\"a/\\")\ninstall(DIRECTORY urdf {FOR_SHARE})', "urdf/a.urdf", "urdf/a.urdf"),
         ("install(DIRECTORY a/urdf DESTINATION share/p/)", "urdf/a.urdf", "a/urdf/a.urdf"),
         ("install(DIRECTORY a/urdf DESTINATION share/other)", "urdf/a.urdf", None),
         ("install(DIRECTORY a/urdf DESTINATION include)", "urdf/a.urdf", None),

@@ -43,6 +43,19 @@ def test_a_shared_folder_is_no_workspace(tmp_path: Path, monkeypatch: pytest.Mon
     assert PackageFinder(shared / "r.urdf").list_parent_folders() == []
 
 
+def test_each_file_of_a_folder_counts_by_where_it_leads(tmp_path: Path) -> None:
+    robot = package(tmp_path / "robot", "robot")
+    secret = tmp_path / "secret"
+    secret.write_text("")
+    (robot / "plain").write_text("")
+    (robot / "inner").symlink_to("plain")
+    (robot / "outer").symlink_to("../secret")
+    (robot / "away").symlink_to(tmp_path)
+    finder = PackageFinder(robot / "r.urdf", reach=FileReach((os.path.realpath(robot),)))
+    names = ("plain", "inner", "missing", "outer", "away/secret", "../secret", "..", "a\0b", ".hidden", "plain/..")
+    assert [name for name in names if finder.can_open(robot / name)] == ["plain", "inner", "missing", "plain/.."]
+
+
 class TestHome:
     def test_is_the_repository_around_a_path(self, tmp_path: Path) -> None:
         (tmp_path / ".git").mkdir()

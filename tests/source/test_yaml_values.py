@@ -11,7 +11,7 @@ import yaml
 
 from urdfcheck.source.text.xml import Definition, SourceFile
 from urdfcheck.source.text.yaml.reader import MAX_CHARACTERS
-from urdfcheck.source.xacro.yaml_values import read_yaml
+from urdfcheck.source.xacro.expressions.yaml_values import read_yaml
 
 pytestmark = pytest.mark.slow
 
@@ -234,7 +234,7 @@ def test_the_wrapped_values_are_equal_to_the_loaded_ones(tmp_path: Path) -> None
     path = tmp_path / "f.yaml"
     path.write_text("a: {b: [1, 2.5, x]}\nc: null\n")
     value = yaml.safe_load(path.read_text())
-    wrapped = read_yaml(SourceFile.read(path, "f.yaml"), reads.append, float)
+    wrapped = read_yaml(SourceFile.read(path, "f.yaml"), reads.append, float, lambda *_: None)
     assert wrapped == value
     assert repr(wrapped) == repr(value)
     assert list(wrapped.a.b) == [1, 2.5, "x"]

@@ -92,11 +92,12 @@ def test_folders_are_walked_however_deep_and_through_no_link(tmp_path: Path, mon
         (tmp_path / name).mkdir()
         (tmp_path / name / "file").touch()
     (tmp_path / "a" / "up").symlink_to("..")
+    (tmp_path / "a" / "round").symlink_to("round")
     found = list(walk(tmp_path))
     assert [(os.path.relpath(folder, tmp_path), names, files) for folder, names, files in found] == [
         (".", [".b", "a"], []),
         (".b", [], ["file"]),
-        ("a", ["up"], ["file"]),
+        ("a", ["up"], ["file", "round"]),
     ]
     monkeypatch.chdir(tmp_path / "a")
     for _ in range(1_100):

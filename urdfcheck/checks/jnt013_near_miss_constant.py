@@ -139,8 +139,8 @@ def _collect_angles(model: Model) -> list[tuple[Token, float, bool]]:
     angles: dict[tuple[str, int], tuple[Token, float, bool]] = {}
     for element in model.robot.walk():
         attribute = element.attributes.get("rpy") if element.tag == "origin" else None
-        if attribute is None:
-            continue
+        if attribute is None or (attribute.literal and not any(map(parse_number, attribute.value.split()))):
+            continue  # nothing, or zeros
         words, values = tokenize_attribute(attribute, model.source.files), attribute.value.split()
         if len(words) == len(values):  # otherwise an expression made several numbers
             for word, text in zip(words, values, strict=True):

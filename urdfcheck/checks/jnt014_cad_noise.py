@@ -49,6 +49,9 @@ def _find_noise_words(element: Element, model: Model) -> Iterator[Token]:
     elif element.tag == "axis" and math.hypot(*(read_attribute_numbers(element, "xyz", 3, default=()) or ())) > 0.5:
         kinds = [("xyz", is_noise_length)]  # relative to the axis, whose length is 1
     for name, is_noise in kinds:
+        numbers = map(parse_number, element.get(name).split())
+        if not any(number is not None and is_noise(number) for number in numbers):
+            continue  # nearly all: to find the places of words takes longer
         for word in tokenize_attribute(element.attributes.get(name), model.source.files):
             value = parse_number(word.text)
             if value is not None and is_noise(value):

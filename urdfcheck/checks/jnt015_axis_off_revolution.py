@@ -20,7 +20,7 @@ from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
-from urdfcheck.model.wheel_names import WHEEL_CARRIER_NAME, WHEEL_NAME, is_revolute_wheel
+from urdfcheck.model.wheel_names import NOT_DRIVEN_NAME, WHEEL_CARRIER_NAME, WHEEL_NAME, is_revolute_wheel
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -32,6 +32,8 @@ _SQUARE = 0.02
 _WHOLE_TURN = 6.28
 # kg m²: a wheel of 5 cm and 10 g has 1e-5 more about its axle than across it.
 _NEGLIGIBLE_MOMENT = 1e-5
+# A ball stands for a wheel that is drawn as a disc if their radii differ by no more than this share.
+_BALL = 0.1
 # A variance of at most so many times the greatest one fits, in a hull that is larger by this part of its size (as in INR005).
 _FITTING, _MARGIN = 1.1, 0.02
 
@@ -91,11 +93,12 @@ def _may_steer(joint: Joint) -> bool:
 
 def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccentric: float) -> Iterator[Finding]:
     link = model.link_by_name[joint.child]
-    if any(_is_ball(shape) for shape in link.collisions):
-        return  # it rolls about any axis, whatever is drawn around it
     axis = np.array(joint.axis or (1.0, 0.0, 0.0))
     axis = axis / np.linalg.norm(axis)
     wheel = _SuspectWheel(joint=joint, link=link, axis=axis, evidence=_collect_evidence(model, link))
+    balls = [shape for shape in link.collisions if _is_ball(shape)]
+    if balls and not _is_disc_about(balls, wheel):
+        return  # it rolls about any axis, whatever is drawn around it
     against = [witness for witness in wheel.evidence if measure_line_angle(witness.axis, axis) > limit]
     others = [witness.kind for witness in wheel.evidence if witness not in against]
     drawn = [witness for witness in wheel.evidence if witness.shape is not None]
@@ -155,6 +158,19 @@ def _is_ball(shape: Shape) -> bool:
     """Whether a collision shape is a sphere with its centre at the joint."""
     xyz = shape.origin.xyz
     return shape.kind == "sphere" and xyz is not None and not any(xyz)
+
+
+def _is_disc_about(balls: Sequence[Shape], wheel: _SuspectWheel) -> bool:
+    """Whether a wheel that touches the ground as a ball is drawn as a flat disc of that size, and is no caster by its name."""
+    if NOT_DRIVEN_NAME.search(f"{wheel.joint.name} {wheel.joint.child}"):
+        return False
+    discs = [one.shape for one in wheel.evidence if one.kind == "visual" and one.is_wheel and one.shape is not None]
+    return any(
+        disc.width < disc.radius and math.isclose(disc.radius, ball.size[0], rel_tol=_BALL)
+        for disc in discs
+        for ball in balls
+        if ball.size is not None
+    )
 
 
 def _build_witness_finding(

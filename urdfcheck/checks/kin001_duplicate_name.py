@@ -5,14 +5,27 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
-from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core import Finding, Location, Rule, Severity, Span
+from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.link_graph import KinematicGraph
 
 # MuJoCo needs a joint's name only where something refers to it.
 MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the second name by an empty one"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _SharedValue:
+    """What two uses of a macro have in common though they should differ. ``span``, ``via``: where the second gets it."""
+
+    span: Span | None
+    via: tuple[Span, ...]
+    why: str
+    repair: str
+    related: tuple[Location, ...] = ()
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -39,14 +52,48 @@ def _check_repeated_names(parts: Sequence[Link] | Sequence[Joint], kind: str, ru
     first: dict[str, Link | Joint] = {}
     for part in parts:
         if part.name and first.setdefault(part.name, part) is not part:
+            at, other = _locate_name(part), _locate_name(first[part.name])
+            shared = _find_shared_value(first[part.name], part)
             yield rule.finding(
-                "repeated",
-                at=_locate_name(part),
-                related=[_locate_name(first[part.name])],
+                "repeated" if shared is None else "passed",
+                at=at if shared is None else Location(at.subject, shared.span, shared.via),
+                related=[other] if shared is None else [*shared.related, at, other],
                 consequences={"mujoco": MUJOCO[kind]},
                 kind=kind,
                 called=part.name,
+                why="" if shared is None else shared.why,
+                repair="" if shared is None else shared.repair,
             )
+
+
+def _find_shared_value(first: Link | Joint, second: Link | Joint) -> _SharedValue | None:
+    """Return what gives two parts one name that one line of a macro makes of its parameters; None for names of another origin."""
+    one, two = first.element.attributes["name"], second.element.attributes["name"]
+    calls = [call for other, call in zip(first.element.via, second.element.via, strict=False) if call != other]
+    if one.span != two.span or not calls:
+        return None
+    ones, twos = one.collect_definitions(), two.collect_definitions()
+    own = [definition for definition in twos if definition.span not in {d.span for d in ones}]
+    others = [definition for definition in ones if definition.span not in {d.span for d in twos}]
+    names = [definition.name for definition in own or twos if definition.kind == "parameter"]
+    if (
+        own
+        and others
+        and all(inner in outer.reads for outer, inner in pairwise(own))
+        and own[-1].name != others[-1].name
+    ):
+        told = f"{others[-1].name} and {own[-1].name}"
+        related = (others[-1].location,)
+        return _SharedValue(own[-1].span, (), f"{told} have the same value", f"give {told} different values", related)
+    if not names:
+        return None
+    passed = " and ".join(names)
+    return _SharedValue(
+        calls[0],
+        second.element.via[: second.element.via.index(calls[0])],
+        f"both calls pass the same {passed}" if own else f"both calls leave {passed} at the default",
+        f"pass another {' or '.join(names)} in one of the calls",
+    )
 
 
 def _check_joints(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -6,9 +6,10 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Link, Model
+from urdfcheck.source.model_file import EXPRESSION
 
 # The names of prims in USD.
 _IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
@@ -42,7 +43,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         wrong = [part for part in named if is_wrong(part.name, isinstance(part, Link))]
         if message == "space" and not any(isinstance(part, Link) or part.is_movable for part in wrong):
             severity = Severity.INFO  # no program commands a fixed joint by its name
-        yield from _build_findings(rule, message, severity=severity, parts=wrong)
+        behind = {id(part) for part in wrong if message == "leading_slash" and _find_typed_slash(part) is not None}
+        plain = [part for part in wrong if id(part) not in behind]
+        yield from _build_findings(rule, message, severity=severity, parts=plain)
+        rest = [part for part in wrong if id(part) in behind]
+        yield from _build_findings(rule, "slash_behind_nothing", severity=severity, parts=rest)
     roots = {link.name for link in model.links} - {joint.child for joint in model.joints}
     worlds = [part for part in named if part.name == "world"]
     links = [part for part in worlds if isinstance(part, Link) and part.name not in roots]
@@ -67,16 +72,31 @@ def _build_findings(
     """Report all names with one mistake together: they come from one habit."""
     if parts:
         names = [part.name for part in parts]
+        own, typed = _locate_name(parts[0]), _find_typed_slash(parts[0]) if message == "slash_behind_nothing" else None
         finding = rule.finding(
             message,
-            at=_locate_name(parts[0]),
+            at=own if typed is None else Location(own.subject, typed[0]),
             severity=severity,
-            related=[_locate_name(part) for part in parts[1:10]],
+            related=[_locate_name(part) for part in parts[typed is None : 10]],
+            typed="" if typed is None else typed[1],
             names=join_names(f"'{spell_breaks(name)}'" for name in dict.fromkeys(names)),
             blanks=_describe_blanks(names),
             count=len(names),
         )
         yield replace(finding, subjects=tuple(_locate_name(part).subject for part in parts))
+
+
+def _find_typed_slash(part: Link | Joint) -> tuple[Span | None, str] | None:
+    """Return where the slash that begins a name is typed behind expressions, which are empty, and what is typed there."""
+    name = part.element.attributes["name"]
+    typed = [(name.span, name.typed, name.value)]
+    typed += [(definition.span, definition.text, definition.value) for definition in name.collect_definitions()]
+    for span, text, value in typed:
+        literal = EXPRESSION.sub("", text)
+        # The slashes of the value are those that are typed, so the first one is.
+        if text[:1] == "$" and literal[:1] == "/" == value[:1] and literal.count("/") == value.count("/"):
+            return span, text
+    return None
 
 
 def _describe_blanks(names: Sequence[str]) -> str:

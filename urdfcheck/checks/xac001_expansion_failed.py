@@ -13,7 +13,9 @@ from typing import Any
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import find_nearest_name, format_argument_option, format_choices, format_name_hint, join_names
+from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.load import Source, locate_expression
+from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.similar_files import (
     describe_uninstalled_file,
@@ -312,6 +314,8 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     near = near if elsewhere is None else describe_uninstalled_file(elsewhere)
     if elsewhere is not None:
         repair = f"install its folder (CMakeLists.txt or setup.py), or {_PATH_REPAIR}"
+    elif not near and package is not None and may_be_built(path, package.path, MODEL_SUFFIXES):
+        repair = f"build {package.name} first, which may make the file; if it does not, {_PATH_REPAIR}"
     data: dict[str, Any] = {"file": format_path(path), "hint": near, "repair": repair}
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)

@@ -13,8 +13,10 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model.likeness.repeated_blocks import NumberColumn, classify_columns
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.package.file_kinds import is_xacro
+from urdfcheck.source.text.remembered import tree_fact
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
 # CAD exports of one part differ by this much, through rounding.
 _TOLERANCES = {"rel_tol": 1e-6, "abs_tol": 1e-12}
@@ -46,8 +48,8 @@ def check(source: Source, rule: Rule, *, blocks: int, attributes: int, share: fl
     for name, tree in select_own_trees(source).items():
         if not is_xacro(Path(name)):
             continue  # written by a program, and included unchanged
-        for parent in tree.walk():
-            candidates = [b for b in _collect_blocks(parent) if len(b.columns) >= attributes]
+        for siblings in _collect_all_blocks(tree):
+            candidates = [b for b in siblings if len(b.columns) >= attributes]
             for group in _group_blocks(candidates, share):
                 if len(group) >= blocks:
                     yield _build_finding(group, rule)
@@ -123,6 +125,13 @@ def _name_numbers(attribute: Attribute, count: int) -> list[str]:
         return [f"{attribute.owner.tag}" if attribute.name == "value" else attribute.name]
     letters = "xyz" if count == 3 else "123456789"[:count] if count < 10 else [str(i) for i in range(count)]
     return [f"{attribute.owner.tag}_{letter}" for letter in letters]
+
+
+@tree_fact
+def _collect_all_blocks(tree: Element) -> list[list[_LinkBlock]]:
+    """Return the blocks of a file, those of one parent together."""
+    parents = dict.fromkeys(link.parent for link in iter_elements_by_tag({"": tree}, "link"))
+    return [_collect_blocks(parent) for parent in parents if parent is not None]
 
 
 def _collect_blocks(parent: Element) -> list[_LinkBlock]:

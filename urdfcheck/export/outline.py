@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 
 from urdfcheck.core import Location
@@ -52,8 +53,10 @@ def build_outline(model: Model) -> ModelOutline:
             blocks = element.find_children("hardware")
             hardware += [plugin.text.strip() for block in blocks for plugin in block.find_children("plugin")]
         if element.tag in {"link", "joint"}:
-            for inner in element.walk():
-                subject = inner.subject
+            below = [(element, element.subject)]
+            while below:
+                inner, subject = below.pop()
+                below += [(child, f"{subject}/{child.label}") for child in reversed(inner.children)]
                 for name, attribute in inner.attributes.items():
                     value = normalize_path(model, attribute.value) if name == "filename" else attribute.value
                     parts[f"{subject}@{name}"] = normalize_value(value)
@@ -96,6 +99,7 @@ def normalize_path(model: Model, value: str) -> str:
     return f"package://{package.name}/{path.relative_to(package.path).as_posix()}"
 
 
+@lru_cache(maxsize=4096)
 def normalize_value(value: str) -> Value:
     """Return numbers in one notation (``1`` and ``1.0`` are one value), and everything else as words."""
     words = value.split()

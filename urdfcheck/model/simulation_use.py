@@ -93,7 +93,7 @@ def has_successor_branch(model: Model, element: Element) -> bool:
     Both are under conditions that read one name, and this robot lacks the plugin.
     """
     read = _collect_condition_names(model, element)
-    here = {_get_place(other) for other in model.robot.walk() if other.tag == "plugin"} if read else set()
+    here = set(map(_get_place, iter_elements_by_tag({"": model.robot}, "plugin"))) if read else set()
     others = iter_elements_by_tag(model.source.trees, "plugin")
     return bool(read) and any(
         _NEW_PLUGIN.match(other.get("filename") or other.text.strip()) is not None

@@ -379,7 +379,7 @@ class _Planner:
                 return
             # Only at launch is it known which of several models starts.
             is_only = len(launch.models) == 1
-            for model in launch.models:
+            for model in filter(self.may_be_robot, launch.models):
                 self.extend_reach(model, finder)
                 self.add_model(
                     ModelTarget(
@@ -404,6 +404,11 @@ class _Planner:
                         xacro=description.uses_xacro,
                     )
                 )
+
+    def may_be_robot(self, path: Path) -> bool:
+        """Whether what a launch file names as a model is not a semantic description, which xacro may also make."""
+        file = self.budget.read_file(path) if is_srdf(path) else None
+        return file is None or file.makes_robot
 
     def extend_reach(self, model: Path, finder: PackageFinder) -> None:
         """Bring the package of a model that a launch file leads to into reach: it is checked like any other."""

@@ -18,6 +18,7 @@ from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml, restore_breaks
+from urdfcheck.source.text.yaml.values import YamlKeyRead
 from urdfcheck.system.encodings import is_utf_8
 
 if TYPE_CHECKING:
@@ -53,6 +54,8 @@ class Source:
     arguments_read: frozenset[str] = field(default_factory=frozenset)
     loose_reads: frozenset[Span] = frozenset()
     """The places of definitions that conditions, texts and names of files read."""
+    key_reads: tuple[YamlKeyRead, ...] = ()
+    """The keys of yaml files that texts with expressions read."""
     may_vary_with_order: bool = False
     """Whether another order of the items of sets may make another robot."""
     environment: frozenset[str] = frozenset()
@@ -132,6 +135,7 @@ def load_source(
     arguments_read: frozenset[str] = frozenset()
     loose_reads: frozenset[Span] = frozenset()
     may_vary_with_order = False
+    key_reads: tuple[YamlKeyRead, ...] = ()
     found_arguments: dict[str, Location] = {}
     assumed_variables: frozenset[str] = frozenset()
     document: minidom.Document | None = None
@@ -146,7 +150,7 @@ def load_source(
         files.update(expansion.files)
         trees.update(expansion.trees)
         arguments_read, loose_reads = expansion.arguments_read, expansion.loose_reads
-        may_vary_with_order = expansion.may_vary_with_order
+        may_vary_with_order, key_reads = expansion.may_vary_with_order, expansion.key_reads
     elif root is not None and not xacro:
         restore_breaks(root)
     return Source(
@@ -163,6 +167,7 @@ def load_source(
         is_part=is_part,
         arguments_read=arguments_read,
         loose_reads=loose_reads,
+        key_reads=key_reads,
         may_vary_with_order=may_vary_with_order,
         environment=environment,
         document=document,

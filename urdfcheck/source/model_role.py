@@ -14,6 +14,8 @@ from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags
 _PACKAGE_MISSING = "package-not-found"
 # Why a part cannot be expanded alone: what it uses is defined by the file that includes it, or is told there as well.
 _FOR_WANT_OF_CONTEXT = frozenset({"expansion-failed", "argument-missing", "include-cycle", _PACKAGE_MISSING})
+# The elements of a semantic description; those in which names of links and joints are grouped, or pairs of links told apart.
+_SEMANTIC = frozenset({"group", "group_state", "virtual_joint", "passive_joint", "end_effector", "disable_collisions"})
 # A long name is not shown whole.
 _LONGEST_NAME = 60
 
@@ -25,7 +27,7 @@ class ModelRole:
     kind: str
     """model | library (it makes neither link nor joint) | part (it takes the file that includes it to be a robot)."""
     reason: str = ""
-    """Why it is a part."""
+    """Why it is a part, or a library."""
     is_doubtful: bool = False
     """Whether it may still be a robot by itself: it has a name, and could not be expanded."""
     has_whole_links: bool = False
@@ -38,7 +40,8 @@ class ModelRole:
 
 
 MODEL = ModelRole("model")
-LIBRARY = ModelRole("library")
+LIBRARY = ModelRole("library", "only defines macros")
+SEMANTIC_DESCRIPTION = ModelRole("library", "describes another robot (SRDF)")
 
 
 def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False) -> ModelRole:
@@ -57,6 +60,8 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
     if not any(child.tag in {"link", "joint"} for child in root.children):
         if not is_part and has_unprefixed_calls(source, root):
             return MODEL
+        if _is_semantic(root):
+            return SEMANTIC_DESCRIPTION
         return LIBRARY if is_part or is_tentative or _is_library(source) else MODEL
     if not is_part:
         return MODEL
@@ -104,6 +109,11 @@ def has_unprefixed_calls(source: Source, root: Element) -> bool:
 def _is_library(source: Source) -> bool:
     tree = source.main_tree
     return source.is_xacro and (defines_macros(tree) or not has_parts(tree))
+
+
+def _is_semantic(root: Element) -> bool:
+    """Whether a robot without links and joints is the semantic description of another one."""
+    return any(child.tag in _SEMANTIC for child in root.children)
 
 
 def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool) -> ModelRole:

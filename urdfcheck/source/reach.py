@@ -33,7 +33,10 @@ class FileReach:
 
     def can_open(self, path: Path) -> bool:
         """Whether a file, or the target of a link of this name, may be opened."""
-        real = resolve_real_path(path)
+        return self.has_real_path(resolve_real_path(path))
+
+    def has_real_path(self, real: str | None) -> bool:
+        """Whether the file of a real path may be opened; None: no file can have it."""
         return real is not None and any(is_below(real, root) for root in self.roots)
 
 

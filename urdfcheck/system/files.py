@@ -197,13 +197,21 @@ def walk(root: Path) -> Iterator[tuple[str, list[str], list[str]]]:
     while below:
         folder = below.pop()
         try:
-            names = sorted(os.listdir(folder))
+            with os.scandir(folder) as listed:
+                entries = sorted(listed, key=lambda entry: entry.name)
         except OSError:
             continue
-        folders = [name for name in names if os.path.isdir(os.path.join(folder, name))]
-        inner = set(folders)
-        yield folder, folders, [name for name in names if name not in inner]
-        below += [place for name in reversed(folders) if not os.path.islink(place := os.path.join(folder, name))]
+        inner = {entry.name: entry for entry in entries if _is_folder(entry)}
+        folders = list(inner)
+        yield folder, folders, [entry.name for entry in entries if entry.name not in inner]
+        below += [inner[name].path for name in reversed(folders) if not inner[name].is_symlink()]
+
+
+def _is_folder(entry: os.DirEntry[str]) -> bool:
+    try:
+        return entry.is_dir()
+    except OSError:  # a link in a circle
+        return False
 
 
 def is_inside(real: str, folder: str) -> bool:

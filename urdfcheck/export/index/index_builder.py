@@ -9,6 +9,7 @@ from urdfcheck.export.index.outside_names import iter_argument_names, iter_outsi
 from urdfcheck.export.index.robot_names import iter_robot_names
 from urdfcheck.export.index.robot_parts import list_robot_parts
 from urdfcheck.export.index.source_index import DoubtfulName, SourceIndex
+from urdfcheck.export.index.yaml_key_names import iter_unread_keys, iter_yaml_key_names
 from urdfcheck.model import Model
 from urdfcheck.source.launch.model_launches import find_model_launches
 from urdfcheck.source.load import Source
@@ -24,11 +25,13 @@ def build_index(source: Source, model: Model | None, model_id: str, *, with_expa
     names = dict.fromkeys(iter_robot_names(source))
     if source.is_xacro:
         names.update(dict.fromkeys((*iter_xacro_names(source), *iter_argument_names(source, launches))))
-    doubtful: tuple[DoubtfulName, ...] = ()
+    names.update(dict.fromkeys(iter_yaml_key_names(source)))
+    doubtful: tuple[DoubtfulName, ...] = tuple(iter_unread_keys(source))
     if model is not None:
         names.update(dict.fromkeys(iter_outside_names(model, launches)))
-        certain, doubtful = list_python_names(model)
+        certain, others = list_python_names(model)
         names.update(dict.fromkeys(certain))
+        doubtful += others
     keys = list_yaml_keys(source)
     outside = (span.file for span in (*(place.span for place in names), *(key.span for key in keys)))
     return SourceIndex(

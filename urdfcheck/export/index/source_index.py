@@ -8,6 +8,7 @@ from urdfcheck.core.records import dataclass
 LINK, JOINT, MATERIAL = "link", "joint", "material"
 PROPERTY, PARAMETER, ARGUMENT, MACRO = "property", "parameter", "argument", "macro"
 FILE = "file"
+YAML_KEY = "yaml key"
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,14 +16,14 @@ class NamePlace:
     """A place at which a name is defined or used."""
 
     kind: str
-    """link | joint | material | property | parameter | argument | macro | file, which is an included one."""
+    """link | joint | material | property | parameter | argument | macro | yaml key | file, which is an included one."""
     name: str
     span: Span
     is_definition: bool
     targets: tuple[Span, ...] = ()
     """Of a use, the definitions that it means, where the names alone do not say it."""
     scope: Span | None = None
-    """Of a property that is known in one macro only, the start tag of the macro."""
+    """Of a property that is known in one macro only, the start tag of the macro; of a key of yaml, its mapping."""
     is_handed: bool = False
     """Whether the text only hands on a name that is typed elsewhere: ``${parent}``. That place is one of the names too."""
 
@@ -32,7 +33,7 @@ class DoubtfulName:
     """A text outside the model that may be the name of one of its parts, or something else."""
 
     kind: str
-    """link | joint."""
+    """link | joint | yaml key."""
     name: str
     span: Span
     doubt: str

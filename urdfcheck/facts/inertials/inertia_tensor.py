@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -93,7 +94,14 @@ def compute_principal_moments(inertia: ArrayLike) -> tuple[Array, Array]:
 
     :raises ValueError: when the tensor is not finite.
     """
-    matrix = np.asarray(inertia, dtype=float)
+    moments, axes = _diagonalize(np.asarray(inertia, dtype=float).tobytes())
+    return moments.copy(), axes.copy()
+
+
+@lru_cache(maxsize=1024)
+def _diagonalize(inertia: bytes) -> tuple[Array, Array]:
+    """Do the same for the bytes of a tensor: many rules ask about each."""
+    matrix = np.frombuffer(inertia).reshape(3, 3)
     if not np.isfinite(matrix).all():
         raise ValueError("the inertia tensor is not finite")
     moments, axes = np.linalg.eigh(matrix)

@@ -79,7 +79,8 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
         for name, link in model.link_by_name.items()
         if name not in find_repeated_drawings(model) and (declared := read_declared_inertial(link)) is not None
     }
-    text = f"{model.source.path}\0{model.name}\0{compute_code_version(*_CODE_MODULES)}"
+    # An editor asks for a part of the tiers and for all in turns, and with meshes other verdicts are needed than without.
+    text = f"{model.source.path}\0{model.name}\0{model.tier}\0{compute_code_version(*_CODE_MODULES)}"
     key = hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()  # a file name may not be valid text
     entry = model.cache.entry("diagnosis", key)
     known = read_verdicts(entry)
@@ -160,6 +161,7 @@ def _find_habit(
     if not candidates:
         return None
     different: dict[tuple[str, ...], Evidence] = {}  # copies and mirror images are one piece of evidence
+    principal = dict(zip(found.links, np.linalg.eigvalsh([numbers[name].tensor for name in found.links]), strict=True))
     for name, (key, _) in found.links.items():
         if key not in found.evidence:
             evidence = known.evidence.get(key)
@@ -169,7 +171,6 @@ def _find_habit(
                     continue
                 evidence = encode_evidence(measured)
             found.evidence[key] = evidence
-        declared = numbers[name]
-        moments = (declared.mass, *np.linalg.eigvalsh(declared.tensor))
+        moments = (numbers[name].mass, *principal[name])
         different.setdefault(tuple(f"{value:.3g}" for value in moments), decode_evidence(found.evidence[key]))
     return decide_habit(list(different.values()), list(candidates))

@@ -7,8 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from urdfcheck.core import Severity
+from urdfcheck.core import Finding, Severity
+from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit, UnitReport
+from urdfcheck.source.model_file import find_file_names
 from urdfcheck.source.model_role import MODEL
 from urdfcheck.source.package.file_kinds import is_srdf
 from urdfcheck.source.package.finder import format_path
@@ -92,13 +94,38 @@ def assign_parts(
             kept.append((unit, report))
         elif role.kind == "library" and unit.is_explicit and name not in read:
             includes = "that was checked reads it" if unit.is_part else "of its package or repository includes it"
-            reasons[name] = f"only defines macros, and no model {includes}"
+            reasons[name] = f"{role.reason}, and no model {includes}"
         elif role.kind == "part" and name not in (used if role.is_doubtful else read) and not is_srdf(Path(unit.path)):
             if role.must_be_checked and _find_home(Path(unit.path)) not in excusing:
-                kept.append((unit, replace(report, role=MODEL)))
+                kept.append((unit, replace(report, role=MODEL, findings=_blame_user(unit, report, failed))))
             else:
                 reasons[name] = f"is not checked: no model that was checked is made of this part, and {role.reason}"
     return kept, sorted(reasons.items())
+
+
+def _blame_user(part: Unit, report: UnitReport, failed: Sequence[UnitReport]) -> tuple[Finding, ...]:
+    """Return the findings of a part that was not checked; a failed model that names its file is why no model includes it."""
+    name = Path(part.path).name
+    users = (f.info.path for f in failed if f.info and any(name in find_file_names(t) for t in f.sources.values()))
+    user = next(users, None)
+    if user is None:
+        return report.findings
+    return tuple(
+        _blame(finding, user) if (finding.code, finding.message_id) == ("XML002", "part") else finding
+        for finding in report.findings
+    )
+
+
+def _blame(finding: Finding, user: str) -> Finding:
+    told = load_rules()["XML002"].finding("part-of-failed", at=finding.location, user=user)
+    return replace(
+        finding,
+        message_id=told.message_id,
+        headline=told.headline,
+        message=told.message,
+        data=told.data,
+        fix=told.fix,
+    )
 
 
 def _find_home(path: Path) -> Path:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from urdfcheck.core import Span
-from urdfcheck.export.index.source_index import PARAMETER, NamePlace, SourceIndex
+from urdfcheck.export.index.source_index import PARAMETER, YAML_KEY, NamePlace, SourceIndex
 
-# Kind, name, and where it is known: the macro of a property, the declaration of a parameter; None for all others.
+# Kind, name, and where it is known: the macro of a property, the declaration of a parameter or a key; None for all others.
 _Key = tuple[str, str, Span | None]
 
 
@@ -32,18 +32,22 @@ def find_same_names(indexes: Sequence[SourceIndex], seeds: Iterable[NamePlace]) 
 
 
 def _list_keys(place: NamePlace) -> list[_Key]:
-    if place.kind == PARAMETER:
+    if place.kind in {PARAMETER, YAML_KEY}:
         return [(place.kind, place.name, span) for span in ((place.span,) if place.is_definition else place.targets)]
     return [(place.kind, place.name, place.scope)]
 
 
 def _connect_keys(indexes: Sequence[SourceIndex], wanted: set[_Key]) -> set[_Key]:
-    """Return these keys and all that a use connects them with: it may read the property of one macro or of another."""
+    """Return these keys and all that a text connects them with: it may read the property of one macro or of another, and in
+    each robot the key of another yaml file."""
     names = {(kind, name) for kind, name, _ in wanted}
     places = [place for index in indexes for place in index.names if (place.kind, place.name) in names]
     defined = {place.span: key for place in places if place.is_definition for key in _list_keys(place)}
-    groups = [{*_list_keys(place), *(defined[span] for span in place.targets if span in defined)} for place in places]
-    groups = [set(group) for group in {frozenset(group) for group in groups if len(group) > 1}]
+    by_text: dict[Span, set[_Key]] = {}
+    for place in places:
+        meant = (defined[span] for span in place.targets if span in defined)
+        by_text.setdefault(place.span, set()).update(_list_keys(place), meant)
+    groups = [set(group) for group in {frozenset(group) for group in by_text.values() if len(group) > 1}]
     while touched := [group for group in groups if group & wanted and not group <= wanted]:
         for group in touched:
             wanted = wanted | group

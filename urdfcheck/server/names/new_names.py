@@ -6,8 +6,9 @@ import builtins
 import keyword
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
+from urdfcheck.core import Span
 from urdfcheck.export.index.source_index import (
     ARGUMENT,
     JOINT,
@@ -16,12 +17,13 @@ from urdfcheck.export.index.source_index import (
     MATERIAL,
     PARAMETER,
     PROPERTY,
+    YAML_KEY,
     SourceIndex,
 )
 from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
 
 ROBOT_KINDS = frozenset({LINK, JOINT, MATERIAL})
-RENAMED_KINDS = ROBOT_KINDS | {PROPERTY, PARAMETER, ARGUMENT, MACRO}
+RENAMED_KINDS = ROBOT_KINDS | {PROPERTY, PARAMETER, ARGUMENT, MACRO, YAML_KEY}
 _VARIABLES = frozenset({PROPERTY, PARAMETER})
 # What expressions of xacro know by themselves.
 _KNOWN_IN_EXPRESSIONS = frozenset({*dir(math), *dir(builtins), "xacro", "python", "arg"})
@@ -49,17 +51,25 @@ def explain_invalid_name(kind: str, name: str) -> str:
         return f"{what}: `xacro:{name}` is xacro's own."
     if kind == MACRO and not _TAG.fullmatch(name):
         return f"{what}: it becomes a tag, `xacro:{name}`."
+    if kind == YAML_KEY and not _TAG.fullmatch(name):
+        return f"{what}: it may have letters, digits, underscores, hyphens and dots, and no digit first."
     if kind in ROBOT_KINDS and not _PART.fullmatch(name):
         return f"{what}: blanks, slashes, quotation marks, brackets and $ have another meaning to some reader."
     return ""
 
 
-def explain_taken_name(indexes: Sequence[SourceIndex], kind: str, name: str) -> str:
-    """Return where something else of a kind already has a name in one of the models; empty if it is free."""
+def explain_taken_name(
+    indexes: Sequence[SourceIndex], kind: str, name: str, mappings: Collection[Span | None] = ()
+) -> str:
+    """Return where something else of a kind already has a name in one of the models; empty if it is free.
+
+    ``mappings``: those of a key of yaml.
+    """
     kinds = _VARIABLES if kind in _VARIABLES else frozenset({kind})
     for index in indexes:
         for place in index.names:
-            if place.is_definition and place.kind in kinds and place.name == name:
+            is_apart = kind == YAML_KEY and place.scope not in mappings
+            if place.is_definition and place.kind in kinds and place.name == name and not is_apart:
                 article = "An" if place.kind == ARGUMENT else "A"
                 return f"{article} {place.kind} is already called `{name}` ({place.span.file}:{place.span.line})."
     return ""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from urdfcheck.core import Edit, Span
 from urdfcheck.core.records import dataclass
-from urdfcheck.export.index.source_index import ARGUMENT, MACRO, DoubtfulName, NamePlace, SourceIndex
+from urdfcheck.export.index.source_index import ARGUMENT, MACRO, YAML_KEY, DoubtfulName, NamePlace, SourceIndex
 from urdfcheck.server.check_messages import RenameWish
 from urdfcheck.server.names.name_groups import find_same_names
 from urdfcheck.server.names.new_names import (
@@ -37,7 +37,7 @@ class RenamePlan:
 
     edits: tuple[Edit, ...]
     names: Mapping[tuple[str, str], str] = field(default_factory=dict)
-    """Kind and old name of each part of the robot that gets a new name; empty for the names of xacro."""
+    """Kind and old name of each part of the robot or key of yaml that gets a new name; empty for the names of xacro."""
     models: frozenset[str] = frozenset()
     """The models in which it does: another may have a part of the same name."""
     arguments: Mapping[str, str] = field(default_factory=dict)
@@ -76,29 +76,32 @@ def plan_rename(wish: RenameWish, indexes: Sequence[SourceIndex], texts: Mapping
             raise RenameRefusedError(reason)
     found = find_same_names(indexes, seeds)
     affected = [indexes[number] for number in sorted({number for number, _ in found})]
+    mappings = {place.scope for _, place in found if place.is_definition}
     for old, new in names.items():
-        reason = explain_taken_name(affected, kind, new) if old != new else ""
+        reason = explain_taken_name(affected, kind, new, mappings) if old != new else ""
         if reason:
             raise RenameRefusedError(reason)
     places = dict.fromkeys(place for _, place in found if not place.is_handed)
+    doubtful = tuple(
+        dict.fromkeys(
+            text for index in affected for text in index.doubtful_names if text.kind == kind and text.name in names
+        )
+    )
     if kind in ROBOT_KINDS:
         edits = _build_part_edits(places, names, affected, texts)
-        doubtful = (text for index in affected for text in index.doubtful_names)
         edited = {edit.span for edit in edits}
         return RenamePlan(
             edits=edits,
             names={(kind, old): new for old, new in names.items()},
             models=frozenset(index.model for index in affected),
-            doubtful=tuple(
-                dict.fromkeys(
-                    text for text in doubtful if text.kind == kind and text.name in names and text.span not in edited
-                )
-            ),
+            doubtful=tuple(text for text in doubtful if text.span not in edited),
         )
     (new,) = names.values()
     # A place may be known for what it reads in one model and in another.
     edits = tuple(dict.fromkeys(_iter_xacro_edits(places, new, texts)))
-    return RenamePlan(edits=edits, arguments={seed.name: new for seed in seeds} if kind == ARGUMENT else {})
+    arguments = {seed.name: new for seed in seeds} if kind == ARGUMENT else {}
+    keys = {(kind, old): new for old, new in names.items()} if kind == YAML_KEY else {}
+    return RenamePlan(edits=edits, names=keys, arguments=arguments, doubtful=doubtful)
 
 
 def _find_seeds(wish: RenameWish, indexes: Sequence[SourceIndex]) -> list[NamePlace]:

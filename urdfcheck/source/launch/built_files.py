@@ -1,4 +1,4 @@
-"""Files that a launch file names and that no checkout has, because a build or a program makes them."""
+"""Files that a launch file or a model names and that no checkout has, because a build or a program makes them."""
 
 from __future__ import annotations
 

@@ -273,7 +273,7 @@ class _IncludeReader:
             return None
         path = self.finder.find_source(path)
         if not os.path.isfile(path):
-            if resolver.has_known_conditions(include) and self._is_missing(path):
+            if resolver.has_known_conditions(include) and self._is_missing(path) and not _may_be_written(include):
                 self._add_broken(include, UnresolvedReason("file", format_path(path)))
             return None
         return path
@@ -313,6 +313,19 @@ class _IncludeReader:
             if element.tag in {"arg", "let"} and value is not None and resolver.is_active(element):
                 passed[element.get("name")] = resolver.resolve_value(value.value)
         return passed
+
+
+def _may_be_written(include: Element) -> bool:
+    """Whether a program that this launch file starts, perhaps with other arguments, may write the file of an include.
+
+    It is then given a launch file with which the name of the missing one begins.
+    """
+    root, missing = include, include.get("file")
+    while root.parent is not None:
+        root = root.parent
+    nodes = (element for element in root.walk() if element.tag == "node")
+    named = (word.rpartition(".launch")[0] for node in nodes for word in split_command(node.get("args")))
+    return any(name and missing.startswith(name) for name in named)
 
 
 def _find_descriptions(root: Element, resolver: SubstitutionResolver) -> Iterator[DescriptionSource]:

@@ -20,7 +20,7 @@ from urdfcheck.source.package.installed_files import (
 )
 
 # A text without an end reaches to the end of the file, so that each character is matched once.
-_TOKEN = re.compile(r'#[^\n]*|"(?:[^"\\]|\\.)*(?:"|\Z)|[()]|[^\s()"#]+', re.DOTALL)
+_TOKEN = re.compile(r'#[^\n]*|"(?:[^"\\]|\\.)*(?:"|\Z)|[()]|(?:\\.|[^\s()"#\\])+', re.DOTALL)
 _VARIABLE = re.compile(r"\$\{(\w+)\}")
 # Stands in values for the folder of the package.
 _PACKAGE_DIR = "\1"

@@ -135,6 +135,7 @@ class PackageFinder:
         self._packages: dict[Path, Package | None] = {}
         self._installed: dict[Path, InstalledFiles | None] = {}
         self._resources: dict[tuple[str, Path], Resource] = {}
+        self._real_folders: dict[str, str] = {}
 
     def find(self, name: str) -> Path | None:
         """Return the folder of a package, or None."""
@@ -153,7 +154,18 @@ class PackageFinder:
 
     def can_open(self, path: Path) -> bool:
         """Whether a file may be opened: it is in reach, or in a package that was found by its name."""
-        return self.reach is None or self.reach.can_open(path) or self.find_known_folder(path) is not None
+        if self.reach is None or self.reach.has_real_path(self._resolve_path(path)):
+            return True
+        return self.find_known_folder(path) is not None
+
+    def _resolve_path(self, path: Path) -> str | None:
+        """Do what `resolve_real_path` does; the real path of a folder with many files is found once, as that takes long."""
+        folder, name = os.path.split(path)
+        if os.name == "nt" or name in {"", os.curdir, os.pardir} or "\0" in str(path) or os.path.islink(path):
+            return resolve_real_path(path)
+        if folder not in self._real_folders:
+            self._real_folders[folder] = os.path.realpath(folder)
+        return os.path.join(self._real_folders[folder], name)
 
     def find_known_folder(self, path: Path) -> Path | None:
         """Return the real folder of the package that was found by its name and contains this file."""

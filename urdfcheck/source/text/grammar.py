@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
+from urdfcheck.source.text.remembered import tree_fact
 from urdfcheck.source.text.xml import Element
 
 # The elements that urdfdom reads inside each element (URDF 1.0 to 1.2). A tag means the same wherever it is allowed.
@@ -137,16 +138,26 @@ def is_attribute_missing(element: Element, name: str) -> bool:
 
 def iter_urdf_elements(robot: Element) -> Iterator[Element]:
     """Yield the elements of a robot that the reference parser reads, in document order; extensions are left out."""
+    return iter(_list_urdf_elements(robot))
+
+
+@tree_fact
+def _list_urdf_elements(robot: Element) -> list[Element]:
+    found = []
     stack = [robot]
     while stack:
         element = stack.pop()
-        yield element
-        allowed = CHILDREN.get(element.tag, frozenset())
-        stack.extend(child for child in reversed(element.children) if child.tag in allowed)
+        found.append(element)
+        if element.children:
+            allowed = CHILDREN.get(element.tag, frozenset())
+            stack += [child for child in reversed(element.children) if child.tag in allowed]
+    return found
 
 
 def list_repeated_children(element: Element) -> list[list[Element]]:
     """Return the groups of children of which only one is allowed: children with one tag, or all shapes of a geometry."""
+    if len(element.children) < 2:
+        return []
     groups: dict[str, list[Element]] = {}
     allowed = frozenset() if element.tag == "robot" else CHILDREN.get(element.tag, frozenset()) - _REPEATABLE
     for child in element.children:
@@ -160,6 +171,12 @@ def iter_first_elements(robot: Element) -> Iterator[Element]:
 
     Of several shapes in one geometry all are yielded: programs choose differently.
     """
+    return iter(_list_first_elements(robot))
+
+
+@tree_fact
+def _list_first_elements(robot: Element) -> list[Element]:
+    found = []
     unread: set[int] = set()
     for element in iter_urdf_elements(robot):
         if id(element) in unread:
@@ -167,7 +184,8 @@ def iter_first_elements(robot: Element) -> Iterator[Element]:
             continue
         if element.tag != "geometry":
             unread.update(id(other) for group in list_repeated_children(element) for other in group[1:])
-        yield element
+        found.append(element)
+    return found
 
 
 def guess_element_tag(parent: str, child: Element) -> str | None:

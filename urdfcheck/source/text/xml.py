@@ -129,7 +129,7 @@ class Element:
     """The macro calls and includes that brought it in, outermost first."""
     _label_cache: tuple[int, dict[int, str]] | None = field(default=None, repr=False)
     facts: dict[Any, Any] | None = field(default=None, repr=False)
-    """What `urdfcheck.source.text.remembered` keeps of a whole file, at its root."""
+    """What `urdfcheck.source.text.remembered` keeps of a whole file or robot, at its root."""
 
     def get(self, name: str, default: str = "") -> str:
         """Return the value of an attribute, or ``default``."""
@@ -153,7 +153,8 @@ class Element:
         while stack:
             element = stack.pop()
             yield element
-            stack.extend(reversed(element.children))
+            if element.children:
+                stack += element.children[::-1]
 
     @property
     def label(self) -> str:

@@ -14,8 +14,11 @@ from xml.dom import NotFoundErr, minidom
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.origins import Origin
 
+_ELEMENT, _COMMENT = minidom.Node.ELEMENT_NODE, minidom.Node.COMMENT_NODE
+_INSTRUCTION = minidom.Node.PROCESSING_INSTRUCTION_NODE
 # Its content is never evaluated where it was typed: each call evaluates a copy.
 _MACRO = "xacro:macro"
+_CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
 
 
 class NodeAttribute:
@@ -96,6 +99,23 @@ class TracedElement(minidom.Element):
         return copy
 
 
+class _ConditionCopy(TracedElement):
+    """The copy of a condition. What is in it is copied when it is asked for: many conditions are not met."""
+
+    template: TracedElement | None = None
+
+    def _get_child_nodes(self) -> Any:
+        if self.template is not None:
+            template, self.template = self.template, None
+            _copy_content(template, self)
+        return self._nodes
+
+    def _set_child_nodes(self, nodes: Any) -> None:
+        self._nodes = nodes
+
+    childNodes = property(_get_child_nodes, _set_child_nodes)  # noqa: N815
+
+
 def build_document(text: str, root: Element) -> minidom.Document:
     """Return the document of a text; its elements have those of the same place below ``root`` as their origins.
 
@@ -135,27 +155,31 @@ def copy_document(document: minidom.Document) -> minidom.Document:
 def _copy_node(node: Any, document: minidom.Document | None) -> Any:
     """Return a copy of a node with all that is in it, without parent and siblings."""
     copy: Any
-    if node.nodeType == node.ELEMENT_NODE:
+    kind = node.nodeType
+    if kind == _ELEMENT:
         copy = _copy_tag(node, document)
         if node.tagName == _MACRO:
             copy.childNodes = node.childNodes
+        elif node.tagName in _CONDITIONS:
+            copy.template = node
         else:
             _copy_content(node, copy)
         return copy
-    if node.nodeType == node.COMMENT_NODE:
+    if kind == _COMMENT:
         copy = minidom.Comment(node.data)
-    elif node.nodeType == node.PROCESSING_INSTRUCTION_NODE:
+    elif kind == _INSTRUCTION:
         copy = minidom.ProcessingInstruction(node.target, node.data)
     else:
         copy = type(node)()  # a text, or one in <![CDATA[…]]>
-        copy.data = node.data
+        copy._data = node._data  # half of all nodes are such; `data` is a property of these
     copy.ownerDocument = document
     return copy
 
 
 def _copy_tag(element: TracedElement, document: minidom.Document | None) -> TracedElement:
     origin = None if element.origin is None else element.origin.copy()
-    return TracedElement(element.nodeName, element.values.copy(), document, origin)
+    make = _ConditionCopy if element.tagName in _CONDITIONS else TracedElement
+    return make(element.nodeName, element.values.copy(), document, origin)
 
 
 def _copy_content(element: TracedElement, copy: TracedElement) -> None:
@@ -167,8 +191,8 @@ def _append_nodes(parent: Any, nodes: list[Any]) -> None:
     previous = None
     for node in nodes:
         node.parentNode = parent
-        node.previousSibling = previous
         if previous is not None:
+            node.previousSibling = previous
             previous.nextSibling = node
         previous = node
     parent.childNodes.extend(nodes)

@@ -19,6 +19,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile
+from urdfcheck.source.text.yaml.values import YamlKeyRead
 from urdfcheck.source.xacro.expansion_state import ExpansionTrace
 from urdfcheck.source.xacro.origins import InvalidOutputError, OutputDefect, convert_document
 from urdfcheck.source.xacro.outside_access import FileAccess
@@ -43,6 +44,8 @@ class Expansion:
     arguments_read: frozenset[str]
     loose_reads: frozenset[Span]
     """The places of definitions that conditions, texts and names of files read."""
+    key_reads: tuple[YamlKeyRead, ...]
+    """The keys of yaml files that texts with expressions read."""
     may_vary_with_order: bool
     """Whether another order of the items of sets may make another robot: False where that was ruled out."""
 
@@ -57,7 +60,7 @@ def expand_xacro(
     """Expand a xacro file with the given arguments. Never raises because of the file's content.
 
     ``extra_environment``: variables that the file may read besides those of ROS. An argument whose name begins with
-    :data:`~urdfcheck.source.xacro.argument_values.VARIABLE` is the value of a variable of the environment instead.
+    :data:`~urdfcheck.source.xacro.ros_variables.VARIABLE` is the value of a variable of the environment instead.
     """
     trace = ExpansionTrace()
     variables = {name.removeprefix(VARIABLE): value for name, value in arguments.items() if name.startswith(VARIABLE)}
@@ -91,5 +94,6 @@ def expand_xacro(
         problems=tuple(trace.problems),
         arguments_read=frozenset(trace.arguments_read),
         loose_reads=frozenset(trace.loose_reads),
+        key_reads=tuple(trace.key_reads.values()),
         may_vary_with_order=root is None or tracer.orders.is_undecided,
     )

@@ -6,15 +6,19 @@ import re
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.dom import minidom
 
 from urdfcheck.core import Location, Span
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.text.xml import Definition, XmlError, flatten_definitions
+from urdfcheck.source.text.xml import Definition, SourceFile, XmlError, flatten_definitions
+from urdfcheck.source.text.yaml.values import YamlKeyRead
 from urdfcheck.source.xacro.expressions.compile_expression import ExpressionRefusedError
 from urdfcheck.source.xacro.origins import get_origin
+
+if TYPE_CHECKING:
+    from yaml.nodes import MappingNode, ScalarNode
 
 # The types of values that are shown to readers, and the longest such text.
 _SHOWN_TYPES, _LONGEST_SHOWN = frozenset({str, int, float, bool}), 1_000
@@ -73,6 +77,8 @@ class ActiveCall:
     node: minidom.Element
     span: Span | None
     name: str
+    via: tuple[Span, ...]
+    """The places of the calls and includes around it and its own, outermost first."""
 
 
 class _FailureMemory:
@@ -104,6 +110,8 @@ class ExpansionTrace:
         self.node: minidom.Element | None = None
         self.attribute: str | None = None
         self.calls: list[ActiveCall] = []
+        # The keys of yaml files that texts read, by the text and the node of the key.
+        self.key_reads: dict[tuple[Span, int], YamlKeyRead] = {}
         # The definitions that each evaluation in progress has read; the properties that are evaluated at their first use.
         self.readers: list[list[Definition]] = []
         self.has_read_environment = False
@@ -135,7 +143,14 @@ class ExpansionTrace:
 
     def list_call_spans(self) -> tuple[Span, ...]:
         """Return the macro calls and includes around the place, outermost first."""
-        return tuple(c.span for c in self.calls if c.span is not None)
+        return self.calls[-1].via if self.calls else ()
+
+    def begin_call(self, node: minidom.Element, name: str) -> None:
+        """Note that a macro call or an include is expanded now."""
+        origin = get_origin(node)
+        around = self.list_call_spans()
+        span = None if origin is None else origin.raw.span
+        self.calls.append(ActiveCall(node, span, name, around if span is None else (*around, span)))
 
     def locate_current(self) -> Location:
         """Return the attribute or element that is being evaluated."""
@@ -190,6 +205,15 @@ class ExpansionTrace:
         self.has_read_environment = self.has_read_environment or definition.kind == ENVIRONMENT
         if self.readers:
             self.readers[-1].append(definition)
+
+    def record_key(self, source: SourceFile, mapping: MappingNode, key: ScalarNode) -> None:
+        """Note that the text that is evaluated reads the value of a key of a yaml file."""
+        lazy = self.resolving[-1] if self.resolving else None
+        origin = get_origin(self.node)
+        typed = None if origin is None else origin.raw.attributes.get(self.attribute or "")
+        text = lazy.span if lazy is not None else None if typed is None else typed.span
+        if text is not None:
+            self.key_reads[text, id(key)] = YamlKeyRead(text, source, mapping, key)
 
     def record_argument_read(self, name: str, value: Any) -> None:
         """Note that an argument is read."""

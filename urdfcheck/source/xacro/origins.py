@@ -16,6 +16,8 @@ from urdfcheck.source.text.xml_mistakes import NO_CHARACTER
 
 # Characters that end a name when a document is read again.
 _INVALID_NAME = re.compile(r"""[\s<>&"'=/]""")
+_ELEMENT, _COMMENT = minidom.Node.ELEMENT_NODE, minidom.Node.COMMENT_NODE
+_TEXTS = frozenset({minidom.Node.TEXT_NODE, minidom.Node.CDATA_SECTION_NODE})
 _PLAIN = frozenset({bool, int, float, type(None)})
 _MOST_SHOWN = 60
 
@@ -77,36 +79,43 @@ def _convert_node(node: minidom.Element, parent: Element | None, defects: list[O
     origin = get_origin(node)
     via = (origin.via or ()) if origin is not None else ()
     element = Element(str(node.tagName), None if origin is None else origin.raw.span, parent, via=via)
-
-    def locate(attribute: Attribute | None = None) -> Location:
-        subject = "robot" if origin is None else origin.raw.subject
-        if attribute is None:
-            return Location(subject, element.span, via)
-        return Location(f"{subject}@{attribute.name}", attribute.span or element.span, via)
-
-    for name in (node.tagName, *node.attributes.keys()):
+    values = node.attributes.items()
+    for name in (node.tagName, *[name for name, _ in values]):
         if not isinstance(name, str) or not _is_name(name):  # xacro:element and xacro:attribute take any value
             message = f"{name!r} is not a valid name of an element or attribute, so the output of xacro is not XML"
-            raise InvalidOutputError(message, locate())
-    for name, value in node.attributes.items():
+            raise InvalidOutputError(message, _locate(element, origin))
+    for name, value in values:
         attribute = element.attributes[name] = _convert_attribute(name, value, owner=element, origin=origin)
         if not isinstance(value, str):
-            defects.append(_find_lost_value(name, value, locate(attribute)))
-        elif (found := NO_CHARACTER.search(value)) is not None:
-            raise InvalidOutputError(_describe_character(found[0], f"the attribute {name}"), locate(attribute))
+            defects.append(_find_lost_value(name, value, _locate(element, origin, attribute)))
+        elif not value.isprintable() and (found := NO_CHARACTER.search(value)) is not None:
+            message = _describe_character(found[0], f"the attribute {name}")
+            raise InvalidOutputError(message, _locate(element, origin, attribute))
+    texts: list[str] = []
+    child: Any
     for child in node.childNodes:
-        if child.nodeType == child.ELEMENT_NODE:
+        kind = child.nodeType
+        if kind == _ELEMENT:
             element.children.append(_convert_node(child, element, defects))
-        elif child.nodeType in (child.TEXT_NODE, child.CDATA_SECTION_NODE):
-            element.text += child.data
-        elif child.nodeType == child.COMMENT_NODE and "--" in child.data:  # it was evaluated (xacro:eval-comments)
+        elif kind in _TEXTS:
+            texts.append(child.data)
+        elif kind == _COMMENT and "--" in child.data:  # it was evaluated (xacro:eval-comments)
             message = "a comment that xacro evaluates contains `--`, and xacro crashes when writing it"
-            raise InvalidOutputError(message, locate())
+            raise InvalidOutputError(message, _locate(element, origin))
         else:
             _note_instruction(child, origin, defects)
+    element.text = "".join(texts)
     if (found := NO_CHARACTER.search(element.text)) is not None:
-        raise InvalidOutputError(_describe_character(found[0], "the text of an element"), locate())
+        message = _describe_character(found[0], "the text of an element")
+        raise InvalidOutputError(message, _locate(element, origin))
     return element
+
+
+def _locate(element: Element, origin: Origin | None, attribute: Attribute | None = None) -> Location:
+    subject = "robot" if origin is None else origin.raw.subject
+    if attribute is None:
+        return Location(subject, element.span, element.via)
+    return Location(f"{subject}@{attribute.name}", attribute.span or element.span, element.via)
 
 
 @lru_cache(maxsize=4096)
@@ -158,6 +167,4 @@ def _convert_attribute(name: str, value: Any, *, owner: Element, origin: Origin 
     if typed is None:
         return Attribute(name=name, value=value, owner=owner, span=None, typed="", literal=False, reads=reads)
     is_literal = typed.literal and typed.value == value
-    return Attribute(
-        name=name, value=value, owner=owner, span=typed.span, typed=typed.typed, literal=is_literal, reads=reads
-    )
+    return Attribute(name, value, owner, typed.span, typed.typed, is_literal, reads)

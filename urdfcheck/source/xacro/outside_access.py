@@ -156,7 +156,7 @@ class FileAccess:
         import xacro
 
         from urdfcheck.source.text.yaml.values import YamlReadError
-        from urdfcheck.source.xacro.yaml_values import read_yaml
+        from urdfcheck.source.xacro.expressions.yaml_values import read_yaml
 
         path = Path(xacro.abs_filename_spec(filename))
         self.trace.count_nodes(NODES_OF_FILE)
@@ -167,7 +167,7 @@ class FileAccess:
         try:
             source = SourceFile.read(path, name, declares=False)
             source.ensure_utf_8("xacro")
-            return read_yaml(source, self.trace.record_read, evaluate_number)
+            return read_yaml(source, self.trace.record_read, evaluate_number, self.trace.record_key)
         except YamlReadError as error:
             raise YamlFileError(name, str(error), error.span, tag=error.tag) from error
         except XmlError as error:

@@ -32,9 +32,13 @@ def make_text_type(make_text: Callable[[Any], str]) -> type[str]:
         def __instancecheck__(cls, value: Any) -> bool:
             return isinstance(value, str)
 
-    class Text(str, metaclass=_TextType):
-        def __new__(cls, value: Any = "") -> str:  # type: ignore[misc]
+        def __call__(cls, value: Any = "") -> str:
+            if type(value) is str:
+                return value
             return str(value) if isinstance(value, BaseException) else make_text(value)
+
+    class Text(str, metaclass=_TextType):
+        pass
 
     return Text
 

@@ -20,7 +20,8 @@ from urdfcheck.core import Location, Span
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.text.xml import Attribute, Definition
 from urdfcheck.source.xacro.document_nodes import replace_node
-from urdfcheck.source.xacro.expansion_state import CYCLE, ActiveCall, ExpansionTrace, describe_value
+from urdfcheck.source.xacro.element_evaluation import evaluate_attributes, evaluate_content
+from urdfcheck.source.xacro.expansion_state import CYCLE, ExpansionTrace, describe_value
 from urdfcheck.source.xacro.expressions.compile_expression import (
     FORBIDDEN_BUILTINS,
     ExpressionRefusedError,
@@ -42,8 +43,6 @@ from urdfcheck.source.xacro.patches import (
 
 # Each frame of xacro's own recursion comes with one or two of ours: a chain of macros that plain xacro expands must fit.
 _RECURSION_FACTOR = 3
-# Characters of a text that is not handed to xacro where there is nothing to evaluate in it.
-_LONGEST_PLAIN = 4096
 # A file that includes itself through others makes a circle, but its conditions may end it after a few rounds.
 _MAX_INCLUDED = 4
 # Functions of xacro with a wrapper ``wrap_…`` below.
@@ -153,8 +152,8 @@ class Tracer:
 
     # -- elements --------------------------------------------------------------------------------------------------
 
-    def wrap_eval_all(self, original: Callable[..., Any]) -> Callable[..., Any]:
-        """Wrap ``eval_all``, which evaluates an element: note its calls and the attributes that follow."""
+    def wrap_eval_all(self, _original: Callable[..., Any]) -> Callable[..., Any]:
+        """Replace ``eval_all``, which evaluates an element: note its calls and the attributes that follow."""
 
         def trace_element(node: minidom.Element, macros: Any, symbols: Any) -> None:
             # The blocks inside a macro call are the caller's own text, not the macro's.
@@ -164,12 +163,16 @@ class Tracer:
             self.trace.count_nodes(1 + len(node.childNodes))
             if origin is not None and origin.via is None:
                 origin.via = self.trace.list_call_spans()
-            pending = [name for name in node.attributes.keys() if not name.startswith("xacro:")]  # noqa: SIM118
-            self.frames.append(_ElementFrame(node, pending))
+            frame = _ElementFrame(node, [])
+            self.frames.append(frame)
             self.trace.set_position(node)
+            is_plain = self.guards.is_plain
             try:
                 with self.trace.remember_failure():
-                    original(node, macros, symbols)
+                    last = evaluate_attributes(node, symbols, is_plain=is_plain, pending=frame.pending)
+                    self.trace.set_position(node, last)
+                    evaluate_content(node, macros, symbols, is_plain=is_plain)
+                    self.orders.note_other_use()
             finally:
                 self.frames.pop()
                 if inner is not None:
@@ -177,18 +180,11 @@ class Tracer:
 
         return trace_element
 
-    def is_plain(self, text: Any) -> bool:
-        """Whether a text is its own value, as most are, and within the limits, towards which it counts."""
-        if type(text) is not str or "$" in text or len(text) > min(_LONGEST_PLAIN, self.guards.steps):
-            return False
-        self.guards.charge_text(text)
-        return True
-
     def wrap_eval_text(self, original: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap ``eval_text``: note what the text of an attribute reads."""
 
         def evaluate_bounded(text: Any, symbols: Any) -> Any:
-            if self.is_plain(text):
+            if self.guards.is_plain(text):
                 return text
             try:
                 if isinstance(text, str):  # xacro copies the rest of the text at each of its parts
@@ -211,7 +207,7 @@ class Tracer:
                 self.trace.set_position(frame.node, frame.pending.pop(0))
             elif frame is not None and isinstance(text, str) and "$" in text:
                 self.trace.set_text_position(text, frame.node)
-            if self.is_plain(text):
+            if self.guards.is_plain(text):
                 result, self.last_reads = text, ()
             else:
                 self.evaluating += 1
@@ -251,6 +247,9 @@ class Tracer:
         """Do what ``eval_text`` does, which takes a text apart each time that it is evaluated."""
         import xacro
 
+        def evaluate_inner(part: str) -> Any:
+            return part if self.guards.is_plain(part) else xacro.eval_text(part, symbols)
+
         try:
             parts = _split_text(text)
         except (xacro.XacroException, TypeError):  # it is not a text, or its parts are evaluated up to the broken one
@@ -260,10 +259,10 @@ class Tracer:
             if kind is None:
                 values.append(part)
             elif kind == "extension":
-                values.append(xacro.eval_extension(f"$({xacro.eval_text(part, symbols)})"))
+                values.append(xacro.eval_extension(f"$({evaluate_inner(part)})"))
             else:
                 try:
-                    values.append(xacro.safe_eval(xacro.eval_text(part, symbols), symbols))
+                    values.append(xacro.safe_eval(evaluate_inner(part), symbols))
                 except Exception as error:
                     suffix = f"{os.linesep}when evaluating expression '{part}'"
                     raise xacro.XacroException(exc=error, suffix=suffix) from None
@@ -298,9 +297,7 @@ class Tracer:
                     self.trace.set_position(node)
                 return original(node, macros, symbols)
             self.trace.set_position(node)
-            origin = get_origin(node)
-            span = None if origin is None else origin.raw.span
-            self.trace.calls.append(ActiveCall(node, span, node.tagName[6:]))
+            self.trace.begin_call(node, node.tagName[6:])
             self.trace.times_called[node.tagName[6:]] += 1
             self.frames.append(_ElementFrame(node, list(node.attributes.keys())))
             depth = len(self.trace.calls)
@@ -321,13 +318,12 @@ class Tracer:
 
         def trace_include(node: minidom.Element, macros: Any, symbols: Any, func: Any) -> None:
             self.trace.set_position(node)
-            origin = get_origin(node)
-            name = node.getAttribute("filename")
-            self.trace.calls.append(ActiveCall(node, None if origin is None else origin.raw.span, f"include {name}"))
+            self.trace.begin_call(node, f"include {node.getAttribute('filename')}")
             try:
                 with self.trace.remember_failure():
-                    stack = [resolve(f) for f in xacro.filestack if f]
-                    if stack.count(stack[-1]) >= _MAX_INCLUDED:
+                    around = [f for f in xacro.filestack if f]
+                    stack = list(map(resolve, around)) if len(around) >= _MAX_INCLUDED else []
+                    if stack and stack.count(stack[-1]) >= _MAX_INCLUDED:
                         raise RecursionError(CYCLE)
                     try:
                         original(node, macros, symbols, func)
@@ -432,11 +428,17 @@ class Tracer:
         """
         try:
             code = compile_expression(expression)
-            value = self.orders.evaluate(
-                expression,
-                lambda: self.guards.evaluate(code, symbols),
-                lambda order: self.guards.evaluate_again(code, VariantNames(symbols, order), order),
-            )
+            self.orders.begin_expression()
+            try:
+                value = self.guards.evaluate(code, symbols)
+            finally:
+                varies = self.orders.end_expression()
+            if varies:
+                self.orders.compare_orders(
+                    expression,
+                    value,
+                    lambda order: self.guards.evaluate_again(code, VariantNames(symbols, order), order),
+                )
         except ExpressionRefusedError as refused:
             # A new exception, because compile_expression's cache keeps the old one and may raise it again.
             raise ExpressionRefusedError(refused.kind, str(refused), refused.expression or expression) from refused
@@ -621,10 +623,10 @@ class Tracer:
             self.orders.note_read(table, key, value)
             definition = _get_definitions(table).get(key)
             if definition is not None:
-                if lazy:
-                    definition = replace(definition, reads=reads)
                 if lazy or not definition.value:
-                    definition = replace(definition, value=describe_value(value))
+                    known = definition  # `replace` takes three times as long
+                    reads, shown = reads if lazy else known.reads, describe_value(value)
+                    definition = Definition(known.kind, known.name, known.span, reads, known.text, shown)
                     _get_definitions(table)[key] = definition
                 self.trace.record_read(definition)
             return value

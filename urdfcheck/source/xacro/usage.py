@@ -166,9 +166,10 @@ def find_unprefixed_tags(
     out xacro's own.
     """
     calls = {name: macros for name, macros in _collect_definitions(trees).items() if name not in _URDF_TAGS}
+    wanted = {*calls, *(() if only_calls else _REQUIRED_BY_TAG)}
     unprefixed: list[Element] = []
     for tree in trees.values() if robot is None else [robot]:
-        below = [tree]
+        below = [] if wanted.isdisjoint(_group_by_tag(tree)) else [tree]
         while below:
             element = below.pop()
             if element.tag in _FOREIGN_TAGS:

@@ -112,6 +112,16 @@ class YamlValue:
         return make_yaml_value(key, node, self.source)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class YamlKeyRead:
+    """A key of a mapping whose value a text with expressions reads."""
+
+    text: Span
+    source: SourceFile
+    mapping: MappingNode
+    key: ScalarNode
+
+
 def make_yaml_value(key: str, node: Node, source: SourceFile) -> YamlValue:
     """Return a node as a value; ``key``: its path in the file."""
     start, end = node.start_mark.index, node.end_mark.index

@@ -55,6 +55,8 @@ from urdfcheck.source.xacro.expressions.varying_values import (
 MAX_STEPS = 2_000_000
 # How many characters of text count as one step.
 _CHARACTERS_PER_STEP = 4
+# Characters of a text that is not handed to xacro where there is nothing to evaluate in it.
+_LONGEST_PLAIN = 4096
 
 _VIEWS: tuple[type, ...] = (type({}.keys()), type({}.values()), type({}.items()))
 _CONTAINERS = (dict, list, tuple, set, frozenset, *_VIEWS)
@@ -295,6 +297,13 @@ class Guards:
     def charge_text(self, text: str) -> None:
         """Count the steps that a text takes."""
         self.charge(len(text) // _CHARACTERS_PER_STEP)
+
+    def is_plain(self, text: Any) -> bool:
+        """Whether a text is its own value, as most are, and within the limits, towards which it counts."""
+        if type(text) is not str or "$" in text or len(text) > min(_LONGEST_PLAIN, self.steps):
+            return False
+        self.steps -= len(text) // _CHARACTERS_PER_STEP
+        return True
 
     def measure(self, value: Any) -> int:
         """Return a lower bound for the number of characters of the written value.

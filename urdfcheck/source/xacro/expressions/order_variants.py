@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache
 from typing import Any
 
 from urdfcheck.source.xacro.expressions.varying_values import SET_ORDERS, has_random_order
@@ -40,18 +41,20 @@ class OrderVariants:
         self._pending: tuple[Any, _Variants] | None = None
         self._was_taken = False
 
-    def evaluate(self, expression: str, compute: Callable[[], Any], recompute: Callable[[str], Any]) -> Any:
-        """Return the value of an expression: that of ``compute``. ``recompute``: computes it for another order."""
+    def begin_expression(self) -> None:
+        """Note that an expression is evaluated now."""
         self.note_other_use()
         self._open.append(False)
-        try:
-            value = compute()
-        finally:
-            varies = self._open.pop()
+
+    def end_expression(self) -> bool:
+        """Note the end of the last expression that began; return whether an order decides something in it."""
         self.note_other_use()
-        if varies and not self.is_undecided:
+        return self._open.pop()
+
+    def compare_orders(self, expression: str, value: Any, recompute: Callable[[str], Any]) -> None:
+        """Find the values of an expression for other orders, which ``recompute`` computes."""
+        if not self.is_undecided:
             self._pending = self._compare(expression, value, recompute)
-        return value
 
     def _compare(self, expression: str, value: Any, recompute: Callable[[str], Any]) -> tuple[Any, _Variants] | None:
         """Return the value with those for other orders; None where all are the same, or not known."""
@@ -151,6 +154,7 @@ def _describe(value: Any) -> str:
     return f"{type(value).__name__}({', '.join(items)})"
 
 
+@lru_cache(maxsize=1024)
 def _is_pure(expression: str) -> bool:
     """Whether an expression has no effect, whatever its names mean."""
     tree = ast.parse(expression.strip(), mode="eval")

@@ -17,12 +17,14 @@ from urdfcheck.source.text.yaml.values import merge_pairs
 
 ReadCallback = Callable[[Definition], None]
 NumberEvaluator = Callable[[str], float]
+KeyCallback = Callable[[SourceFile, MappingNode, ScalarNode], None]
 
 
-def read_yaml(source: SourceFile, on_read: ReadCallback, evaluate_number: NumberEvaluator) -> Any:
+def read_yaml(source: SourceFile, on_read: ReadCallback, evaluate_number: NumberEvaluator, on_key: KeyCallback) -> Any:
     """Return the content of a file in xacro's wrappers.
 
-    ``on_read`` is called with each value that is read; ``evaluate_number`` computes a value with a unit.
+    ``on_read`` is called with each scalar that is read, and ``on_key`` with the mapping and the key of each value;
+    ``evaluate_number`` computes a value with a unit.
 
     :raises YamlReadError: if it is not yaml, too large or not safe.
     """
@@ -30,7 +32,7 @@ def read_yaml(source: SourceFile, on_read: ReadCallback, evaluate_number: Number
         node = compose_nodes(source)
         # Built from the nodes that are already there, instead of parsing the text again.
         value = None if node is None else _make_loader(evaluate_number)("").construct_document(node)
-        return _ValueWrapper(source, on_read).wrap(value, node, "")
+        return _ValueWrapper(source, on_read, on_key).wrap(value, node, "")
 
 
 def _make_loader(evaluate_number: NumberEvaluator) -> type[yaml.SafeLoader]:
@@ -54,9 +56,10 @@ def _make_loader(evaluate_number: NumberEvaluator) -> type[yaml.SafeLoader]:
 class _ValueWrapper:
     """Wraps the values of one file so that reading a scalar is recorded with its key and place."""
 
-    def __init__(self, source: SourceFile, on_read: ReadCallback) -> None:
+    def __init__(self, source: SourceFile, on_read: ReadCallback, on_key: KeyCallback) -> None:
         self.source = source
         self.on_read = on_read
+        self.on_key = on_key
 
     def wrap(self, value: Any, node: Any, key: str) -> Any:
         """Wrap a mapping or list; return anything else as it is. ``key``: its path in the file."""
@@ -76,8 +79,8 @@ class _ValueWrapper:
     def _wrap_mapping(self, mapping: Any, node: MappingNode, key: str) -> Any:
         from xacro import YamlDictWrapper
 
-        value_nodes = {str(name.value): value for name, value in merge_pairs(node)}
-        read_value = self._read_value
+        pairs = {str(name.value): (name, value) for name, value in merge_pairs(node)}
+        read_value, source, on_key = self._read_value, self.source, self.on_key
 
         class TracedDict(YamlDictWrapper):  # type: ignore[misc]
             def __getattr__(self, item: Any) -> Any:
@@ -90,9 +93,11 @@ class _ValueWrapper:
                 return self._record(item, super().get(item, default))
 
             def _record(self, item: Any, value: Any) -> Any:
-                if str(item) not in value_nodes:
+                if str(item) not in pairs:
                     return value
-                return read_value(value, value_nodes[str(item)], f"{key}.{item}".lstrip("."))
+                name, value_node = pairs[str(item)]
+                on_key(source, node, name)
+                return read_value(value, value_node, f"{key}.{item}".lstrip("."))
 
         return TracedDict(mapping)
 
