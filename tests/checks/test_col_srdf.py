@@ -82,6 +82,25 @@ def test_a_description_of_a_namesake_is_not_stale(tmp_path: Path, beside: str, i
     assert bool(found) == is_found
 
 
+@pytest.mark.parametrize(("package", "is_found"), [("arm", True), ("arm_description", False)])
+def test_links_of_the_robot_that_a_description_was_set_up_for_are_not_missed(
+    tmp_path: Path, package: str, is_found: bool
+) -> None:
+    """It is in another package, which is not there: the model beside the configuration is one that a controller reads."""
+    source = tmp_path / "workspace" / "src"  # too deep to be in the workspace of another test
+    for name in ("arm", "arm_moveit_config"):
+        (source / name / "config").mkdir(parents=True)
+        (source / name / "package.xml").write_text(f'<package format="3"><name>{name}</name></package>')
+    (source / "arm" / "arm.urdf").write_text(make_two_bars())
+    disabled = f'<robot name="arm">{GROUP}{NEIGHBOURS}{pair("palm", "upper")}</robot>'
+    (source / "arm_moveit_config" / "config" / "arm.srdf").write_text(disabled)
+    (source / "arm_moveit_config" / ".setup_assistant").write_text(
+        "moveit_setup_assistant_config:\n  SRDF: {relative_path: config/arm.srdf}\n"
+        f"  URDF: {{package: {package}, relative_path: arm.urdf}}\n"
+    )
+    assert bool(check(source / "arm" / "arm.urdf", codes={"COL003"}).findings) == is_found
+
+
 def test_links_of_a_larger_variant_are_not_missed(tmp_path: Path) -> None:
     """The groups of the description name the gripper as well: this model is the arm without it."""
     hand = '<group name="hand"><link name="palm"/></group>'

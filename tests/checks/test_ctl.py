@@ -323,6 +323,32 @@ def test_a_joint_without_command_interface_cannot_be_claimed(tmp_path: Path) -> 
     assert "right_wheel (velocity)" in finding.message
 
 
+SWITCH = '<xacro:arg name="sim" default="false"/><xacro:{} value="$(arg sim)">{}</xacro:{}>'
+
+
+@pytest.mark.parametrize("where", ["here", "included"])
+def test_a_block_for_other_arguments_may_have_the_command(tmp_path: Path, where: str) -> None:
+    hardware, simulated = SWITCH.format("unless", control(right=""), "unless"), control()
+    files = {"urdf/sim.xacro": robot(simulated, name="cart", xacro=True)} if where == "included" else {}
+    inner = '<xacro:include filename="sim.xacro"/>' if where == "included" else simulated
+    yaml, body = group("left_wheel", "right_wheel"), hardware + SWITCH.format("if", inner, "if") + NAMED
+    assert not find_in_cart(tmp_path / "both", yaml, body, **files)
+    files = {name: text.replace("right_wheel", "r_wheel") for name, text in files.items()}
+    (finding,) = find_in_cart(tmp_path / "neither", yaml, body.replace("right_wheel", "r_wheel"), **files)
+    assert finding.message_id == "uncommanded"
+
+
+def test_a_macro_that_is_called_for_one_wheel_has_no_other(tmp_path: Path) -> None:
+    macro = (
+        '<xacro:macro name="drive" params="side"><ros2_control name="${side}" type="system">'
+        '<joint name="${side}_wheel"><command_interface name="velocity"/></joint></ros2_control></xacro:macro>'
+    )
+    yaml, one = group("left_wheel", "right_wheel"), macro + '<xacro:drive side="left"/>' + NAMED
+    (finding,) = find_in_cart(tmp_path / "one", yaml, one)
+    assert finding.message_id == "uncommanded"
+    assert not find_in_cart(tmp_path / "both", yaml, one + '<xacro:drive side="right"/>')
+
+
 def test_another_interface_is_a_warning(tmp_path: Path) -> None:
     (finding,) = find_in_cart(tmp_path, group("left_wheel", "right_wheel"), control(right="position") + NAMED)
     assert (finding.message_id, finding.severity) == ("interface", Severity.WARNING)

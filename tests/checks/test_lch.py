@@ -584,6 +584,19 @@ def test_the_footprint_lies_at_the_lowest_point(tmp_path: Path, shape: str, grou
     assert finding.message_id == "footprint"
 
 
+def test_a_footprint_is_no_root_where_odometry_publishes_the_base(tmp_path: Path) -> None:
+    """Which frame that is, is in another package: a new root above the base would be its second parent."""
+    for height, otherwise in (("0", "write z = -0.300 in the transform"), ("-0.3", "the transform is right")):
+        words = f"0 0 {height} 0 0 0 base_link base_footprint 40"
+        shape = '<geometry><sphere radius="0.3"/></geometry>'
+        (finding,) = find_in_package(tmp_path / height, transform(words), "LCH005", shape)
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(
+            "if odometry publishes odom → base_footprint, make base_footprint the root link"
+        )
+        assert finding.fix.title.endswith(f"; if it publishes odom → base_link, {otherwise}")
+
+
 def test_a_footprint_below_a_link_with_a_parent_is_only_deleted(tmp_path: Path) -> None:
     """A new root with a joint to the link would be its second parent; no height of the ground is known there either."""
     words = "0 0 0 0 0 0 laser base_footprint 40"

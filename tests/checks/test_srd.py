@@ -136,6 +136,15 @@ def test_a_configuration_beside_the_description_may_be_for_another_robot(tmp_pat
     assert workspace(tmp_path, "") == []
 
 
+def write_setup(config: Path, model: str, *, is_moveit_2: bool = False) -> None:
+    """Note in a MoveIt configuration that it was made for a model, PACKAGE/PATH."""
+    urdf, srdf = ("urdf", "srdf") if is_moveit_2 else ("URDF", "SRDF")
+    (config / ".setup_assistant").write_text(
+        f"moveit_setup_assistant_config:\n  {srdf}:\n    relative_path: config/arm.srdf\n"
+        f"  {urdf}:\n    package: {model.partition('/')[0]}\n    relative_path: {model.partition('/')[2]}\n"
+    )
+
+
 def two_robots_of_one_name(folder: Path, setup: str = "", beside: str = "") -> dict[str, list[str]]:
     """A robot, and a MoveIt configuration for two of them under the same name, which names a group that does not exist."""
     source = folder / "workspace" / "src"
@@ -157,10 +166,7 @@ def two_robots_of_one_name(folder: Path, setup: str = "", beside: str = "") -> d
     if beside:
         (source / beside).write_text(dual)
     if setup:
-        (config / ".setup_assistant").write_text(
-            "moveit_setup_assistant_config:\n  SRDF:\n    relative_path: config/arm.srdf\n"
-            f"  URDF:\n    package: {setup.partition('/')[0]}\n    relative_path: {setup.partition('/')[2]}\n"
-        )
+        write_setup(config, setup)
     run = check(source, codes={"SRD001"})
     return {Path(m.path).parent.name: ids(f for f in run.findings if f.model == m.id) for m in run.models}
 
@@ -327,6 +333,29 @@ def test_a_follower_goes_where_its_leader_says(tmp_path: Path) -> None:
 def test_joint_limits_are_not_looser_than_the_model(tmp_path: Path, entry: str, messages: list[str]) -> None:
     limits = f"default_velocity_scaling_factor: 0.1\njoint_limits:\n  elbow: {{{entry}}}\n"
     assert ids(find_with_srdf(tmp_path, GROUP, "SRD003", limits=limits)) == messages
+
+
+@pytest.mark.parametrize(("model", "is_moveit_2"), [("", False), ("arm.urdf", False), ("bare.urdf.xacro", True)])
+def test_joint_limits_are_those_of_the_model_that_they_were_set_up_for(
+    tmp_path: Path, model: str, is_moveit_2: bool
+) -> None:
+    """Another file of this robot may have other limits, and so less than MoveIt plans with; one that includes that file is it."""
+    source = tmp_path / "workspace" / "src"  # too deep to be in the workspace of another test
+    config, description = source / "arm_moveit_config", source / "arm_description"
+    for folder, needs in ((description, ""), (config, "<depend>arm_description</depend>")):
+        (folder / "config").mkdir(parents=True)
+        (folder / "package.xml").write_text(f'<package format="3"><name>{folder.name}</name>{needs}</package>')
+    (config / "config" / "arm.srdf").write_text(robot(GROUP, name="arm"))
+    (config / "config" / "joint_limits.yaml").write_text("joint_limits: {elbow: {max_velocity: 3.0}}")
+    (description / "arm.urdf").write_text(robot(ARM, name="arm"))
+    (description / "bare.urdf.xacro").write_text(robot(ARM, name="arm", xacro=True))
+    around = robot('<xacro:include filename="bare.urdf.xacro"/>', name="arm", xacro=True)
+    (description / "scene.urdf.xacro").write_text(around)
+    if model:
+        write_setup(config, f"arm_description/{model}", is_moveit_2=is_moveit_2)
+    names = ("arm.urdf", "bare.urdf.xacro", "scene.urdf.xacro")
+    found = {name for name in names if check(description / name, codes={"SRD003"}).findings}
+    assert found == {"": set(names), "arm.urdf": {"arm.urdf"}, "bare.urdf.xacro": set(names[1:])}[model]
 
 
 @pytest.mark.parametrize(

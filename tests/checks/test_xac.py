@@ -667,6 +667,15 @@ def test_copies_that_differ_in_name_and_extensions_only(tmp_path: Path) -> None:
     assert finding.fix.title.startswith("nothing if they are meant to differ"), "one may be for a simulator"
 
 
+def test_a_urdf_that_the_xacro_includes_is_no_copy(tmp_path: Path) -> None:
+    around = '<xacro:include filename="r.urdf"/><gazebo/>'
+    load = '<launch><param name="robot_description" textfile="$(find p)/r.urdf"/></launch>'
+    (tmp_path / "bare.launch").write_text(load, encoding="utf-8")  # so that it is a model, too
+    run = package(tmp_path, make_robot_of_mass("r", "1"), robot(around, name="r", xacro=True))
+    assert not run.findings
+    assert {model.path.rpartition("/")[2] for model in run.models} == {"r.urdf", "r.urdf.xacro"}
+
+
 def test_copies_for_other_hardware_are_each_right(tmp_path: Path) -> None:
     block = '<ros2_control name="c"><hardware><plugin>{}</plugin></hardware></ros2_control>'
     made, real = (make_robot_of_mass("r", "1", block.format(name)) for name in ("sim/System", "real/System"))

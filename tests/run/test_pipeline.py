@@ -342,6 +342,36 @@ def test_a_urdf_that_the_launch_file_hands_to_xacro_is_expanded(tmp_path: Path) 
         assert ("XML009" in {f.code for f in check(launch).findings}) is is_read_as_it_is
 
 
+@pytest.mark.parametrize(
+    ("dof", "other", "statuses", "codes"),
+    [
+        ("$(eval 6)", True, {"checked"}, set()),
+        ("$(eval 6)", False, {"failed"}, {"XAC001"}),  # of the only call it is told
+        ("7", True, {"checked", "failed"}, {"XAC001"}),
+        ("6", True, {"checked"}, set()),
+    ],
+)
+def test_a_call_with_an_argument_that_only_the_launch_knows_is_none_with_its_default(
+    tmp_path: Path, dof: str, other: bool, statuses: set[str], codes: set[str]
+) -> None:
+    """An arm of six axes, which a launch file starts with a count of axes that is computed, and another of seven."""
+    (tmp_path / "arm.urdf.xacro").write_text(
+        '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:arg name="kind" default="seven"/><xacro:arg name="dof" default="7"/>'
+        "<xacro:property name=\"ends\" value=\"${dict(seven='a7', six='a6')['$(arg kind)']}\"/>"
+        "<link name=\"${dict(a7='tool', a6='tool')[ends if ends == 'a$(arg dof)' else 'none']}\"/></robot>"
+    )
+    load = '<launch><param name="robot_description" command="xacro $(dirname)/arm.urdf.xacro {}"/></launch>'
+    (tmp_path / "six.launch").write_text(load.format(f"kind:=six dof:={dof}"))
+    if other:
+        (tmp_path / "seven.launch").write_text(load.format("kind:=seven dof:=7"))
+    outcome = check(tmp_path, codes={"XAC001"})
+    assert {model.status for model in outcome.models} == statuses
+    assert {finding.code for finding in outcome.findings} == codes
+    is_left_out = statuses == {"checked"} and dof != "6"
+    assert any("the default of dof" in skip.reason for skip in outcome.skipped) is is_left_out
+
+
 def test_a_macro_line_with_another_value_for_each_link_is_told_for_each_call(tmp_path: Path) -> None:
     text = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
       <xacro:macro name="leg" params="n m:=-1"><link name="leg_${n}"><inertial><mass value="${m}"/>

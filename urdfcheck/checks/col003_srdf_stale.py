@@ -11,7 +11,7 @@ from urdfcheck.model.motion.collisions.drawn_hits import is_drawn_apart
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
-from urdfcheck.source.ros.srdf import Srdf, SrdfPair
+from urdfcheck.source.ros.srdf import Srdf, SrdfPair, is_set_up_for_another
 from urdfcheck.source.text.tokens import build_removal_edits, build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
 
@@ -32,7 +32,7 @@ def _check_unknown_links(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Findi
         return  # the file that includes the model may have these links
     if not srdf.grouped_links <= model.link_by_name.keys():
         return  # the planning groups also name unknown links: it describes a larger variant of the robot
-    if _is_of_namesake(model, srdf):
+    if _is_of_namesake(model, srdf) or is_set_up_for_another(srdf, model.source):
         return
     uses: dict[str, list[Attribute]] = {}
     for pair in srdf.disabled_pairs:

@@ -161,7 +161,7 @@ def _is_ball(shape: Shape) -> bool:
 
 
 def _is_disc_about(balls: Sequence[Shape], wheel: _SuspectWheel) -> bool:
-    """Whether a wheel that touches the ground as a ball is drawn as a flat disc of that size, and is no caster by its name."""
+    """Whether a wheel that touches the ground as a ball is drawn as a flat disc of that size, and is not a caster by its name."""
     if NOT_DRIVEN_NAME.search(f"{wheel.joint.name} {wheel.joint.child}"):
         return False
     discs = [one.shape for one in wheel.evidence if one.kind == "visual" and one.is_wheel and one.shape is not None]

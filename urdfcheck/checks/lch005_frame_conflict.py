@@ -104,19 +104,28 @@ def _check_footprint(
         return
     lowest = None if transform.xyz is None else find_lowest_point(model, transform.parent)
     if lowest is None or transform.xyz is None or abs(lowest[0] - transform.xyz[2]) <= height_tol:
-        repair = f"make {transform.child} the root link of the model with a fixed joint to {transform.parent}"
-        yield rule.finding("footprint", repair=f"{repair}, and delete the node", **common)
+        repair = _describe_new_root(transform, place="", otherwise="the transform is right")
+        yield rule.finding("footprint", repair=repair, **common)
         return
     ground, link = lowest
     yield rule.finding(
         "footprint-height",
         height=transform.xyz[2],
         ground=ground,
-        rise=-ground,
         off=abs(ground - transform.xyz[2]),
         link=link,
+        repair=_describe_new_root(
+            transform, place=f' at xyz="0 0 {-ground:.3f}"', otherwise=f"write z = {ground:.3f} in the transform"
+        ),
         **common,
     )
+
+
+def _describe_new_root(transform: StaticTransform, *, place: str, otherwise: str) -> str:
+    """Return the repair for each frame that odometry may publish: the launch file does not show which one it is."""
+    child, parent = transform.child, transform.parent
+    root = f"make {child} the root link of the model with a fixed joint to {parent}{place}, and delete the node"
+    return f"if odometry publishes odom → {child}, {root}; if it publishes odom → {parent}, {otherwise}"
 
 
 def _describe_deletion(transform: StaticTransform, above: Joint | None) -> str:

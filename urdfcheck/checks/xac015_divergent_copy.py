@@ -50,9 +50,7 @@ def check(outlines: list[ModelOutline], rule: Rule, *, overlap: float, links: in
     for urdf in outlines:
         if urdf.is_xacro or urdf.package is None or len(urdf.links) < links:
             continue
-        copies = [
-            o for o in outlines if o.is_xacro and o.package == urdf.package and _compute_overlap(urdf, o) >= overlap
-        ]
+        copies = [o for o in outlines if _is_second_description(o, urdf) and _compute_overlap(urdf, o) >= overlap]
         if not copies:
             continue
         # The URDF was made from the most similar variant of the xacro.
@@ -60,6 +58,11 @@ def check(outlines: list[ModelOutline], rule: Rule, *, overlap: float, links: in
         difference = _compare_outlines(urdf, xacro)
         if difference:
             yield replace(_build_finding(rule, urdf, xacro, difference=difference), model=urdf.model)
+
+
+def _is_second_description(xacro: ModelOutline, urdf: ModelOutline) -> bool:
+    """Whether an outline is that of a xacro in the URDF's package that has its own description, and does not include the URDF."""
+    return xacro.is_xacro and xacro.package == urdf.package and urdf.path not in xacro.files
 
 
 def _build_finding(rule: Rule, urdf: ModelOutline, xacro: ModelOutline, *, difference: _ModelDifference) -> Finding:

@@ -26,6 +26,8 @@ class ModelOutline:
     robot: str
     package: str | None
     path: str
+    files: frozenset[str]
+    """The names of its files: its own and those that it includes."""
     is_xacro: bool
     location: Location
     links: frozenset[str]
@@ -68,6 +70,7 @@ def build_outline(model: Model) -> ModelOutline:
         robot=model.name,
         package=None if package is None else package.path.as_posix(),
         path=model.source.name,
+        files=frozenset(model.source.files),
         is_xacro=model.source.is_xacro,
         location=_locate_robot_name(model.robot),
         links=frozenset(link.name for link in model.links),

@@ -156,8 +156,9 @@ class Unit:
     """Where packages are; None for those of the run."""
     fail_on: str | None = None
     """Least severity of a finding that fails the run; None where the run decides."""
+    unknown_arguments: frozenset[str] = frozenset()
     varied_arguments: tuple[str, ...] = ()
-    """See :class:`urdfcheck.source.plan.ModelTarget`."""
+    """For these two see :class:`urdfcheck.source.plan.ModelTarget`."""
     is_reduced: bool = False
     """Whether the unit was made to find the arguments that a finding takes."""
 

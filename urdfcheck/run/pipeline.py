@@ -39,7 +39,12 @@ from urdfcheck.run.units.included_parts import (
 )
 from urdfcheck.run.units.outlines import compare_outlines_bounded, have_same_outlines, may_compare_outlines
 from urdfcheck.run.units.unchecked import build_stopped_report
-from urdfcheck.run.units.variants import format_arguments, propose_other_environments, propose_smaller_variants
+from urdfcheck.run.units.variants import (
+    format_arguments,
+    leave_out_unknown_calls,
+    propose_other_environments,
+    propose_smaller_variants,
+)
 from urdfcheck.source.discover import discover_targets
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.plan import Plan
@@ -172,7 +177,7 @@ def run_audit(
     audited_units = [(u, reports[i]) for i, u in enumerate(units) if i in reports]
     audited_units, unused = assign_parts(audited_units)
     plan = replace(plan, unused=(*plan.unused, *unused))
-    audited_units = leave_out_blamed_parts(audited_units)
+    audited_units = leave_out_unknown_calls(leave_out_blamed_parts(audited_units))
     outcome = build_run(request, plan, audited_units=audited_units, seconds=time.perf_counter() - start)
     if len(reports) + len(spared) < len(units):
         if execution.on_progress is not None:
@@ -439,6 +444,7 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
             is_part=target.is_part,
             is_spare=target.is_spare,
             is_xacro=target.xacro,
+            unknown_arguments=target.unknown,
             varied_arguments=target.varied,
         )
         for target in (*plan.models, *plan.candidates)

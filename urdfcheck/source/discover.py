@@ -400,6 +400,7 @@ class _Planner:
                         path=model,
                         arguments={**description.arguments, **self.arguments},
                         launches=(path,),
+                        unknown=description.unknown_arguments - self.arguments.keys(),
                         xacro=description.uses_xacro,
                     )
                 )
@@ -465,6 +466,7 @@ class _Planner:
                 arguments={**given_anyway, **self.arguments, **given},
                 launches=(),
                 name=None,
+                unknown=frozenset(),
                 varied=tuple(name for name in given if name in varied),
             )
             for given in build_argument_sets(free[:MOST_ARGUMENTS])

@@ -54,6 +54,8 @@ class ModelTarget:
     """Whether a launch file hands the file to xacro (True) or to a parser as it is (False); None where none says so."""
     name: str | None = None
     """The configuration's name for the model with these arguments; empty if it names the arguments only."""
+    unknown: frozenset[str] = frozenset()
+    """Further arguments that the launch files set, to values that are only known at launch."""
     varied: tuple[str, ...] = ()
     """Arguments that are given only to see what they change, and that may be left out."""
 
@@ -69,6 +71,7 @@ class ModelTarget:
             # A launch file that hands the file to xacro wins over one that does not, and both over none.
             xacro=True if self.xacro or other.xacro else self.xacro if other.xacro is None else other.xacro,
             name=self.name or other.name,
+            unknown=self.unknown & other.unknown,
         )
 
     @property

@@ -62,6 +62,6 @@ def is_below(real: str, root: str) -> bool:
     """Whether a real path is this folder, or is in it and not hidden."""
     if real == root:
         return True
-    below = real[len(root) :] if root.endswith(os.sep) else real[len(root) + 1 :]
+    below = real[len(root.rstrip(os.sep)) :]  # it begins with a separator
     inside = real.startswith(root.rstrip(os.sep) + os.sep)
     return inside and not any(part.startswith(".") for part in below.removesuffix(_VISIBLE).split(os.sep))

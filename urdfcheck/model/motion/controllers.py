@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 _CONTROL_PLUGIN = re.compile(r"ros2?_control")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_PREFIX = re.compile(r"^\$(?:\{[^}]*\}|\([^)]*\))")
 _FIND = re.compile(r"\$\((?:find|find-pkg-share)\s+([^\s()]+)\s*\)")
 
 
@@ -166,7 +167,8 @@ def collect_command_interfaces(model: Model) -> dict[str, set[str]] | None:
 def can_offer_with_other_arguments(model: Model, joint: str, interface: str) -> bool:
     """Whether other arguments of the model may give a joint this command interface.
 
-    An argument is its interface's name, or a condition leaves out what is typed in the joint's block.
+    An argument is its interface's name, a condition leaves out what is typed in the joint's block, or a file that the model can
+    include has a block with the joint and the interface that this expansion leaves out.
     """
     typed = re.compile(rf"""<command_interface\s[^<>]*?name\s*=\s*["']{re.escape(interface)}["']""")
     blocks = model.robot.find_children("ros2_control")
@@ -179,7 +181,26 @@ def can_offer_with_other_arguments(model: Model, joint: str, interface: str) -> 
             inside = _COMMENT.sub("", file.text[component.span.end :]).partition("</joint")[0]
             if typed.search(inside):
                 return True
-    return False
+    return interface in _collect_left_out_interfaces(model, joint)
+
+
+def _collect_left_out_interfaces(model: Model, joint: str) -> set[str]:
+    """Collect the command interfaces of a joint in the ``<ros2_control>`` blocks that no argument of this expansion brings in.
+
+    A prefix that an expression makes may be any.
+    """
+    from urdfcheck.source.xacro.argument_values import read_included_trees  # loaded only if an interface is missing
+
+    used = {e.span for block in model.robot.find_children("ros2_control") for e in block.find_children("joint")}
+    blocks = (e for tree, _ in read_included_trees(model.source.path, model.source.finder) for e in tree.walk())
+    typed = (e for block in blocks if block.tag == "ros2_control" for e in block.walk() if e.tag == "joint")
+    fitting = (e for e in typed if e.span not in used and _may_be_named(e.get("name").strip(), joint))
+    return {inner.get("name") for e in fitting for inner in e.walk() if inner.tag == "command_interface"}
+
+
+def _may_be_named(typed: str, name: str) -> bool:
+    rest = _PREFIX.sub("", typed)
+    return typed == name or (rest not in {"", typed} and name.endswith(rest))
 
 
 def collect_interfaces(model: Model, role: str, tags: Iterable[str]) -> dict[str, set[str]] | None:

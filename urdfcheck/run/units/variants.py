@@ -7,7 +7,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Finding, Severity, SkippedCheck
+from urdfcheck.core.text import join_names
 from urdfcheck.run.jobs import Unit, UnitReport
 from urdfcheck.run.shared_findings import get_defect_key
 from urdfcheck.source.model_role import MODEL
@@ -59,6 +60,32 @@ def propose_other_environments(units: Sequence[Unit], reports: Mapping[int, Unit
                 tried.add(_get_identity(other))
                 wanted.append(other)
     return wanted
+
+
+def leave_out_unknown_calls(audited_units: Sequence[tuple[Unit, UnitReport]]) -> list[tuple[Unit, UnitReport]]:
+    """Leave out models that cannot be expanded with what is known of their arguments, where others are made of their files.
+
+    The launch file sets further arguments, to values that are only known at launch: with their defaults it makes no robot.
+    """
+    checked = {unit.path for unit, report in audited_units if _is_checked(report)}
+    return [
+        (unit, _reduce_to_skip(unit, report))
+        if unit.unknown_arguments and report.info is not None and not _is_checked(report) and unit.path in checked
+        else (unit, report)
+        for unit, report in audited_units
+    ]
+
+
+def _is_checked(report: UnitReport) -> bool:
+    return report.info is not None and report.info.status == "checked"
+
+
+def _reduce_to_skip(unit: Unit, report: UnitReport) -> UnitReport:
+    """Return the report on the launch files alone, with the reason why the model was not checked."""
+    names = join_names(sorted(unit.unknown_arguments))
+    reason = f"cannot be expanded with the default of {names}: the launch file sets it to a value that is only known at launch"
+    findings = tuple(finding for finding in report.findings if not finding.blocks_check)
+    return replace(report, info=None, findings=findings, skipped=(SkippedCheck("ALL", unit.id, reason),))
 
 
 def _reduce_failed_variants(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> list[Unit]:

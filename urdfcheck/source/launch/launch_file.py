@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from pathlib import Path
 
 from urdfcheck.core import Location
@@ -45,6 +45,8 @@ class DescriptionSource:
     arguments: Mapping[str, str]
     """The xacro arguments that could be resolved."""
     unresolved: UnresolvedReason | None
+    unknown_arguments: frozenset[str] = frozenset()
+    """The names of those that could not."""
 
     @property
     def uses_xacro(self) -> bool:
@@ -373,6 +375,7 @@ def _parse_command(at: Attribute, text: str, resolver: SubstitutionResolver) -> 
         if words[: len(runner)] == runner:
             command = words[len(runner) :]
     arguments: dict[str, str] = {}
+    unknown: set[str] = set()
     files = []
     for word in command[1:]:
         name, assigned, value = word.partition(":=")
@@ -380,13 +383,16 @@ def _parse_command(at: Attribute, text: str, resolver: SubstitutionResolver) -> 
             resolved = resolver.resolve_text(value)
             if resolved is not None:
                 arguments[name] = resolved
+            else:
+                unknown.add(name)
         elif not word.startswith("-"):
             files.append(word)
     if not files or not re.search(r"xacro|cat$", command[0]):  # another program generates the model
         return DescriptionSource(
             at=at, words=words, file=text, path=None, arguments={}, unresolved=UnresolvedReason("launch-time", text)
         )
-    return _make_description(at, files[0], resolver, words=words, arguments=arguments)
+    made = _make_description(at, files[0], resolver, words=words, arguments=arguments)
+    return replace(made, unknown_arguments=frozenset(unknown - arguments.keys()))
 
 
 def _make_description(

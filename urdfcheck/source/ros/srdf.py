@@ -176,8 +176,10 @@ def is_about_model(srdf: Srdf, source: Source) -> bool:
 
 
 def is_configured_for(srdf: Srdf, source: Source) -> bool:
-    """Whether it is about the model itself, and not about a model that its package derives from it."""
-    return is_about_model(srdf, source) and not has_derived_model(srdf, source)
+    """Whether it is about the model itself, and not about one that its package derives from it or that it was set up for."""
+    return (
+        is_about_model(srdf, source) and not has_derived_model(srdf, source) and not is_set_up_for_another(srdf, source)
+    )
 
 
 def has_derived_model(srdf: Srdf, source: Source) -> bool:
@@ -190,7 +192,7 @@ def has_derived_model(srdf: Srdf, source: Source) -> bool:
 
 
 def is_set_up_for_another(srdf: Srdf, source: Source) -> bool:
-    """Whether the MoveIt Setup Assistant made a semantic description for another file than the model's.
+    """Whether the MoveIt Setup Assistant made a semantic description for a file that is neither the model's nor included by it.
 
     It notes the file in ``.setup_assistant`` in the package that it makes.
     """
@@ -202,14 +204,17 @@ def is_set_up_for_another(srdf: Srdf, source: Source) -> bool:
     except YamlReadError:
         return False
     inner = None if settings is None else settings.get("moveit_setup_assistant_config")
-    urdf, made = (None if inner is None else inner.get(key) for key in ("URDF", "SRDF"))
+    # MoveIt 2 writes the keys in small letters.
+    urdf, made = (None if inner is None else inner.get(k) or inner.get(k.lower()) for k in ("URDF", "SRDF"))
     if _get_text(made, "relative_path") != srdf.path.absolute().relative_to(package.path).as_posix():
         return False
     name, path = _get_text(urdf, "package"), _get_text(urdf, "relative_path")
     if not name or not path:
         return False
     own = source.package
-    return own is None or own.name != name or own.path / path != source.path.absolute()
+    folder = own.path if own is not None and own.name == name else source.finder.find(name)
+    files = [source.path, *(file.path for file in source.files.values())]
+    return folder is None or folder / path not in {file.absolute() for file in files}
 
 
 def _get_text(mapping: YamlValue | None, key: str) -> str:
