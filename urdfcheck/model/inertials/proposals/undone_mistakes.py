@@ -10,7 +10,7 @@ from urdfcheck.core import FactUnavailableError, Span
 from urdfcheck.facts.inertials.certainty import EXACT, UNIFORM
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial
-from urdfcheck.facts.inertials.hull_bounds import measure_extent
+from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance, compute_solid_inertia
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
@@ -35,7 +35,8 @@ _REMAINING, LARGEST_SOUND_MISMATCH = 0.3, 0.75
 _LONE_NUMBER = 0.3
 # What tessellation leaves of a part's second moments, and the most that pieces which a mesh does not show one by one add.
 _FACETS, _MORE_PIECES = 0.005, 0.15
-# A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size.
+# A COM that is moved must get nearer to the drawn part's than this part of its distance, or of the part's size; farther outside
+# the part than that, INR006 reports it.
 _FAR_COM = 0.1
 
 
@@ -107,9 +108,14 @@ def identify_mistake(model: Model, link: Link) -> tuple[str | None, str]:
 
 
 def _leaves_com_off(model: Model, link: Link, diagnosed: DiagnosedInertial) -> bool:
-    """Whether a repair moves the COM to a place that is far from the drawn part's and not much nearer, or farther than before."""
+    """Whether a repair moves the COM to a place that is far from the drawn part's and not much nearer, or farther than before; by
+    the twin, outside the drawn part: then the twin's is not right either."""
     drawn, mended = measure_link_geometry(model, link), diagnosed.diagnosis.mended
-    if drawn is None or mended is None or diagnosed.diagnosis.judged_by != "mesh":
+    if drawn is None or mended is None:
+        return False
+    if diagnosed.diagnosis.judged_by == "twin":
+        return measure_hull_distance(drawn.points, mended.com) > _FAR_COM * measure_extent(drawn.points)
+    if diagnosed.diagnosis.judged_by != "mesh":
         return False
     before, after = (float(np.linalg.norm(com - drawn.solid.com)) for com in (diagnosed.declared.com, mended.com))
     is_moved = float(np.linalg.norm(mended.com - diagnosed.declared.com)) > 0.0
