@@ -512,7 +512,7 @@ def test_a_decimal_point_is_edited_if_the_twin_is_sound(tmp_path: Path, scale: f
 @pytest.mark.parametrize(("off", "is_edited"), [(0.0, True), (0.4, False)])
 def test_a_sign_of_a_com_is_edited_if_the_twins_is_in_the_part(tmp_path: Path, off: float, is_edited: bool) -> None:
     """Where the COM of the twin is beside the part, neither side is right."""
-    other = replace(HEAVY, com=HEAVY.com + (off, 0.0, 0.0))
+    other = replace(HEAVY, com=HEAVY.com + np.array((off, 0.0, 0.0)))
     found = find(tmp_path, two_arms(replace(other, com=other.com * (-1.0, 1.0, 1.0)), other), {"INR009"})
     edits = [len(f.fix.edits) for f in found if f.fix is not None and f.cause is not None and f.cause.id == "one_sign"]
     assert bool(sum(edits)) == is_edited

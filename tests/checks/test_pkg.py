@@ -887,6 +887,18 @@ def test_missing_folder_is_named_where_others_are(tmp_path: Path, cmake: str, af
     assert not findings(tmp_path, "PKG008")
 
 
+@pytest.mark.parametrize("cmake", ["", "install(DIRECTORY urdf meshes DESTINATION share/${PROJECT_NAME})"])
+def test_a_project_with_another_name_than_the_package_installs_elsewhere(tmp_path: Path, cmake: str) -> None:
+    files = {"package.xml": manifest(AMENT), "urdf/r.urdf": f'<robot name="r">{MESH}</robot>', "meshes/a.stl": ""}
+    write(tmp_path, {**files, "CMakeLists.txt": (text := f"project(q)\n{cmake}\nament_package()\n")})
+    (finding,) = findings(tmp_path, "PKG008")
+    assert finding.fix is not None
+    assert "its project is q, so share/${PROJECT_NAME} is another folder" in finding.fix.title
+    (edit,) = finding.fix.edits
+    (tmp_path / "CMakeLists.txt").write_text(text[: edit.span.start] + edit.replacement + text[edit.span.end :])
+    assert not findings(tmp_path, "PKG008")
+
+
 @pytest.mark.parametrize(
     ("setup", "told"),
     [

@@ -44,6 +44,10 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         folders=folders,
         listed=join_names(folders),
         spaced=" ".join(folders),
+        share=install.share,
+        project=f" (its project is {install.other_project}, so share/${{PROJECT_NAME}} is another folder)"
+        if install.other_project
+        else "",
         repair=_describe_python_repair(package, folders),
         example=f"{folders[0]}{missing[folders[0]][0].subpath.lstrip('/')[len(folders[0]) :]}",
     )

@@ -23,8 +23,8 @@ from urdfcheck.source.package.file_kinds import is_launch, is_model, is_srdf, is
 from urdfcheck.source.project_folders import find_project_folder
 
 # Seconds after the last edit: until the source tier is computed, and until everything is. The first pause is the shorter one
-# where the last check of an edit was so quick that its findings come within 0.15 s of the key, or little later: to check after each
-# key is no use where another follows it, as one that is held does after 0.033 s.
+# where the last check of an edit was so quick that its findings come within 0.15 s of the key, or little later: to check after
+# each key is no use where another follows it, as one that is held does after 0.033 s.
 SHORTEST_PAUSE, LONGEST_PAUSE, RESTING = 0.035, 0.1, 1.0
 QUICK = 0.15
 # Seconds for which a question about a document that was not checked yet waits.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,6 +19,9 @@ from urdfcheck.source.package.setup_py_installs import read_setup_installs
 from urdfcheck.source.text.python import parse_python
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular
+
+# The share folder of a package whose CMake project has its name.
+_SHARE = "share/${PROJECT_NAME}"
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -33,6 +37,10 @@ class InstallRules:
     """Where to insert the name; None if there is no known place."""
     insertion: tuple[str, str] = ("", "")
     """The text before and after the inserted name."""
+    share: str = _SHARE
+    """The package's share folder, as CMakeLists.txt can name it."""
+    other_project: str = ""
+    """The project of CMakeLists.txt, where that has another name than the package."""
 
     def build_edits(self, folders: Sequence[str]) -> list[Edit]:
         """Return the edit that adds these folders to the others."""
@@ -71,10 +79,14 @@ def _read_cmake(file: SourceFile, package: Package) -> InstallRules:
         return None if other is None else other.text
 
     commands = list(parse_commands(file.text))
+    project = next((command.words[0] for command in commands if command.name == "project" and command.words), "")
+    is_other = not project.startswith("$") and project not in {"", package.name}
     rules = InstallRules(
         installed=read_cmake_installs(commands, package.name, read_text),
         at=Location("install", None),
         build_form="cmake",
+        share=f"share/{package.name}" if is_other else _SHARE,
+        other_project=project if is_other else "",
     )
     return _locate_insertion(rules, file, commands=commands, package=package.name)
 
@@ -87,7 +99,7 @@ def _locate_insertion(
     It is after the folders of a command that installs some into the package's share folder, or else before the last command.
     """
     for command in reversed(commands):
-        folders = _find_share_folder(command, package)
+        folders = _find_share_folder(command, {rules.share, f"share/{package}"})
         if folders is not None:
             end = command.ends[folders]
             at = Location("install", file.make_span(command.start, command.end))
@@ -97,12 +109,12 @@ def _locate_insertion(
         span = file.make_span(commands[-1].start, commands[-1].end) if commands else file.make_span(0, 0)
         return replace(rules, at=Location("install", span))
     at = Location("install", file.make_span(last.start, last.end))
-    insertion = ("install(DIRECTORY ", " DESTINATION share/${PROJECT_NAME})\n\n")
+    insertion = ("install(DIRECTORY ", f" DESTINATION {rules.share})\n\n")
     return replace(rules, at=at, insertion_point=file.make_span(last.start, last.start), insertion=insertion)
 
 
-def _find_share_folder(command: CmakeCommand, package: str) -> int | None:
-    """Return the index of the last folder in a command that installs folders into the package's share folder."""
+def _find_share_folder(command: CmakeCommand, shares: AbstractSet[str]) -> int | None:
+    """Return the index of the last folder in a command that installs folders into the package's share folder, by its names."""
     words = command.words
     if command.name == "ament_auto_package" and "INSTALL_TO_SHARE" in words:
         rest = words[words.index("INSTALL_TO_SHARE") + 1 :]
@@ -112,7 +124,7 @@ def _find_share_folder(command: CmakeCommand, package: str) -> int | None:
         return None
     at = words.index("DESTINATION")
     share = words[at + 1].strip('"').rstrip("/")
-    return at - 1 if share in {"share/${PROJECT_NAME}", f"share/{package}"} else None
+    return at - 1 if share in shares else None
 
 
 # -- setup.py ----------------------------------------------------------------------------------------------------------
