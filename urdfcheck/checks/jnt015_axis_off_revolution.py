@@ -32,7 +32,8 @@ _SQUARE = 0.02
 _WHOLE_TURN = 6.28
 # kg m²: a wheel of 5 cm and 10 g has 1e-5 more about its axle than across it.
 _NEGLIGIBLE_MOMENT = 1e-5
-# A ball stands for a wheel that is drawn as a disc if their radii differ by no more than this share.
+# A ball stands for a wheel that is drawn as a disc if their radii differ by no more than this share: chosen, for a tyre that is
+# rounded in one of them.
 _BALL = 0.1
 # A variance of at most so many times the greatest one fits, in a hull that is larger by this part of its size (as in INR005).
 _FITTING, _MARGIN = 1.1, 0.02

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 _MESH_NOISE = 1e-3
 # Significant digits of numbers that a uniform density gives.
 _GUESSED_DIGITS = 4
-# A collision shape of this share of the length of what is drawn stands for the part.
+# A collision shape of this share of the length of what is drawn stands for the part (chosen).
 _MOST_OF_PART = 0.5
 # Halves of a unit in the last typed place.
 _LAST_PLACE = 2.0
