@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
+import weakref
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,7 +21,7 @@ from urdfcheck.rules import load_check, load_rules
 from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.run.pipeline import run
-from urdfcheck.system import process_pool
+from urdfcheck.system import process_pool, sandbox
 
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial>'
 
@@ -54,6 +56,27 @@ def test_a_library_that_urdfcheck_core_leaves_out_skips_a_check_and_any_other_is
     reasons = [skip.reason for skip in outcome.skipped]
     assert reasons == (["scipy is not installed (it comes with urdfcheck, not with urdfcheck-core)"] * is_skipped)
     assert bool(outcome.failures) != is_skipped
+
+
+def test_planning_frees_the_files_that_it_has_expanded(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Node:
+        def __init__(self) -> None:
+            self.parent = self
+
+    nodes: list[weakref.ref[Node]] = []
+
+    def leave_garbage(**_: object) -> None:
+        nodes.extend(weakref.ref(Node()) for _ in range(400_000))
+
+    monkeypatch.setattr(pipeline, "discover_targets", leave_garbage)
+    monkeypatch.setattr(sandbox, "limit_memory", lambda megabytes: None)
+    gc.disable()  # as a worker does
+    try:
+        pipeline._discover_bounded(0, 0.0, 0.0, {}, {})
+        assert sum(node() is not None for node in nodes) < 300_000
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
 
 
 AUDIT = pipeline._audit_in_worker
