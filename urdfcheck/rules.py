@@ -133,8 +133,6 @@ def load_page(path: Path) -> Rule:
         for message in meta["messages"]:
             if message not in meta["headlines"]:
                 raise ValueError(f"[headlines] has no {message!r}: every message needs one")
-        if "on_request" in meta and "run" in scope:
-            raise ValueError("on_request: notes about several models are always reported")
         consumers = meta["consumers"]
         if consumers == "none":
             consumers = {}

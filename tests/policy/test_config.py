@@ -442,13 +442,16 @@ class TestRulesOfTheRun:
     @pytest.mark.parametrize(
         ("text", "expected"),
         [
-            ("", ["info"]),
+            ("", []),
+            ("pedantic = true\n", ["info"]),
             ("[severity]\nXAC015 = 'error'\n", ["error"]),
+            ("[severity]\nXAC015 = 'info'\n", ["info"]),
+            ("[[paths]]\nmatch = ['other']\nseverity = { XAC015 = 'info' }\n", []),
             ("[[paths]]\nmatch = ['car']\nseverity = { XAC015 = 'warning' }\n", ["warning"]),
             ("[[paths]]\nmatch = ['car']\nignore = ['XAC015']\n", []),
             ("ignore = ['XAC015']\n[[paths]]\nmatch = ['other']\nselect = ['XAC015']\n", []),
             ("[[suppress]]\ncodes = ['XAC015']\npath = 'car'\nreason = 'x'\n", ["known"]),
-            ("[[suppress]]\ncodes = ['XAC015']\npath = 'other'\nreason = 'x'\n", ["info"]),
+            ("pedantic = true\n[[suppress]]\ncodes = ['XAC015']\npath = 'other'\nreason = 'x'\n", ["info"]),
         ],
     )
     def test_what_holds_for_their_model_holds_for_them(self, text: str, expected: list[str], tmp_path: Path) -> None:

@@ -159,7 +159,7 @@ class TestRun:
             self.needed = needed
             yield from reviews
 
-        return finalize_run_findings(audited, policy, across_models=across, review=review)
+        return finalize_run_findings(audited, policy, across_models=across, review=review)[0]
 
     def test_findings_of_all_units_are_in_one_order(self) -> None:
         two = replace(UNIT, id="a.urdf", path="a.urdf")

@@ -58,12 +58,12 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
         for known, names in baselines:
             yield from _report_outdated(known, view, names)
 
-    findings = finalize_run_findings(audited_units, request.policy, across_models=across_models, review=review)
+    findings, notes = finalize_run_findings(audited_units, request.policy, across_models=across_models, review=review)
     return Run(
         models=models,
         findings=findings,
         requested=request.policy.codes - request.policy.unrequested,
-        unrequested=tuple(finding for report in reports for finding in report.unrequested),
+        unrequested=(*(finding for report in reports for finding in report.unrequested), *notes),
         skipped=skipped,
         rules=_select_rules(request, units, findings),
         versions=collect_versions(full=request.options.scene),

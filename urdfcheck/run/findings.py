@@ -87,8 +87,7 @@ def finalize_unit_findings(
     remaining = drop_superseded(merged, rules)
     if joins_simulated:
         remaining = join_explained(remaining, rules)
-    unasked = frozenset() if policy.pedantic else policy.unrequested
-    wanted, unrequested = split_unrequested(remaining, rules, unrequested=unasked, targets=policy.targets)
+    wanted, unrequested = _split_unrequested(remaining, rules, policy)
     safe = mark_unsafe_in_model(wanted, root)
     listed, unlisted = limit_number(sorted(safe, key=get_sort_key))
     skips = [
@@ -137,12 +136,12 @@ def finalize_run_findings(
     *,
     across_models: Iterable[Finding],
     review: Callable[[Sequence[Finding], AbstractSet[Span]], Iterable[Finding]],
-) -> tuple[Finding, ...]:
+) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
     """Turn the findings of all units, and those about several of them, into those of the run.
 
     ``policy``: settings of the run, for units without their own; ``across_models``: what rules of scope ``run`` report.
     ``review`` gets all findings so far and the suppression comments that the former need; it returns the findings about
-    comments, baselines and configurations.
+    comments, baselines and configurations. Also returned are the notes about several models that nobody asked for.
     """
     policies = {unit.id: unit.policy or policy for unit, _ in audited_units}
     rules = load_rules()
@@ -153,13 +152,14 @@ def finalize_run_findings(
 
     wanted = admit_wanted(across_models)
     marked, needed = _suppress_by_model(wanted, audited_units, policies)
-    findings = [*(finding for _, report in audited_units for finding in report.findings), *merge_same_text(marked)]
+    asked, unrequested = _split_by_model(merge_same_text(marked), policies)
+    findings = [*(finding for _, report in audited_units for finding in report.findings), *asked]
     findings += admit_wanted(review(findings, needed))
     findings = mark_unsafe_across_models(findings, _list_users(audited_units))
     units = [unit for unit, _ in audited_units]
     # Last: all before is about single texts, and each occurrence stays what it was.
     findings = merge_kinds(merge_across_models(findings, units), units)
-    return tuple(sorted(findings, key=get_sort_key))
+    return tuple(sorted(findings, key=get_sort_key)), tuple(unrequested)
 
 
 def _suppress_by_model(
@@ -181,6 +181,27 @@ def _suppress_by_model(
         marked += marked_group
         needed |= needed_here
     return marked, needed
+
+
+def _split_by_model(
+    findings: Iterable[Finding], policies: Mapping[str, Policy]
+) -> tuple[list[Finding], list[Finding]]:
+    """Split findings about several models by the settings of the model at which they stand, as `split_unrequested` does."""
+    rules = load_rules()
+    reported: list[Finding] = []
+    left_out: list[Finding] = []
+    for finding in findings:
+        asked, unasked = _split_unrequested([finding], rules, policies[finding.model])
+        reported += asked
+        left_out += unasked
+    return reported, left_out
+
+
+def _split_unrequested(
+    findings: Iterable[Finding], rules: Mapping[str, Rule], policy: Policy
+) -> tuple[list[Finding], list[Finding]]:
+    unasked = frozenset() if policy.pedantic else policy.unrequested
+    return split_unrequested(findings, rules, unrequested=unasked, targets=policy.targets)
 
 
 def _list_users(audited_units: Iterable[tuple[Unit, UnitReport]]) -> dict[str, set[str]]:
