@@ -262,6 +262,23 @@ def test_an_include_of_ros_2_may_be_put_there_by_the_build(tmp_path: Path) -> No
     assert not find_in_package(tmp_path, body, "LCH001")
 
 
+@pytest.mark.parametrize(
+    ("declared", "owner"), [('<arg name="which"/>', None), ('<arg name="which" default="arm"/>', None), ("", "car.launch")]
+)
+def test_what_a_passed_value_lacks_is_of_the_file_that_passes_it(
+    tmp_path: Path, declared: str, owner: str | None
+) -> None:
+    (tmp_path / "car" / "launch").mkdir(parents=True)
+    chosen = f"{load('$(find car)/urdf/$(arg name).urdf')}{INCLUDE.format('$(dirname)/$(arg name)_control.launch')}"
+    for name, body in (("chosen", chosen), ("arm_control", "")):
+        (tmp_path / f"car/launch/{name}.launch").write_text(f'<launch><arg name="name" default="car"/>{body}</launch>')
+    passes = '<include file="$(dirname)/chosen.launch"><arg name="name" value="$(arg which)"/></include>'
+    findings = find_in_package(tmp_path, declared + passes, "LCH001")
+    undeclared = [f for f in findings if f.message_id in {"argument", "include-argument"}]
+    owners = [Path(f.location.span.file).name for f in undeclared if f.location.span]
+    assert owners == ([] if owner is None else [owner])
+
+
 @pytest.mark.parametrize(("given", "found"), [("arm", False), ("leg", True), ("", True)])
 def test_an_include_may_be_written_by_a_program_that_gets_the_launch_file(
     tmp_path: Path, given: str, found: bool

@@ -83,7 +83,8 @@ def _check_companion_file(
         file = _find_source_file(problem, files)
         at, cause = problem.location, _classify_cause(file)
         if _choose_message(problem, file) == "empty":
-            yield rule.finding(message, at=at, error="it is empty", repair=_REPAIR_OF_EMPTY)
+            severity = Severity.WARNING if message == "launch" else None
+            yield rule.finding(message, at=at, severity=severity, error="it is empty", repair=_REPAIR_OF_EMPTY)
         elif problem.kind == _OUR_CHOICE and cause is None:
             yield rule.finding("unread", at=at, severity=Severity.WARNING, error=problem.message)
         elif message == "srdf" and problem.data.get("forgiven"):

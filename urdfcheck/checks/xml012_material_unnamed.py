@@ -39,8 +39,11 @@ def _check_repeated_materials(global_materials: list[Element], rule: Rule) -> It
     first: dict[str, Element] = {}
     for material in global_materials:
         name = material.get("name")
-        if name and first.setdefault(name, material) is not material:
-            yield rule.finding("repeated", at=material, severity=Severity.ERROR, related=[first[name]], material=name)
+        if not name or first.setdefault(name, material) is material:
+            continue
+        is_same_text = material.span is not None and material.span == first[name].span
+        message = "again" if is_same_text else "repeated"
+        yield rule.finding(message, at=material, severity=Severity.ERROR, related=[first[name]], material=name)
 
 
 def _check_conflicting_materials(

@@ -141,7 +141,7 @@ def finalize_run_findings(
 
     ``policy``: settings of the run, for units without their own; ``across_models``: what rules of scope ``run`` report.
     ``review`` gets all findings so far and the suppression comments that the former need; it returns the findings about
-    comments, baselines and configurations. Also returned are the notes about several models that nobody asked for.
+    comments, baselines and configurations. Also returned are the notes about several models that are left out.
     """
     policies = {unit.id: unit.policy or policy for unit, _ in audited_units}
     rules = load_rules()
@@ -186,7 +186,7 @@ def _suppress_by_model(
 def _split_by_model(
     findings: Iterable[Finding], policies: Mapping[str, Policy]
 ) -> tuple[list[Finding], list[Finding]]:
-    """Split findings about several models by the settings of the model at which they stand, as `split_unrequested` does."""
+    """Do the same as `split_unrequested` for findings about several models, with the settings of the model of each."""
     rules = load_rules()
     reported: list[Finding] = []
     left_out: list[Finding] = []

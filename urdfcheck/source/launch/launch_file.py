@@ -307,12 +307,25 @@ class _IncludeReader:
         """Return the arguments that an included file gets."""
         passes_all = self.is_ros2 or include.get("pass_all_args") in {"true", "1"}
         names = {*resolver.values, *resolver.known} if passes_all else set()
-        passed = {name: resolver.resolve_value(f"$(arg {name})") for name in sorted(names)}
+        passed = {name: _detach_value(resolver.resolve_value(f"$(arg {name})")) for name in sorted(names)}
         for element in include.children:
             value = element.attributes.get("value") or element.attributes.get("default")
             if element.tag in {"arg", "let"} and value is not None and resolver.is_active(element):
-                passed[element.get("name")] = resolver.resolve_value(value.value)
+                text, unresolved = resolver.resolve_value(value.value)
+                passed[element.get("name")] = _detach_value((text, unresolved))
+                # A launch file of ROS 2 also reads what those that include it have set.
+                if unresolved is not None and unresolved.kind == "argument" and not self.is_ros2:
+                    if resolver.has_known_conditions(element):
+                        self._add_broken(include, unresolved)
         return passed
+
+
+def _detach_value(value: Value) -> Value:
+    """Return a value for an included file, where the name of an unresolved argument has no meaning."""
+    text, unresolved = value
+    if unresolved is None or unresolved.kind != "argument":
+        return value
+    return text, UnresolvedReason("launch-time", f"arg {unresolved.name}")
 
 
 def _may_be_written(include: Element) -> bool:
