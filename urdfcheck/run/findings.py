@@ -183,9 +183,7 @@ def _suppress_by_model(
     return marked, needed
 
 
-def _split_by_model(
-    findings: Iterable[Finding], policies: Mapping[str, Policy]
-) -> tuple[list[Finding], list[Finding]]:
+def _split_by_model(findings: Iterable[Finding], policies: Mapping[str, Policy]) -> tuple[list[Finding], list[Finding]]:
     """Do the same as `split_unrequested` for findings about several models, with the settings of the model of each."""
     rules = load_rules()
     reported: list[Finding] = []

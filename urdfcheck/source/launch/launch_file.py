@@ -314,9 +314,13 @@ class _IncludeReader:
                 text, unresolved = resolver.resolve_value(value.value)
                 passed[element.get("name")] = _detach_value((text, unresolved))
                 # A launch file of ROS 2 also reads what those that include it have set.
-                if unresolved is not None and unresolved.kind == "argument" and not self.is_ros2:
-                    if resolver.has_known_conditions(element):
-                        self._add_broken(include, unresolved)
+                if (
+                    unresolved is not None
+                    and unresolved.kind == "argument"
+                    and not self.is_ros2
+                    and resolver.has_known_conditions(element)
+                ):
+                    self._add_broken(include, unresolved)
         return passed
 
 
