@@ -196,27 +196,38 @@ def main() -> None:
     parser.add_argument("files", type=int, help=f"number of files, of {VARIANTS} variants each")
     parser.add_argument("--folder", type=Path, help="where the files and results go (default: a temporary folder)")
     parser.add_argument("--no-local", action="store_true", help="leave out the run on this machine, and the comparison")
+    parser.add_argument("--tier", default="full", help="how much the audits compute")
     parser.add_argument("--no-cluster", action="store_true", help="only the run on this machine")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(dir=options.folder) as named:
-        measure(Path(named), options.files, local=not options.no_local, cluster=not options.no_cluster)
+        measure(
+            Path(named),
+            options.files,
+            "--tier",
+            options.tier,
+            local=not options.no_local,
+            cluster=not options.no_cluster,
+        )
 
 
-def measure(folder: Path, files: int, *, local: bool, cluster: bool) -> None:
-    """Print the runs, and the bytes and seconds of each model."""
+def measure(folder: Path, files: int, *words: str, local: bool, cluster: bool) -> None:
+    """Print the runs, and the bytes and seconds of each model.
+
+    ``words``: options of the audits.
+    """
     dataset, models = folder / "dataset", files * VARIANTS
     write_dataset(dataset, files)
     outs = []
     if local:
         print(f"{files:,} files, {models:,} models on this machine, two jobs", flush=True)
         outs.append(folder / "here")
-        _print_share(audit(dataset, outs[-1], "--jobs", "2", models=models), models, outs[-1])
+        _print_share(audit(dataset, outs[-1], "--jobs", "2", *words, models=models), models, outs[-1])
     if not cluster:
         return
     print(f"{files:,} files, {models:,} models on a cluster of two processes, one of them killed", flush=True)
     with start_cluster(folder) as (address, pids, process):
         outs.append(folder / "cluster")
-        backend = ("--backend", f"dask={address}")
+        backend = ("--backend", f"dask={address}", *words)
         seconds = audit(dataset, outs[-1], *backend, models=models, cluster=process, victim=pids[0])
         _print_share(seconds, models, outs[-1])
         print("the same again, nothing changed", flush=True)

@@ -403,6 +403,7 @@ def sensor(type_: str, *content: str, name: str = "s") -> str:
 
 
 RATE = "<update_rate>30</update_rate>"
+PLUGIN = '<plugin filename="p"><frame_name>somewhere_else</frame_name></plugin>'
 NEW = '<gazebo><plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/></gazebo>'
 
 
@@ -422,6 +423,8 @@ NEW = '<gazebo><plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"
         (block("tip", sensor("imu", "<gz_frame_id>tip_link</gz_frame_id>")), ["frame"]),
         (block("tip", sensor("imu", "<gz_frame_id>somewhere_else</gz_frame_id>")), ["frame-elsewhere"]),
         (block("tip", sensor("imu", "<gz_frame_id>robot1/tip</gz_frame_id>")), []),
+        (block("tip", sensor("imu", "<gz_frame_id>tip</gz_frame_id>", PLUGIN)), ["frame-elsewhere"]),
+        (block("tip", sensor("imu", "<gz_frame_id>tip</gz_frame_id>", PLUGIN)) + NEW, []),
         (block("tip", sensor("contact", "<plugin filename='p'><frameName>world</frameName></plugin>")), []),
         (block("tip", sensor("imu")) + block("base", sensor("imu")), ["twice"]),
         (block("tip", sensor("imu")) + block("base", sensor("imu", name="t")), []),
@@ -445,6 +448,17 @@ def test_the_frame_of_a_camera_is_its_optical_frame(tmp_path: Path, kind: str, o
     (finding,) = find(tmp_path, robot(MERGED, eye, body), "GZB004")
     assert finding.fix is not None
     assert finding.fix.title == f"write {meant}"
+
+
+def test_a_frame_that_a_macro_computes_is_repaired_in_its_terms(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf.xacro").write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="front_link"/><xacro:macro name="eye" params="side">'
+        '<gazebo reference="${side}_link"><sensor name="s" type="imu"><frame_name>${side}</frame_name></sensor></gazebo>'
+        '</xacro:macro><xacro:eye side="front"/></robot>'
+    )
+    (finding,) = check(tmp_path / "r.urdf.xacro", codes={"GZB004"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title == "write ${side}_link"
 
 
 def test_a_frame_that_a_launch_file_publishes_exists(tmp_path: Path) -> None:
@@ -554,6 +568,14 @@ def test_bridges(tmp_path: Path, entry: str, expected: list[str], edits: list[st
 
 
 # -- control ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_name_without_the_dollar_sign_of_its_expression_needs_that(tmp_path: Path) -> None:
+    drives = "".join(f'<transmission name="t{i}"><joint name="{{leg}}_knee"/></transmission>' for i in range(2))
+    (finding,) = find(tmp_path, robot(ARM, drives), "CTL001")
+    assert finding.headline == "transmissions name a joint not in the robot: {leg}_knee"
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write ${leg} instead of {leg} where xacro expands the file")
 
 
 def test_a_transmission_of_the_pr2_may_name_its_joint_anywhere(tmp_path: Path) -> None:

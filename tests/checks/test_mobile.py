@@ -117,6 +117,29 @@ def test_the_body_is_lower_than_the_wheels(tmp_path: Path) -> None:
     assert "5 mm below" in finding.message
 
 
+def test_wheels_that_nothing_drives_carry_like_casters(tmp_path: Path) -> None:
+    small = visual(cylinder(0.03, 0.02), rpy=TURN) + collision(cylinder(0.03, 0.02), rpy=TURN)
+    places = {"front_swivel_wheel": "0.2 0 0.025", "rear_swivel_wheel": "-0.2 0 0.025"}
+    wheels = [link(name, small) for name in places]
+    joints = [
+        joint(f"{name}_joint", "base_link", name, kind="continuous", xyz=xyz, axis="0 1 0")
+        for name, xyz in places.items()
+    ]
+    text = cart(casters=()).replace("</robot>", "".join((*wheels, *joints)) + "</robot>")
+    (finding,) = find(tmp_path, text, "DYN006")
+    assert "the robot stands on front_swivel_wheel, rear_swivel_wheel" in finding.message
+    assert finding.fix is not None
+    assert "up by 5 mm" in finding.fix.title
+
+
+def test_a_hub_with_a_larger_wheel_fixed_to_it_is_not_what_carries(tmp_path: Path) -> None:
+    text = cart(left="0 0.15 0.07").replace("0 -0.15 0.05", "0 -0.15 0.07")
+    for side in ("left", "right"):
+        tyre = link(f"{side}_tyre", collision(cylinder(0.07, 0.02), rpy=TURN))
+        text = text.replace("</robot>", tyre + joint(f"{side}_tyre", f"{side}_wheel", f"{side}_tyre") + "</robot>")
+    assert not find(tmp_path, text, "DYN006")
+
+
 @pytest.mark.parametrize(("body", "found"), [("0 0 0.045", ["leans"]), ("0 0 0.035", ["leans", "touches"])])
 def test_a_body_that_only_touches_because_short_casters_lean_the_robot(
     tmp_path: Path, body: str, found: list[str]

@@ -9,6 +9,7 @@ from urdfcheck.core import Finding, Rule, Severity, Span
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_value
+from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.xml import Attribute
 
 
@@ -48,15 +49,25 @@ def _collect_named_joints(model: Model, tag: str) -> set[str]:
 def _build_foreign_finding(model: Model, rule: Rule, tag: str, names: list[Attribute]) -> Finding:
     """Report together all names unlike any of the robot's: those of another robot, or of a part that is left out."""
     places = {name.span: name for name in names}
+    typed = list(dict.fromkeys(name.value for name in names))
     finding = rule.finding(
         f"{tag}-strange",
         at=names[0],
         severity=Severity.WARNING if tag == "transmission" and _is_idle_part(model, names) else None,
         related=[*names[0].collect_definitions(), *list(places.values())[1:]],
-        joints=join_names(dict.fromkeys(name.value for name in names)),
-        which="a joint" if len(names) == 1 else f"{len(names)} joints",
+        joints=join_names(typed),
+        which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
+        repair=_describe_repair(tag, typed),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
+
+
+def _describe_repair(tag: str, names: list[str]) -> str:
+    unfilled = UNFILLED.search(names[0])
+    if unfilled is not None and all(map(UNFILLED.search, names)):
+        return f"write ${unfilled[0]} instead of {unfilled[0]} where xacro expands the file; otherwise fill the template in"
+    entries = "transmissions" if tag == "transmission" else "entries"
+    return f"write the joints of this robot, delete the {entries}, or move them to the part that has these joints"
 
 
 def _is_idle_part(model: Model, names: list[Attribute]) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -10,6 +9,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import PRESERVE, names_fixed_part
+from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -24,8 +24,6 @@ _OF_JOINTS = frozenset({
 })  # fmt: skip
 # Words that name what a part is.
 _SUFFIXES = ("_link", "_joint")
-# ``${side}`` without its dollar sign; with the dollar sign it is XML that nothing has expanded.
-_TEMPLATE = re.compile(r"(?<!\$)\{[^{}]*\}")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -37,7 +35,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             unknown.setdefault(reference.value, []).append(reference)
     # A part that has a block already is not what another block means.
     free = known - {reference.value for reference in references}
-    templates = [use for name, uses in unknown.items() if _TEMPLATE.search(name) for use in uses]
+    templates = [use for name, uses in unknown.items() if UNFILLED.search(name) for use in uses]
     if templates:
         yield _build_template_finding(rule, templates)
     for name, uses in unknown.items():
@@ -52,7 +50,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 kind=optional.tag,
                 content=_join_child_tags(uses),
             )
-        elif not _TEMPLATE.search(name):
+        elif not UNFILLED.search(name):
             meant = _list_meant(model, free, uses)
             near = _find_by_suffix(name, meant) or find_only_near_name(name, meant, SLIP_LIKENESS)
             yield rule.finding(
@@ -111,7 +109,7 @@ def _build_template_finding(rule: Rule, uses: list[Attribute]) -> Finding:
         related=uses[1:10],
         names=join_names(dict.fromkeys(use.value for use in uses)),
         which=format_count(len(uses), "<gazebo> block refers", "<gazebo> blocks refer"),
-        example=_TEMPLATE.findall(uses[0].value)[0],
+        example=UNFILLED.findall(uses[0].value)[0],
         content=_join_child_tags(uses),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(use.location.subject for use in uses)))

@@ -18,6 +18,7 @@ from urdfcheck.model.fixed_joint_lumping import (
 )
 from urdfcheck.model.gazebo import CAMERA_TYPE, GazeboSensor, is_for_new_gazebo, list_sensors
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
+from urdfcheck.source.text.tokens import read_typed_content
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
@@ -30,6 +31,7 @@ _TYPES = frozenset({
 })  # fmt: skip
 _RENDERED = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox|gpu_")
 _FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_frame_id", "frameName", "frame_name"})
+_NEW_GAZEBO_FRAMES = frozenset({"gz_frame_id", "ignition_frame_id"})
 # Frames that other programs publish.
 _EXTERNAL_FRAMES = frozenset({"world", "map", "odom", "earth", "ground_plane"})
 # Each unknown frame is compared with all links; more links than this were generated and not typed.
@@ -112,7 +114,9 @@ def _check_update_rate(sensor: GazeboSensor, rule: Rule) -> Iterator[Finding]:
 
 def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Mapping[str, str]) -> Iterator[Finding]:
     """Report frames that are not links; ``folded`` has the names of the links by their lower case."""
-    for element in sensor.element.walk():
+    own = [child for child in sensor.element.children if child.tag in _NEW_GAZEBO_FRAMES]
+    # The new Gazebo reads no frame in a plugin of a sensor.
+    for element in own if own and is_for_new_gazebo(model) else sensor.element.walk():
         frame = element.text.strip().lstrip("/")
         if element.tag not in _FRAMES or not frame or frame in _EXTERNAL_FRAMES or frame in model.link_by_name:
             continue
@@ -132,7 +136,16 @@ def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Map
             sensor=sensor.name,
             frame=frame,
             meant=meant or "",
+            repair="" if meant is None else _describe_frame_repair(element, frame, meant, model),
         )
+
+
+def _describe_frame_repair(element: Element, frame: str, meant: str, model: Model) -> str:
+    """Say what to write for a frame; for one that xacro computes, in the terms of its expression."""
+    typed = read_typed_content(element, model.source.files)
+    if "$" not in typed:
+        return f"write {meant}"
+    return f"write {typed}{meant.removeprefix(frame)}" if meant.startswith(frame) else f"make {typed} give {meant}"
 
 
 def _is_published(model: Model, frame: str) -> bool:

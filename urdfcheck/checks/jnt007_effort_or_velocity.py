@@ -16,6 +16,8 @@ from urdfcheck.source.text.xml import Element
 
 _EFFORT_INTERFACE = "EffortJointInterface"
 _SETS_DIRECTLY = "gazebo_ros2_control/"
+# SDFormat's default of <effort> and <velocity>: no limit.
+_SDF_UNLIMITED = -1.0
 # So many joints are a robot of which one joint can be the odd one.
 _MANY = 4
 _WANTED = {
@@ -44,7 +46,8 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
     for name, most in (("effort", most_effort), ("velocity", most_velocity)):
         # Joints with the same defect come from one template or one exporter's default.
         if negative := [joint for joint in driven if (joint.get_limit_value(name) or 0.0) < 0]:
-            yield _build_finding(rule, f"{name}-negative", name, negative)
+            is_unlimited = all(joint.get_limit_value(name) == _SDF_UNLIMITED for joint in negative)
+            yield _build_finding(rule, f"{name}-unlimited" if is_unlimited else f"{name}-negative", name, negative)
         absurd[name] = [joint for joint in moving if (joint.get_limit_value(name) or 0.0) >= most]
     both = [joint for joint in absurd["effort"] if joint in absurd["velocity"]]
     if both:  # the two placeholders of one <limit> are one defect

@@ -33,7 +33,7 @@ class RestPose:
     driven: tuple[Wheel, ...]
     """The wheels that are not casters."""
     casters: tuple[str, ...]
-    """The links of casters that have a shape."""
+    """The links of casters that have a shape, and of wheels that are not driven."""
     tilt: float
     """Angle (rad) of the root's z axis from the vertical."""
     up: Array
@@ -52,8 +52,8 @@ class RestPose:
 def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None:
     """Find how a robot on two or more driven wheels and what else carries it rests, with rigid parts and joints at zero.
 
-    None where that is not decided: a wheel or a caster is suspended, a wheel carries rollers that turn by themselves or has its
-    shape beside its axle, wheels of the robot differ among themselves (SYM006, SYM008), or it does not stand on wheels and
+    None where that is not decided: a wheel or a caster is suspended, a wheel carries rollers that turn by themselves, has its
+    shape beside its axle or is the hub of a larger part, wheels of the robot differ among themselves (SYM006, SYM008), or it does not stand on wheels and
     casters alone.
 
     :param spread: part of the least radius of a driven wheel, and ``least`` (m), below which heights do not count.
@@ -79,7 +79,12 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     if not any(mass.link.name in base for mass in masses):
         return None
     points, owners = collect_robot_corners(model, wheels)
-    casters = tuple(name for name in list_casters(model) if np.any(owners == model.tree.order.index(name)))
+    turned = (name for name, wheel in wheels.items() if wheel not in driven)
+    casters = tuple(
+        name
+        for name in dict.fromkeys((*list_casters(model), *turned))
+        if np.any(owners == model.tree.order.index(name))
+    )
     if any(is_on_vertical_slide(model, name) for name in casters):
         return None
     carriers = [model.tree.order.index(name) for name in {*wheels, *casters}]
@@ -98,6 +103,8 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     ground = min(heights[model.tree.order[index]] for index in carriers)
     upright = _measure_heights(model, points[:, 2], owners)
     if any(abs(upright[wheel.joint.child] - float(wheel.contact[2])) > tolerance for wheel in driven):
+        return None
+    if any(_stands_on_fixed_part(model, name, upright, tolerance) for name in wheels):
         return None
     return RestPose(
         driven=driven,
@@ -157,6 +164,11 @@ def carries_rollers(model: Model, wheel: str) -> bool:
     """Whether joints turn other parts on a wheel: an omnidirectional one stands on its rollers."""
     behind = (joint for name in model.tree.list_body_links(wheel) for joint in model.tree.child_joints[name])
     return any(joint.type in {"continuous", "revolute"} for joint in behind)
+
+
+def _stands_on_fixed_part(model: Model, wheel: str, upright: Mapping[str, float], tolerance: float) -> bool:
+    """Whether a part that is fixed to a wheel reaches lower: then the wheel is only its hub."""
+    return any(upright.get(name, math.inf) < upright[wheel] - tolerance for name in model.tree.list_body_links(wheel))
 
 
 def _measure_heights(model: Model, heights: Array, owners: Indices) -> dict[str, float]:

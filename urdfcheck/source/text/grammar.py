@@ -57,6 +57,8 @@ TEXT_ATTRIBUTES: Mapping[str, frozenset[str]] = {
     "collision": frozenset({"name"}),
     "material": frozenset({"name"}),
 }
+# ``${side}`` without its dollar sign, or what a script did not fill in; with the dollar sign it is XML that nothing has expanded.
+UNFILLED = re.compile(r"(?<!\$)\{[^{}]*\}")
 # What xacro replaces: an expression, and the commands of xacro and roslaunch.
 SUBSTITUTION = re.compile(r"\$\{[^}]*\}?|\$\(\s*(?:anon|arg|cwd|dirname|env|eval|find|optenv)(?![\w-])[^)]*\)?")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")

@@ -151,3 +151,9 @@ def find_content_span(element: Element, files: Mapping[str, SourceFile]) -> Span
     start = span.end + len(text) - len(text.lstrip())
     end = start + len(wanted)
     return file.make_span(start, end) if file.text[start:end] == wanted and _END_TAG.match(file.text, end) else None
+
+
+def read_typed_content(element: Element, files: Mapping[str, SourceFile]) -> str:
+    """Return the text of an element as its file has it, up to the next tag; empty if the file is not known."""
+    span = element.span
+    return "" if span is None or span.file not in files else files[span.file].text[span.end :].partition("<")[0].strip()
