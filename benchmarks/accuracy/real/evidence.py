@@ -7,7 +7,7 @@ that contradicts it.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from itertools import chain
 
 import numpy as np
@@ -18,6 +18,7 @@ from real.changes import Part, ReadRobot, read_numbers
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.model.parts import Shape
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 # A part whose numbers are so near to those of its drawing at uniform density (`scoring.effect`, without the mass) shows a defect
@@ -177,16 +178,14 @@ def find_shape_evidence(part: Part, shape: Shape, moved: float) -> set[str]:
         drawn = [visual.mesh_filename for visual in part.link.visuals if visual.origin.xyz == shape.origin.xyz]
         return {"drawn"} if any(other is not None and other.value == name.value for other in drawn) else set()
     size = 2 * max(shape.size) if shape.size else np.inf
-    return {"drawn"} if moved > size > 2 * _TOKEN * _measure_drawn(part) else set()
+    is_part = _measure_edge(part, [shape]) >= _TOKEN * _measure_edge(part, part.link.visuals)
+    return {"drawn"} if moved > size and is_part else set()
 
 
-def _measure_drawn(part: Part) -> float:
-    """Return the longest edge (m) of the box around what a link draws; 0 where that is not known."""
-    try:
-        drawn = measure_link_geometry(part.owner.model, part.link)
-    except FactUnavailableError:
-        return 0.0
-    return 0.0 if drawn is None else float(np.ptp(drawn.points, axis=0).max())
+def _measure_edge(part: Part, shapes: Sequence[Shape]) -> float:
+    """Return the longest edge (m) of the box around some shapes of a link; 0 where that is not known."""
+    box = compute_bounding_box(part.owner.model, [(shape, np.eye(4)) for shape in shapes])
+    return 0.0 if box is None else float(np.ptp(box, axis=0).max())
 
 
 def find_size_evidence(part: Part, shared: Collection[str]) -> set[str]:
