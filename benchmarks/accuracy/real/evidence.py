@@ -19,7 +19,7 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.model.parts import Shape
 from urdfcheck.model.shapes.bounds import compute_bounding_box
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
 
 # A part whose numbers are so near to those of its drawing at uniform density (`scoring.effect`, without the mass) shows a defect
 # that takes it so much further away, and beyond where 99 % of the sound parts are that have up to 60 % of their mass in lumps.
@@ -257,15 +257,30 @@ def _find_drawn_evidence(part: Part, old: Numbers, new: Numbers) -> set[str]:
     is_far = sound < _SOUND and broken > max(sound + _FURTHER, _LUMPED)
     if is_far and not _swings_as_before(part, old, new, tensor * new.mass):
         found |= {"mesh", "near"} if sound < _NEAR else {"mesh"}
+    if explain_collision_stand_in(part.owner.model, part.link) == "unread":
+        return found  # what is drawn may be larger than what collides
     low, high = _DENSITIES
-    volume = solid.volume if drawn.hull is None else drawn.hull.volume
+    largest = _measure_body_hulls(part)
 
     def is_material(mass: float) -> bool:
-        return low * solid.volume < mass < high * volume
+        return low * solid.volume < mass < high * largest
 
     if is_material(old.mass) and not is_material(new.mass):
         found.add("density")
     return found
+
+
+def _measure_body_hulls(part: Part) -> float:
+    """Return the volume (m³) of the hulls of all links that are fixed to a link, itself included: which of them has the mass of
+    another is arbitrary."""
+    model = part.owner.model
+    try:
+        names = model.tree.list_body_links(part.link.name)
+    except FactUnavailableError:
+        names = (part.link.name,)
+    drawn = (measure_link_geometry(model, model.link_by_name[name]) for name in names)
+    hulls = ((one.solid.volume if one.hull is None else one.hull.volume) for one in drawn if one is not None)
+    return sum(volume for volume in hulls if volume > 0)
 
 
 def _swings_as_before(part: Part, old: Numbers, new: Numbers, solid: Array) -> bool:
