@@ -61,7 +61,9 @@ def test_a_unit_is_named_if_no_other_is_possible(tmp_path: Path, factor: float, 
 
 def test_a_radius_of_gyration_shows_the_tensor_for_the_mass(tmp_path: Path) -> None:
     text = make_arm(tensor=1e6, wrong=range(4))
-    small = re.sub(r"<inertia [^>]*>", '<inertia ixx="1.3" ixy="0" ixz="0" iyy="24.5" iyz="0" izz="24.7"/>', text, count=1)
+    small = re.sub(
+        r"<inertia [^>]*>", '<inertia ixx="1.3" ixy="0" ixz="0" iyy="24.5" iyz="0" izz="24.7"/>', text, count=1
+    )
     found = find_far(tmp_path, small)
     assert {one.cause.text for one in found if one.cause is not None} == {
         "It fits if the numbers were written in kg·mm², or in g·mm² with masses in g."

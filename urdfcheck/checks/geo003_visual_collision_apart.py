@@ -272,12 +272,7 @@ def _measure_boxes(model: Model, links: Sequence[Link]) -> list[_BoxPair]:
         boxes = [
             compute_bounding_box(model, shapes, apply_unit=unit, apply_up_axis=upright) for shapes in (drawn, colliding)
         ]
-        if (
-            boxes[0] is None
-            or boxes[1] is None
-            or not _measure_diagonal(boxes[0])
-            or not _measure_diagonal(boxes[1])
-        ):
+        if boxes[0] is None or boxes[1] is None or not _measure_diagonal(boxes[0]) or not _measure_diagonal(boxes[1]):
             return []
         pairs.append(_BoxPair(boxes[0], boxes[1]))
     return pairs

@@ -100,7 +100,7 @@ def _is_unknown(model: Model, name: str, index: int) -> bool:
 
 
 def _find_unit(message: str, links: Sequence[_FarLink], units: Mapping[str, float], reach: float) -> str:
-    """Find the one unit that brings all links to where most published robots have theirs, and no other near that; empty without."""
+    """Find the one unit that brings all links to where most published robots have theirs, and no other near; empty without."""
     low, high = _USUAL[message]
 
     def fits(factor: float, slack: float) -> bool:

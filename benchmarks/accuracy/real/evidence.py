@@ -150,8 +150,8 @@ def find_zero_evidence(part: Part, name: str, shared: Collection[str] = ()) -> s
     at least. A robot of one joint, or one whose other joints have 0 too, does not show it; nor does a joint that follows another
     one (`<mimic>`), which has no drive of its own that a limit would stop.
 
-    A joint without effort may have a spring instead of a drive: the slide in the tool of an arm, or all joints that one macro makes.
-    So the three others are of its type, and none is without effort by the same text.
+    A joint without effort may have a spring instead of a drive: the slide in the tool of an arm, or all joints that one macro
+    makes. So the three others are of its type, and none is without effort by the same text.
     """
     joint = part.joint
     assert joint is not None

@@ -112,8 +112,8 @@ def compare_two(model: Model, group: Sequence[Link], *, differ: float) -> OddPri
     """Compare the sizes of two equal parts; None where they or their drawings agree, and where each has the box around its own
     drawing.
 
-    The wrong one is the first, and certain, where its shapes are not as large as what it draws, and the other's are. Otherwise the
-    two are compared only if their names say on which side they are.
+    The wrong one is the first, and certain, where its shapes are not as large as what it draws, and those of the other are.
+    Otherwise the two are compared only if their names say on which side they are.
     """
     if len(group) != 2:
         return None
@@ -140,7 +140,8 @@ def compare_two(model: Model, group: Sequence[Link], *, differ: float) -> OddPri
 def _compare_with_drawing(model: Model, link: Link) -> float | None:
     """Return how many times as large as what it draws a link's collision shapes are together; None where that is not known."""
     boxes = [
-        compute_bounding_box(model, [(shape, np.eye(4)) for shape in shapes]) for shapes in (link.visuals, link.collisions)
+        compute_bounding_box(model, [(shape, np.eye(4)) for shape in shapes])
+        for shapes in (link.visuals, link.collisions)
     ]
     drawn, solid = (None if box is None else float(np.linalg.norm(box[1] - box[0])) for box in boxes)
     return solid / drawn if solid and drawn else None

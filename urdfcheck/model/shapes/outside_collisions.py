@@ -32,7 +32,7 @@ class OutsideCollision:
 
 
 def list_mesh_readings(model: Model, shapes: Iterable[Shape]) -> list[tuple[bool, bool]]:
-    """List how programs read the meshes of some shapes: whether they apply COLLADA's unit, and its up-axis. One where all agree."""
+    """List how programs read the meshes of some shapes: whether they apply COLLADA's unit, and its up-axis."""
     meshes = [facts for shape in shapes if (facts := model.meshes.get_facts(shape)) is not None]
     units = (True, False) if any(facts.unit not in {None, 1.0} for facts in meshes) else (True,)
     uprights = (False, True) if any(facts.up_axis in {"X_UP", "Y_UP"} for facts in meshes) else (False,)
@@ -87,18 +87,17 @@ def _measure_gap(box: Array | None, drawn: dict[str, Array], *, own: Array, gap:
     if box is None or not np.isfinite(box).all():
         return 0.0
     size = _measure_diagonal(box)
-    distance = min(float(np.linalg.norm(np.maximum(0.0, np.maximum(box[0] - b[1], b[0] - box[1])))) for b in drawn.values())
+    distance = min(
+        float(np.linalg.norm(np.maximum(0.0, np.maximum(box[0] - b[1], b[0] - box[1])))) for b in drawn.values()
+    )
     return distance if distance > gap * size and size > _TOKEN * _measure_diagonal(own) else 0.0
 
 
 def _is_drawn_by(model: Model, links: Iterable[Link], boxes: Sequence[Array | None], covered: float) -> bool:
     """Whether one of the links draws something where a shape is."""
-    for link in links:
-        drawn = _measure(model, link.visuals, link, (True, False))
-        for box in boxes if drawn is not None else ():
-            if box is not None and _measure_share(box, drawn) >= covered:
-                return True
-    return False
+    drawn = (_measure(model, link.visuals, link, (True, False)) for link in links)
+    pairs = ((box, other) for other in drawn for box in boxes)
+    return any(box is not None and other is not None and _measure_share(box, other) >= covered for box, other in pairs)
 
 
 def _measure_share(box: Array, other: Array) -> float:
