@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 from builders import find, joint, link, robot
 
-from urdfcheck.core import Confidence, Finding, Severity
+from urdfcheck.core import Cause, Confidence, Finding, Severity
 
 LENGTH = 0.3
 MESH = '<visual><geometry><mesh filename="missing.stl"/></geometry></visual>'
@@ -49,6 +50,24 @@ def test_the_length_is_named_for_what_it_is(tmp_path: Path) -> None:
     )
     (found,) = [finding for finding in find(tmp_path, text, "INR018") if finding.message_id == "spread"]
     assert "an RMS spread of mass of 2.12 m along one axis" in found.message
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1e3, "mm"), (1e2, ""), (150.0, "")])
+def test_a_unit_is_named_if_no_other_is_possible(tmp_path: Path, factor: float, unit: str) -> None:
+    """With 150 the COMs in cm are just longer than those of most robots, and in mm they are among the shortest."""
+    (found,) = find_far(tmp_path, make_arm(com=factor, wrong=range(4)))
+    assert found.cause == (None if not unit else Cause("unit", f"It fits if the numbers were written in {unit}."))
+
+
+def test_a_radius_of_gyration_shows_the_tensor_for_the_mass(tmp_path: Path) -> None:
+    text = make_arm(tensor=1e6, wrong=range(4))
+    small = re.sub(
+        r"<inertia [^>]*>", '<inertia ixx="1.3" ixy="0" ixz="0" iyy="24.5" iyz="0" izz="24.7"/>', text, count=1
+    )
+    found = find_far(tmp_path, small)
+    assert {one.cause.text for one in found if one.cause is not None} == {
+        "It fits if the numbers were written in kg·mm², or in g·mm² with masses in g."
+    }
 
 
 @pytest.mark.parametrize(

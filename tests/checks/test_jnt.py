@@ -222,6 +222,15 @@ def test_a_slide_is_not_like_the_hinges_of_an_arm(tmp_path: Path) -> None:
     assert finding.message_id == "effort-unused"
 
 
+def test_the_slide_of_a_scara_is_like_its_hinges(tmp_path: Path) -> None:
+    text = '<robot name="r"><link name="base"/>'
+    for name, kind in (("j1", "revolute"), ("j2", "revolute"), ("j3", "prismatic"), ("j4", "revolute")):
+        limit = f'<limit lower="0" upper="1" effort="{0 if name == "j3" else 9}" velocity="1"/>'
+        text += f'<link name="{name}_link"/>' + joint(name, "base", f"{name}_link", limit, kind=kind, axis="0 1 0")
+    (finding,) = find(tmp_path, text + "</robot>", "JNT007")
+    assert (finding.message_id, finding.severity) == ("effort-odd", Severity.WARNING)
+
+
 @pytest.mark.parametrize(
     ("efforts", "found"),
     [
@@ -691,6 +700,10 @@ def turns(limit: str, name: str = "j", child: str = "b", kind: str = "revolute")
         ("-10", "10", False),
         ("-100", "100", False),
         ("-1000", "1000", False),
+        ("-31.4", "31.4", False),
+        ("-31.41593", "31.41593", False),
+        ("0", "31.3980872", True),
+        ("-139.801702", "0", True),
         ("-7", "7", False),
         ("0", "2000", False),
         ("-1e16", "1e16", False),

@@ -665,11 +665,15 @@ def test_moveit_does_not_load_the_unit_of_a_visual_mesh(tmp_path: Path, role: st
     assert (role == "collision") == ("MoveIt" in finding.message) == ("ignores" in finding.consequences["moveit"])
 
 
-@pytest.mark.parametrize(("others", "found"), [(3, True), (1, False)])
-def test_millimetres_that_are_scaled_twice_get_the_usual_scale(tmp_path: Path, others: int, found: bool) -> None:
-    """What most other meshes of the robot have decides: 400 may be millimetres, centimetres or inches."""
-    (tmp_path / "part.obj").write_text(scaled(CLOSED, 400.0))
-    scales = ["0.001 0.001 0.001"] * others + ["1e-6 -1e-6 1e-6"]
+@pytest.mark.parametrize(
+    ("others", "size", "unit", "found"), [(3, 400.0, 0.001, True), (1, 400.0, 0.001, False), (3, 3.4, 0.0254, True)]
+)
+def test_a_mesh_that_is_scaled_twice_gets_the_usual_scale(
+    tmp_path: Path, others: int, size: float, unit: float, found: bool
+) -> None:
+    """What most other meshes of the robot have decides: 400 may be millimetres, centimetres or inches, 3.4 inches or metres."""
+    (tmp_path / "part.obj").write_text(scaled(CLOSED, size))
+    scales = [f"{unit} {unit} {unit}"] * others + ["{0} -{0} {0}".format(unit * 1e-3)]
     text = '<link name="base"/>' + "".join(
         f'<link name="p{i}">{shape("visual", "part.obj", scale=scale)}</link><joint name="j{i}" type="continuous">'
         f'<parent link="base"/><child link="p{i}"/><origin xyz="{0.2 + i} 0 0"/></joint>'
@@ -679,7 +683,7 @@ def test_millimetres_that_are_scaled_twice_get_the_usual_scale(tmp_path: Path, o
     assert [f.message_id for f in findings] == ["twice"] * found
     for finding in findings:
         assert finding.fix is not None
-        assert [edit.replacement for edit in finding.fix.edits] == ["0.001 -0.001 0.001"]
+        assert [edit.replacement for edit in finding.fix.edits] == [f"{unit} -{unit} {unit}"]
 
 
 def test_a_tiny_mesh_without_scale_is_meant(tmp_path: Path) -> None:

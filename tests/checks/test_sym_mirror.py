@@ -570,6 +570,7 @@ def test_limits_that_slipped_by_one_joint_are_one_finding(tmp_path: Path) -> Non
         limit.attrib.update(values)
     finding = one(tmp_path, robot)
     assert told(finding) == ("chain", "shifted", "joint[right_shoulder_joint]/limit")
+    assert finding.subjects == tuple(f"joint[right_{part}_joint]/limit" for part in PARTS)
     assert finding.data["count"] == 3
 
 

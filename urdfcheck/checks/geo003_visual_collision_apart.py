@@ -15,8 +15,9 @@ from urdfcheck.facts.median import compute_medians
 from urdfcheck.model import Link, Model
 from urdfcheck.model.ground.wheel_shapes import find_wheel_size_differences
 from urdfcheck.model.parts import locate_geometry
-from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_neighbour_links, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
+from urdfcheck.model.shapes.outside_collisions import iter_outside_collisions, list_mesh_readings
 from urdfcheck.model.shapes.solids import get_mesh_scale
 
 if TYPE_CHECKING:
@@ -93,15 +94,30 @@ class _StrayPieces:
 
 
 def check(
-    model: Model, rule: Rule, *, overlap: float, ratio: float, covered: float, wheel_ratio: float
+    model: Model, rule: Rule, *, overlap: float, ratio: float, covered: float, gap: float, wheel_ratio: float
 ) -> Iterator[Finding]:
     reported: set[str] = set()
+
+    def is_reported(link: Link) -> bool:
+        return any(subject.startswith(f"link[{link.name}]") for subject in reported)
+
     for finding in _compare_bodies(model, rule, overlap=overlap, ratio=ratio, covered=covered):
         reported.update(finding.subjects)
         yield finding
+    for outside in iter_outside_collisions(model, gap=gap, covered=covered):
+        if not is_reported(outside.link):
+            xyz = outside.shape.origin.get_attribute("xyz")
+            yield rule.finding(
+                "outside",
+                at=outside.shape if xyz is None else xyz,
+                link=outside.link.name,
+                kind=outside.shape.kind,
+                distance=float(f"{outside.distance:.3g}"),
+                typed="0 0 0" if xyz is None else xyz.value,
+            )
     for odd in find_wheel_size_differences(model, ratio=wheel_ratio):
         link = model.link_by_name[odd.wheel.joint.child]
-        if not any(subject.startswith(f"link[{link.name}]") for subject in reported):
+        if not is_reported(link):
             yield rule.finding(
                 "wheel",
                 at=locate_geometry(link.collisions[0]),
@@ -164,7 +180,7 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
     if (np.abs(edges[0] - edges[1]) <= _SAME_SHAPE * np.maximum(*edges)).all():
         return False
     home = np.linalg.inv(model.frames[link.name])
-    for name in _list_neighbours(model, body):
+    for name in list_neighbour_links(model, body):
         placed = [(s, home @ model.frames[name]) for s in model.link_by_name[name].collisions if not is_dummy_shape(s)]
         box = compute_bounding_box(model, placed)
         if box is None or not _measure_diagonal(box):
@@ -173,16 +189,6 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
         if stand_in.overlap >= covered and 1 / _ALIKE <= stand_in.ratio <= _ALIKE:
             return True
     return False
-
-
-def _list_neighbours(model: Model, body: RigidLinkGroup) -> list[str]:
-    """Return the links of the bodies in front and behind."""
-    tree = model.tree
-    near = [j.child for name in body.links for j in tree.child_joints[name]]
-    if body.links[0] in tree.parent_joint:
-        near.append(tree.parent_joint[body.links[0]].parent)
-    found = dict.fromkeys(name for neighbour in near for name in tree.list_body_links(neighbour))
-    return [name for name in found if name not in body.links]
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,7 +214,7 @@ def _find_owner(model: Model, body: RigidLinkGroup, link: Link) -> _Owner | None
     count = sum(not is_dummy_shape(shape) for shape in link.collisions)
     home = np.linalg.inv(model.frames[link.name])
     box = compute_bounding_box(model, [(s, np.eye(4)) for s in link.collisions if not is_dummy_shape(s)])
-    for name in _list_neighbours(model, body):
+    for name in list_neighbour_links(model, body):
         neighbour = model.link_by_name[name]
         drawn = compute_bounding_box(
             model, [(s, home @ model.frames[name]) for s in neighbour.visuals if not is_dummy_shape(s)]
@@ -261,24 +267,14 @@ def _measure_boxes(model: Model, links: Sequence[Link]) -> list[_BoxPair]:
         ]
         for role in ("visuals", "collisions")
     )
-    meshes = [facts for shape, _ in (*drawn, *colliding) if (facts := model.meshes.get_facts(shape)) is not None]
-    units = (True, False) if any(facts.unit not in {None, 1.0} for facts in meshes) else (True,)
-    uprights = (False, True) if any(facts.up_axis in {"X_UP", "Y_UP"} for facts in meshes) else (False,)
     pairs = []
-    for unit in units:
-        for upright in uprights:
-            boxes = [
-                compute_bounding_box(model, shapes, apply_unit=unit, apply_up_axis=upright)
-                for shapes in (drawn, colliding)
-            ]
-            if (
-                boxes[0] is None
-                or boxes[1] is None
-                or not _measure_diagonal(boxes[0])
-                or not _measure_diagonal(boxes[1])
-            ):
-                return []
-            pairs.append(_BoxPair(boxes[0], boxes[1]))
+    for unit, upright in list_mesh_readings(model, (shape for shape, _ in (*drawn, *colliding))):
+        boxes = [
+            compute_bounding_box(model, shapes, apply_unit=unit, apply_up_axis=upright) for shapes in (drawn, colliding)
+        ]
+        if boxes[0] is None or boxes[1] is None or not _measure_diagonal(boxes[0]) or not _measure_diagonal(boxes[1]):
+            return []
+        pairs.append(_BoxPair(boxes[0], boxes[1]))
     return pairs
 
 

@@ -190,7 +190,8 @@ def _find_slipped_mass(model: Model, link: Link, mass: float) -> dict[str, Any]:
                 return {"cause": "unit", "unit": "grams", "plausible": f"the density is {describe_density(density)}"}
             return {
                 "cause": "decimal",
-                "factor": f"{10.0**-power:g}",
+                # A round mass may be one in grams, or a slip.
+                "factor": f"{10.0**-power:g} times what is written" + (", as if in grams" if power == _GRAMS else ""),
                 "slipped": f"{slipped:.4g}",
                 "plausible": f"the density is {describe_density(density)}",
             }

@@ -20,8 +20,12 @@ from urdfcheck.model.shapes.corners import collect_body_corners
 # in another than kg·m²: the square root of the unit's factor.
 LENGTHS = {"mm": 1e3, "cm": 1e2, "inches": 1 / 0.0254}
 RADII = {"g·m²": 1e3**0.5, "kg·cm²": 1e2, "kg·mm²": 1e3, "g·cm²": 1e7**0.5, "g·mm²": 1e9**0.5}
+# The radius of gyration shows the tensor for the mass: with the mass in g, a tensor in g·mm² is one in kg·mm² for a mass in kg.
+_WITH_GRAMS = {"kg·cm²": "g·cm²", "kg·mm²": "g·mm²"}
 # The shares of the robot's length between which 95 % of the COMs, and of the radii of gyration, of published robots are.
 _USUAL = {"com": (0.001, 0.19), "spread": (0.003, 0.27)}
+# Another unit that leaves all links within so many times these shares is not ruled out.
+_POSSIBLE = 1.5
 # Fewer links fit several units, or one by chance: the usual shares span more than two powers of ten.
 _LEAST_LINKS = 3
 
@@ -96,10 +100,17 @@ def _is_unknown(model: Model, name: str, index: int) -> bool:
 
 
 def _find_unit(message: str, links: Sequence[_FarLink], units: Mapping[str, float], reach: float) -> str:
-    """Find the one unit that brings all links to where most published robots have theirs; empty where none or several do."""
+    """Find the one unit that brings all links to where most published robots have theirs, and no other near; empty without."""
     low, high = _USUAL[message]
-    fitting = [u for u, factor in units.items() if all(low <= f.distance / factor / reach <= high for f in links)]
-    return fitting[0] if len(fitting) == 1 and len(links) >= _LEAST_LINKS else ""
+
+    def fits(factor: float, slack: float) -> bool:
+        return all(low / slack <= far.distance / factor / reach <= high * slack for far in links)
+
+    possible = [unit for unit, factor in units.items() if fits(factor, _POSSIBLE)]
+    if len(possible) != 1 or len(links) < _LEAST_LINKS or not fits(units[possible[0]], 1.0):
+        return ""
+    (unit,) = possible
+    return f"{unit}, or in {_WITH_GRAMS[unit]} with masses in g" if unit in _WITH_GRAMS else unit
 
 
 def _build_finding(

@@ -14,8 +14,8 @@ from urdfcheck.source.text.xml import Attribute
 
 # Such numbers mean "no limit", and alone do not indicate degrees.
 _PLACEHOLDERS = frozenset({1.0, 2.0, 5.0, 9.9, 9.99})
-# Numbers of turns in radians have two decimals or more.
-_ROUNDING = 0.02
+# Numbers of turns in radians have two decimals or more, and are turns to the last of their digits: 31.42, 31.41593.
+_ROUNDING, _LAST_DIGITS = 0.02, 2.0
 # Five turns in radians: the cables of a gimbal allow that.
 _FEW_TURNS = 31.0
 
@@ -76,8 +76,10 @@ def _is_placeholder(size: float) -> bool:
 
 
 def _is_quarter_turns(size: float) -> bool:
-    """Whether a number is a multiple of a quarter turn in radians, such as the range of a winch."""
-    return size != round(size) and abs(size - round(size / (math.pi / 2)) * math.pi / 2) < _ROUNDING
+    """Whether a number is a multiple of a quarter turn in radians, such as the range of a winch, as far as its digits go."""
+    decimals = len(f"{size:.15g}".partition(".")[2])
+    slack = min(_ROUNDING, max(_LAST_DIGITS * 10.0**-decimals, 1e-9))
+    return decimals > 0 and abs(size - round(size / (math.pi / 2)) * math.pi / 2) < slack
 
 
 def _build_finding(model: Model, rule: Rule, message: str, *, joints: Sequence[Joint], names: Sequence[str]) -> Finding:

@@ -145,14 +145,13 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
 
 def _is_odd(joint: Joint, powerless: Sequence[Joint], driven: Sequence[Joint]) -> bool:
     """Whether a joint without effort is like others that have one: those of its name elsewhere (``front_hip``, ``joint_3``), or
-    all of its type in a robot.
+    all of its type in a robot. Three others of a name are like it whatever their type: the slide ``joint_3`` of a SCARA.
 
     Joints with springs and casters come in pairs at least, and all of them have none.
     """
     name = _strip_place(joint)
-    like = [
-        other for other in driven if other is not joint and other.type == joint.type and _strip_place(other) == name
-    ]
+    named = [other for other in driven if other is not joint and _strip_place(other) == name]
+    like = [other for other in named if other.type == joint.type] or (named if len(named) >= _MANY - 1 else [])
     if like:
         return not any(other in powerless for other in like)
     of_type = [other for other in driven if other.type == joint.type]

@@ -159,7 +159,8 @@ def _classify_size(model: Model, mesh: _MeasuredMesh, sizes: _SizeLimits, *, usu
     """Return what is wrong with the size of a mesh, or None.
 
     ``large``: it was not converted to metres. ``small``: it was, and is in metres. ``enlarged``: it is in metres, and the inverse
-    of a conversion makes it a building. ``twice``: its scale is not the ``usual`` one, with which it has a plausible size.
+    of a conversion makes it a building. ``twice``: its scale is not the ``usual`` one, with which it has a plausible size: the
+    robot's other meshes say more about its unit than a file that would be as large as a part in metres, too.
     """
     if sizes.is_too_large(mesh.size) and sizes.list_plausible_units(mesh.size):
         return "large"
@@ -170,7 +171,9 @@ def _classify_size(model: Model, mesh: _MeasuredMesh, sizes: _SizeLimits, *, usu
     if _weighs_as_drawn(model, mesh.use):
         return None
     in_file = _measure_size_in_file(model, mesh.use)
-    return "small" if sizes.is_plausible(in_file) else "twice" if sizes.is_plausible(in_file * usual) else None
+    if usual != 1.0 and sizes.is_plausible(in_file * usual):
+        return "twice"
+    return "small" if sizes.is_plausible(in_file) else None
 
 
 def _weighs_as_drawn(model: Model, use: MeshUse) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -439,7 +440,7 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
 def _build_chain_finding(model: Model, rule: Rule, chain: Sequence[MismatchedLimit], *, shares: _Shares) -> Finding:
     limits = [limit for pair in chain for limit in (pair.joint.limit, pair.twin.limit) if limit is not None]
     cause = "shifted" if is_shifted(model, chain, shares.note) else None
-    return rule.finding(
+    finding = rule.finding(
         "chain",
         at=limits[0],
         related=limits[1:],
@@ -452,6 +453,8 @@ def _build_chain_finding(model: Model, rule: Rule, chain: Sequence[MismatchedLim
         joint=chain[0].joint.name,
         differences=_describe_limit_differences(chain[0]),
     )
+    subjects = (pair.joint.limit for pair in chain if pair.joint.limit is not None)
+    return replace(finding, subjects=tuple(limit.location.subject for limit in subjects))
 
 
 def _describe_limit_consequences(mismatches: Sequence[MismatchedLimit]) -> dict[str, str] | None:

@@ -9,7 +9,7 @@ from urdfcheck.core.text import format_box_size, format_count, join_names, join_
 from urdfcheck.model import Model, Shape
 from urdfcheck.model.likeness.collision_primitives import (
     OddPrimitives,
-    compare_sides,
+    compare_two,
     find_odd_primitives,
     list_equal_parts,
 )
@@ -21,9 +21,11 @@ def check(model: Model, rule: Rule, *, differ: float) -> Iterator[Finding]:
         odd = find_odd_primitives(model, group, differ=differ)
         if odd is not None:
             yield _build_finding(rule, "place" if odd.is_misplaced else "size", odd)
-        sides = compare_sides(model, group, differ=differ)
-        if sides is not None:
-            yield _build_finding(rule, "pair", sides, severity=Severity.INFO, confidence=Confidence.HEURISTIC)
+        both = compare_two(model, group, differ=differ)
+        if both is not None and both.is_certain:
+            yield _build_finding(rule, "drawn", both)
+        elif both is not None:
+            yield _build_finding(rule, "pair", both, severity=Severity.INFO, confidence=Confidence.HEURISTIC)
 
 
 def _build_finding(

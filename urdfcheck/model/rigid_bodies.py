@@ -58,6 +58,16 @@ def list_rigid_bodies(model: Model) -> tuple[RigidLinkGroup, ...]:
     return tuple(RigidLinkGroup(tree.list_body_links(name), name in tree.parent_joint) for name in heads)
 
 
+def list_neighbour_links(model: Model, body: RigidLinkGroup) -> list[str]:
+    """Return the links of the bodies in front and behind."""
+    tree = model.tree
+    near = [joint.child for name in body.links for joint in tree.child_joints[name]]
+    if body.links[0] in tree.parent_joint:
+        near.append(tree.parent_joint[body.links[0]].parent)
+    found = dict.fromkeys(name for neighbour in near for name in tree.list_body_links(neighbour))
+    return [name for name in found if name not in body.links]
+
+
 @fact
 def list_whole_bodies(model: Model) -> tuple[RigidLinkGroup, ...]:
     """Return the rigid bodies that are known to the last link, from the roots outwards, also of a robot in pieces.

@@ -7,7 +7,7 @@ that contradicts it.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from itertools import chain
 
 import numpy as np
@@ -18,7 +18,8 @@ from real.changes import Part, ReadRobot, read_numbers
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.model.parts import Shape
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.shapes.bounds import compute_bounding_box
+from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
 
 # A part whose numbers are so near to those of its drawing at uniform density (`scoring.effect`, without the mass) shows a defect
 # that takes it so much further away, and beyond where 99 % of the sound parts are that have up to 60 % of their mass in lumps.
@@ -41,6 +42,8 @@ _SIDES = re.compile(r"(?i)(?<![a-z])(left|right|l|r|fl|fr|rl|rr|bl|br|front|rear
 _NUMBERS = re.compile(r"[0-9]+")
 # A number that differs by less from a twin's is not seen.
 _UNLIKE = 0.05
+# A collision shape smaller than this share of what is drawn is a stand-in.
+_TOKEN = 0.1
 # So many other joints say what a robot's joints are like.
 _LEAST_JOINTS = 3
 
@@ -145,31 +148,44 @@ def find_reversal_evidence(part: Part, shared: Collection[str] = ()) -> set[str]
 def find_zero_evidence(part: Part, name: str, shared: Collection[str] = ()) -> set[str]:
     """Find what shows that an effort or a velocity must not be 0: all joints of its name have one, or all others, three
     at least. A robot of one joint, or one whose other joints have 0 too, does not show it; nor does a joint that follows another
-    one (`<mimic>`), which has no drive of its own that a limit would stop."""
+    one (`<mimic>`), which has no drive of its own that a limit would stop.
+
+    A joint without effort may have a spring instead of a drive: the slide in the tool of an arm, or all joints that one macro
+    makes. So the three others are of its type, and none is without effort by the same text.
+    """
     joint = part.joint
     assert joint is not None
     if not joint.is_driven:
         return set()
-    others = [
-        (other, other.get_limit_value(name) or 0.0)
-        for other in part.owner.model.joints
-        if other is not joint and other.is_driven and f"joint[{other.name}]" not in shared
-    ]
-    like = [value for other, value in others if other.type == joint.type and _strip(other.name) == _strip(joint.name)]
+    may_be_spring = name == "effort"
+    all_others = [other for other in part.owner.model.joints if other is not joint and other.is_driven]
+    others = [other for other in all_others if f"joint[{other.name}]" not in shared]
+    values = {other.name: other.get_limit_value(name) or 0.0 for other in others}
+    like = [other for other in others if other.type == joint.type and _strip(other.name) == _strip(joint.name)]
     if like:
-        return {"twin"} if min(like) > 0 else set()
-    return {"others"} if len(others) >= _LEAST_JOINTS and min(value for _, value in others) > 0 else set()
+        return {"twin"} if min(values[other.name] for other in like) > 0 else set()
+    if may_be_spring and len(others) < len(all_others):
+        return set()
+    count = sum(other.type == joint.type or not may_be_spring for other in others)
+    return {"others"} if count >= _LEAST_JOINTS and min(values.values()) > 0 else set()
 
 
 def find_shape_evidence(part: Part, shape: Shape, moved: float) -> set[str]:
     """Find what shows that a collision shape was moved by so many metres: the same mesh is drawn at the old place, or the shape
-    is smaller than that."""
+    is smaller than that. One that is far smaller than what the link draws stands for nothing, wherever it is."""
     name = shape.mesh_filename
     if name is not None:
         drawn = [visual.mesh_filename for visual in part.link.visuals if visual.origin.xyz == shape.origin.xyz]
         return {"drawn"} if any(other is not None and other.value == name.value for other in drawn) else set()
     size = 2 * max(shape.size) if shape.size else np.inf
-    return {"drawn"} if moved > size else set()
+    is_part = _measure_edge(part, [shape]) >= _TOKEN * _measure_edge(part, part.link.visuals)
+    return {"drawn"} if moved > size and is_part else set()
+
+
+def _measure_edge(part: Part, shapes: Sequence[Shape]) -> float:
+    """Return the longest edge (m) of the box around some shapes of a link; 0 where that is not known."""
+    box = compute_bounding_box(part.owner.model, [(shape, np.eye(4)) for shape in shapes])
+    return 0.0 if box is None else float(np.ptp(box, axis=0).max())
 
 
 def find_size_evidence(part: Part, shared: Collection[str]) -> set[str]:
@@ -241,15 +257,30 @@ def _find_drawn_evidence(part: Part, old: Numbers, new: Numbers) -> set[str]:
     is_far = sound < _SOUND and broken > max(sound + _FURTHER, _LUMPED)
     if is_far and not _swings_as_before(part, old, new, tensor * new.mass):
         found |= {"mesh", "near"} if sound < _NEAR else {"mesh"}
+    if explain_collision_stand_in(part.owner.model, part.link) == "unread":
+        return found  # what is drawn may be larger than what collides
     low, high = _DENSITIES
-    volume = solid.volume if drawn.hull is None else drawn.hull.volume
+    largest = _measure_body_hulls(part)
 
     def is_material(mass: float) -> bool:
-        return low * solid.volume < mass < high * volume
+        return low * solid.volume < mass < high * largest
 
     if is_material(old.mass) and not is_material(new.mass):
         found.add("density")
     return found
+
+
+def _measure_body_hulls(part: Part) -> float:
+    """Return the volume (m³) of the hulls of all links that are fixed to a link, itself included: which of them has the mass of
+    another is arbitrary."""
+    model = part.owner.model
+    try:
+        names = model.tree.list_body_links(part.link.name)
+    except FactUnavailableError:
+        names = (part.link.name,)
+    drawn = (measure_link_geometry(model, model.link_by_name[name]) for name in names)
+    hulls = ((one.solid.volume if one.hull is None else one.hull.volume) for one in drawn if one is not None)
+    return sum(volume for volume in hulls if volume > 0)
 
 
 def _swings_as_before(part: Part, old: Numbers, new: Numbers, solid: Array) -> bool:

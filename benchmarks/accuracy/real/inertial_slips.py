@@ -46,7 +46,8 @@ def com_unit(part: Part, rng: Rng) -> Broken | None:
 def all_units(part: Part, rng: Rng) -> Broken | None:
     """Mass, COM and tensor in g and mm, or COM and tensor in kg and mm."""
     mass = float(rng.choice((1.0, 1e3)))
-    words = (r"(?<!k)g·mm²" if mass > 1 else r"kg·mm²") + r"|COM .*\bmm\b|in mm\b"
+    # Of grams and millimetres each is true by itself: a total mass shows the grams only.
+    words = (r"(?<!k)g·mm²|\bgrams\b" if mass > 1 else r"kg·mm²") + r"|COM .*\bmm\b|in mm\b"
     return _named(part, lambda n: replace(n, mass=n.mass * mass, com=n.com * 1e3, six=n.six * mass * 1e6), words)
 
 

@@ -307,7 +307,8 @@ def _find_evidence(stage: _Stage, kind: Kind, part: Part, broken: Broken) -> set
         return find_joint_evidence(part, np.zeros(3), np.zeros(3), shared)
     if kind.make.__name__ == "limits_degrees":
         values = [abs(float(word)) for change in broken.changes for word in change.text.split()]
-        return {"size"} if max(values) > 4 * np.pi else set()
+        # A range of many turns means "no limit", in either unit.
+        return {"size"} if 4 * np.pi < max(values) < 4 * np.pi * 180 / np.pi else set()
     if kind.make.__name__ == "collision_shifted":
         start = broken.changes[0].span.start
         shapes = [

@@ -23,6 +23,8 @@ _PRIMITIVES = frozenset({"box", "cylinder", "sphere", "capsule"})
 _MIN_OFFSET = 1e-3
 # Numbers that say how the frames of two links lie agree within this share: three typed digits.
 _SAME = 0.005
+# The diagonals of the boxes around collision shapes, to those around what is drawn, of 98 % of the published links (GEO003).
+_LIKE_DRAWN = (0.49, 1.47)
 # Two principal moments further apart than this share show how a frame is rotated.
 _DISTINCT = 0.05
 
@@ -40,6 +42,8 @@ class OddPrimitives:
     """Those of the first sibling that no shape of the link matches."""
     is_misplaced: bool
     """Whether the shapes have the right sizes, and lie elsewhere or are rotated."""
+    is_certain: bool = True
+    """Whether the file shows that this link is the wrong one."""
 
 
 @fact
@@ -104,22 +108,43 @@ def find_odd_primitives(model: Model, group: Sequence[Link], *, differ: float) -
     return None
 
 
-def compare_sides(model: Model, group: Sequence[Link], *, differ: float) -> OddPrimitives | None:
-    """Compare the sizes of two links whose names say on which side they are; None where they or their drawings agree, and where
-    each has the box around its own drawing."""
-    if len(group) != 2 or any(len(remove_places(link.name)) == len(split_name_words(link.name)) for link in group):
+def compare_two(model: Model, group: Sequence[Link], *, differ: float) -> OddPrimitives | None:
+    """Compare the sizes of two equal parts; None where they or their drawings agree, and where each has the box around its own
+    drawing.
+
+    The wrong one is the first, and certain, where its shapes are not as large as what it draws, and those of the other are.
+    Otherwise the two are compared only if their names say on which side they are.
+    """
+    if len(group) != 2:
         return None
 
     def is_same_size(one: Shape, other: Shape) -> bool:
         return _is_same_size(one, other, differ)
 
     one, other = group
+    ratios = [_compare_with_drawing(model, link) for link in group]
+    fits = [ratio is not None and _LIKE_DRAWN[0] <= ratio <= _LIKE_DRAWN[1] for ratio in ratios]
+    is_certain = None not in ratios and fits[0] != fits[1]
+    if is_certain and fits[0]:
+        one, other = other, one
     own, expected = _list_unmatched(one.collisions, other.collisions, is_same_size)
     if not (own or expected) or _are_drawn_differently(one, other, is_same_size):
         return None
+    if not is_certain and any(len(remove_places(link.name)) == len(split_name_words(link.name)) for link in group):
+        return None
     if all(_is_box_of_drawing(model, link, differ) for link in group):
         return None
-    return OddPrimitives(one, (other,), own, expected, is_misplaced=False)
+    return OddPrimitives(one, (other,), own, expected, is_misplaced=False, is_certain=is_certain)
+
+
+def _compare_with_drawing(model: Model, link: Link) -> float | None:
+    """Return how many times as large as what it draws a link's collision shapes are together; None where that is not known."""
+    boxes = [
+        compute_bounding_box(model, [(shape, np.eye(4)) for shape in shapes])
+        for shapes in (link.visuals, link.collisions)
+    ]
+    drawn, solid = (None if box is None else float(np.linalg.norm(box[1] - box[0])) for box in boxes)
+    return solid / drawn if solid and drawn else None
 
 
 def _is_box_of_drawing(model: Model, link: Link, differ: float) -> bool:
