@@ -452,7 +452,8 @@ def test_the_frame_of_a_camera_is_its_optical_frame(tmp_path: Path, kind: str, o
 
 def test_a_frame_that_a_macro_computes_is_repaired_in_its_terms(tmp_path: Path) -> None:
     (tmp_path / "r.urdf.xacro").write_text(
-        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="front_link"/><xacro:macro name="eye" params="side">'
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="front_link"/>'
+        '<xacro:macro name="eye" params="side">'
         '<gazebo reference="${side}_link"><sensor name="s" type="imu"><frame_name>${side}</frame_name></sensor></gazebo>'
         '</xacro:macro><xacro:eye side="front"/></robot>'
     )

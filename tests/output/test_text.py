@@ -10,7 +10,7 @@ from output.runs import FILE, MODEL, SOURCE, a_run, finding, span_of
 from rich.cells import cell_len
 from rich.text import Text
 
-from urdfcheck.core import Applicability, Cause, Edit, Fix, Location, Severity, SkippedCheck
+from urdfcheck.core import Applicability, Cause, Edit, Finding, Fix, Location, Severity, SkippedCheck
 from urdfcheck.output.text import DetailLevel, render, render_statistics
 from urdfcheck.output.text.fix_words import wrap_words
 
@@ -138,6 +138,13 @@ def test_the_last_line_counts_notes_that_nobody_asked_for() -> None:
     )
     line = render(shared, detail=DetailLevel.BRIEF).splitlines()[-1]
     assert line == "✔ no errors, no warnings (2 notes: -v) · 1 model · 0.2 s"
+
+
+@pytest.mark.parametrize(("findings", "notes"), [((finding(severity=Severity.INFO),), "1+ notes"), ((), "notes")])
+def test_the_last_line_says_that_notes_were_not_looked_for(findings: tuple[Finding, ...], notes: str) -> None:
+    run = replace(a_run(), findings=findings, postponed=frozenset({"COL002"}))
+    line = render(run, detail=DetailLevel.BRIEF).splitlines()[-1]
+    assert line == f"✔ no errors, no warnings ({notes}: -v) · 1 model · 0.2 s"
 
 
 def test_a_pass_looks_like_a_pass() -> None:

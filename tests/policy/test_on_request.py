@@ -10,9 +10,10 @@ import pytest
 from builders import arm_on_base, box, collision, inertial, joint, link, robot, sphere, visual
 from conftest import check, command
 
-from urdfcheck.core import Severity
+from urdfcheck.core import Severity, Verdict
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.policy.on_request import split_unrequested
+from urdfcheck.policy.consumers import CONSUMERS, get_verdict
+from urdfcheck.policy.on_request import find_postponed, split_unrequested
 from urdfcheck.rules import describe_on_request, load_page, load_rules
 
 pytestmark = pytest.mark.usefixtures("one_process")
@@ -171,6 +172,68 @@ def test_what_an_author_may_have_chosen_is_told_on_request(tmp_path: Path, code:
     for options, is_told in (((), False), (("-v",), True)):
         report = json.loads(command("r.urdf", "--format", "json", *options, cwd=tmp_path).stdout)
         assert (code in {finding["code"] for finding in report["findings"]}) is is_told
+
+
+# A shaft in its bearing: COL002.
+SHAFT = robot(
+    link("base", collision(box("0.1 0.1 0.1"))),
+    link("shaft", collision(sphere(0.02))),
+    joint("turn", "base", "shaft", kind="continuous", axis="0 0 1"),
+)
+
+
+def list_neighbours(folder: Path, *options: str) -> list[object]:
+    """Whether each finding of COL002 is suppressed; the cache is kept."""
+    report = json.loads(command("r.urdf", "--format", "json", *options, cwd=folder).stdout)
+    return [finding["suppressed"] for finding in report["findings"] if finding["code"] == "COL002"]
+
+
+def test_what_takes_long_is_not_looked_for_where_nobody_asks(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text(SHAFT)
+    looked = {finding.code for finding in check(tmp_path / "r.urdf").findings}
+    assert "COL002" in looked
+    assert list_neighbours(tmp_path) == []
+    last = command("r.urdf", cwd=tmp_path).stdout.splitlines()[-1]
+    assert "+ notes" in last
+    assert "COL002, COL005 with -v" in command("config", "r.urdf", cwd=tmp_path).stdout
+    for options in (["-v"], ["--pedantic"], ["--select", "COL"], ["--target", "moveit"]):
+        assert list_neighbours(tmp_path, *options) == [None], options
+        assert "+ notes" not in command("r.urdf", *options, cwd=tmp_path).stdout
+    assert list_neighbours(tmp_path, "--target", "gazebo") == []  # adjacent links do not collide there
+    (tmp_path / "urdfcheck.toml").write_text('severity = { COL002 = "warning" }')
+    assert list_neighbours(tmp_path) == [None]
+
+
+def test_the_cache_of_a_run_without_a_rule_does_not_hide_it(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text(SHAFT)
+    answers = [list_neighbours(tmp_path, *options) for options in ([], ["-v"], [], ["-v"], ["--pedantic"])]
+    assert answers == [[], [None], [], [None], [None]]
+
+
+def test_what_is_not_looked_for_is_not_gone(tmp_path: Path) -> None:
+    """No comment and no entry of a baseline is called needless."""
+    comment = "<!-- urdfcheck: ignore[COL] a shaft in its bearing -->"
+    (tmp_path / "r.urdf").write_text(SHAFT.replace("<link", f"{comment}<link"))
+    assert "URC902" not in command("r.urdf", "--format", "concise", cwd=tmp_path).stdout
+    assert [bool(reason) for reason in list_neighbours(tmp_path, "-v")] == [True]
+    (tmp_path / "r.urdf").write_text(SHAFT)
+    command("baseline", "write", "r.urdf", "--select", "ALL", cwd=tmp_path)
+    assert [bool(reason) for reason in list_neighbours(tmp_path, "-v")] == [True]
+    assert "URC904" not in command("r.urdf", "--format", "concise", cwd=tmp_path).stdout
+    command("baseline", "prune", "r.urdf", cwd=tmp_path)
+    assert [bool(reason) for reason in list_neighbours(tmp_path, "-v")] == [True]
+
+
+def test_nothing_depends_on_rules_that_are_not_looked_for() -> None:
+    rules = load_rules()
+    postponed = find_postponed(rules, unrequested=rules, targets=())
+    assert postponed == {"COL002", "COL005"}
+    for rule in (rules[code] for code in postponed):
+        for table in (rule.consumers, *(t for t in rule.consumers.values() if not isinstance(t, str))):
+            assert all(get_verdict(table, name) is Verdict.LOADS for name in CONSUMERS), rule.code
+    for rule in rules.values():
+        others = (*rule.explained_by.values(), *rule.repeats.values(), rule.hidden_by)
+        assert not any(postponed.intersection(codes) for codes in others), rule.code
 
 
 def test_a_page_says_that_its_notes_are_on_request() -> None:

@@ -75,7 +75,7 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
         message,
         at=place.location,
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
-        edits=_propose_edits(place, source) if all(portable) else [],
+        edits=_propose_edits(place, portable),
         consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if message == "nowhere" else None,
         file=first.resource.text,
         files=files,
@@ -110,8 +110,9 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
 def _find_by_ending(use: ResourceUse, path: Path, source: Source) -> Path | None:
     """Return the file that the end of a path, a folder and a name at least, names in the model's folder or in one around it."""
     parts = path.as_posix().replace("\\", "/").split("/")
+    folders = source.finder.list_parent_folders()
     for start in range(1, len(parts) - 1):
-        for folder in source.finder.list_parent_folders():
+        for folder in folders:
             place = folder.joinpath(*parts[start:])
             if source.finder.can_open(place) and os.path.isfile(place):
                 return place if not use.resource.exists or _is_same_file(place, path) else None
@@ -162,10 +163,11 @@ def _format_future_path(uses: Sequence[ResourceUse], source: Source) -> str:
     return f"package://{package.name}/{inside}"
 
 
-def _propose_edits(place: _MachinePath, source: Source) -> list[Edit]:
+def _propose_edits(place: _MachinePath, portable: Sequence[str | None]) -> list[Edit]:
+    """Return the edits that write a package path for each use; none where one of them has no such path."""
     edits: dict[Edit, None] = {}
-    for use in place.uses:
-        portable = _build_portable_path(use, source)
-        if portable is not None:
-            edits |= dict.fromkeys(build_replacement_edits([use.attribute], portable))
+    for use, path in zip(place.uses, portable, strict=True):
+        if path is None:
+            return []
+        edits |= dict.fromkeys(build_replacement_edits([use.attribute], path))
     return list(edits)

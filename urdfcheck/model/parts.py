@@ -312,12 +312,12 @@ class Joint:
         """Whether this type of joint has an axis at all."""
         return self.type in {"revolute", "continuous", "prismatic", "planar"}
 
-    @property
+    @cached_property
     def parent(self) -> str:
         element = self.element.find_child("parent")
         return "" if element is None else element.get("link")
 
-    @property
+    @cached_property
     def child(self) -> str:
         element = self.element.find_child("child")
         return "" if element is None else element.get("link")
@@ -355,7 +355,7 @@ class Joint:
         attribute = element.attributes.get("xyz")
         return element.location if attribute is None else attribute.location
 
-    @property
+    @cached_property
     def limit(self) -> Element | None:
         return self.element.find_child("limit")
 

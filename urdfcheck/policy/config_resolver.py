@@ -13,7 +13,8 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.policy.baseline import DEFAULT_NAME, STALE_BASELINE
 from urdfcheck.policy.config import SIMULATORS, Config, Section
 from urdfcheck.policy.config_file import read_folder_config
-from urdfcheck.policy.policy import Policy
+from urdfcheck.policy.on_request import find_postponed
+from urdfcheck.policy.policy import TIERS, Policy
 from urdfcheck.policy.suppression import SuppressionEntry
 from urdfcheck.rules import load_rules
 
@@ -152,12 +153,19 @@ def resolve_config(
     kinematics_only = kinematics_only and overrides.select is None and SIMULATORS.isdisjoint(targets)
     if kinematics_only:
         codes -= {code for code, rule in load_rules().items() if rule.dynamics == rule.messages.keys()}
+    codes -= overrides.ignore or frozenset()
+    unrequested = everything - requested
+    tier = overrides.tier or config.tier
+    postponed = frozenset[str]()
+    if tier == TIERS[-1] and not pedantic:  # a lower tier skips these rules anyway, and says so
+        postponed = codes & find_postponed(load_rules(), unrequested=unrequested, targets=targets)
     policy = Policy(
-        codes=codes - (overrides.ignore or frozenset()),
-        unrequested=everything - requested,
+        codes=codes - postponed,
+        unrequested=unrequested,
+        postponed=postponed,
         pedantic=pedantic,
         kinematics_only=kinematics_only,
-        tier=overrides.tier or config.tier,
+        tier=tier,
         options=options,
         severities=severities,
         targets=targets,

@@ -31,6 +31,22 @@ def split_unrequested(
     return reported, left_out
 
 
+def find_postponed(rules: Mapping[str, Rule], *, unrequested: Iterable[str], targets: Sequence[str]) -> frozenset[str]:
+    """Return the codes of the rules that take long to find what is not reported: collisions that are notes on request, of rules
+    that are not asked for (``unrequested``) and that matter to no target.
+
+    The notes of other rules cost little beside what is computed anyway, and are counted.
+    """
+    return frozenset(
+        code
+        for code in unrequested
+        if "collision" in rules[code].needs
+        and rules[code].severity is Severity.INFO
+        and rules[code].on_request == rules[code].messages.keys()
+        and not any(_may_matter_to(target, rules[code]) for target in targets)
+    )
+
+
 def leave_out_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
     """Leave out what the pages list under ``dynamics``: the models are for display and motion planning alone."""
     return [finding for finding in findings if finding.message_id not in rules[finding.code].dynamics]
@@ -39,3 +55,9 @@ def leave_out_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -
 def _matters_to(target: str, finding: Finding, rule: Rule) -> bool:
     """Whether a target does more with the defect than loading it, or is among the programs that the rule concerns."""
     return target in rule.concerns or is_news(finding.consequences.get(target, "loads it"))
+
+
+def _may_matter_to(target: str, rule: Rule) -> bool:
+    """Whether a finding of a rule may matter to a target, whatever its message."""
+    tables = [rule.consumers, *(table for table in rule.consumers.values() if not isinstance(table, str))]
+    return target in rule.concerns or any(is_news(table[target]) for table in tables if target in table)

@@ -22,6 +22,8 @@ class Policy:
     """Codes of the selected rules."""
     unrequested: frozenset[str] = frozenset()
     """Codes of rules that nobody asked for by name: of these, notes on request are left out (`Rule.on_request`)."""
+    postponed: frozenset[str] = frozenset()
+    """Codes of rules that are selected only where their notes are asked for: to look for these takes long."""
     pedantic: bool = False
     """Whether notes that are warnings for a pedantic reader are warnings (`Rule.pedantic`)."""
     kinematics_only: bool = False

@@ -64,6 +64,7 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
         findings=findings,
         requested=request.policy.codes - request.policy.unrequested,
         unrequested=(*(finding for report in reports for finding in report.unrequested), *notes),
+        postponed=_list_postponed(request, audited_units),
         skipped=skipped,
         rules=_select_rules(request, units, findings),
         versions=collect_versions(full=request.options.scene),
@@ -193,6 +194,12 @@ def _run_cross_model_checks(request: Request, audited_units: AuditedUnits) -> tu
 def _union_codes(request: Request, units: Iterable[Unit]) -> frozenset[str]:
     """Return the rules that the run or any of its units selects."""
     return request.policy.codes.union(*(unit.policy.codes for unit in units if unit.policy is not None))
+
+
+def _list_postponed(request: Request, audited_units: AuditedUnits) -> frozenset[str]:
+    """Return the rules that run on a checked model where their notes are asked for."""
+    checked = (unit for unit, report in audited_units if report.info is not None and report.info.status == "checked")
+    return frozenset[str]().union(*((unit.policy or request.policy).postponed for unit in checked))
 
 
 def _select_rules(request: Request, units: Iterable[Unit], findings: Iterable[Finding]) -> dict[str, Rule]:

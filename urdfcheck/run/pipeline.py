@@ -418,30 +418,34 @@ def strip_volatile_values(outcome: Run) -> Run:
     )
 
 
-def make_model_id(path: Path, arguments: Mapping[str, str], *, root: Path, name: str | None = None) -> str:
-    """Return a model's id in reports and fingerprints: its path from the configuration's folder, and its arguments.
-
-    ``name``: what the configuration calls these arguments.
-    """
+def make_file_id(path: Path, root: Path) -> str:
+    """Return what a file is called in reports and fingerprints: its path from the configuration's folder."""
     try:
-        relative = Path(os.path.relpath(os.path.realpath(path), os.path.realpath(root))).as_posix()
+        return Path(os.path.relpath(os.path.realpath(path), os.path.realpath(root))).as_posix()
     except ValueError:  # another drive
-        relative = path.as_posix()
-    return relative + format_arguments({"named": name} if name else arguments)
+        return path.as_posix()
 
 
 def _build_units(plan: Plan, request: Request) -> list[Unit]:
-    """Return the units of work of a plan: models, then launch files, then packages."""
+    """Return the units of work of a plan: models, then launch files, then packages.
+
+    Most files have many variants: what holds for all of a file is asked once.
+    """
 
     def find_root(path: Path) -> Path:
         config = plan.configs.get(str(path))
         return request.root if config is None else config.root
 
+    @functools.cache
+    def name_file(path: Path) -> str:
+        return make_file_id(path, find_root(path))
+
     units = [
         Unit(
             kind="model",
             path=str(target.path),
-            id=make_model_id(target.path, target.arguments, root=find_root(target.path), name=target.name),
+            # By the name that the configuration gives to the arguments, or else by these.
+            id=name_file(target.path) + format_arguments({"named": target.name} if target.name else target.arguments),
             arguments=dict(target.arguments),
             launches=tuple(map(str, target.launches)),
             is_explicit=target.explicit,
@@ -458,7 +462,7 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
         Unit(
             kind="launch",
             path=str(path),
-            id=make_model_id(path, {}, root=find_root(path)),
+            id=name_file(path),
             # Without a model, nothing of the folder is checked whatever the launch file loads.
             is_explicit=not plan.models or plan.whole_packages.isdisjoint(path.absolute().parents),
         )
@@ -468,13 +472,15 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
         Unit(
             kind="package",
             path=str(path),
-            id=make_model_id(path / "package.xml", {}, root=find_root(path)),
+            id=make_file_id(path / "package.xml", find_root(path)),
             is_explicit=path in plan.whole_packages,
         )
         for path in plan.packages
     ]
-    units = [unit for unit in units if request.wants(unit.path)]
+    wants = functools.cache(request.wants)
+    units = [unit for unit in units if wants(unit.path)]
     find_baseline = _make_baseline_lookup(request)
+    resolve = functools.cache(lambda path: _resolve_settings(path, plan.configs.get(path), request))
     counts = Counter(unit.id for unit in units)
     return [
         _apply_config(
@@ -482,6 +488,7 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
             plan.configs.get(unit.path),
             request=request,
             find_baseline=find_baseline,
+            resolve=resolve,
             is_ambiguous=counts[unit.id] > 1,
         )
         for unit in units
@@ -510,9 +517,18 @@ def _make_baseline_lookup(request: Request) -> _BaselineLookup:
 
 
 def _apply_config(
-    unit: Unit, config: Config | None, *, request: Request, find_baseline: _BaselineLookup, is_ambiguous: bool
+    unit: Unit,
+    config: Config | None,
+    *,
+    request: Request,
+    find_baseline: _BaselineLookup,
+    resolve: Callable[[str], Mapping[str, Any]],
+    is_ambiguous: bool,
 ) -> Unit:
-    """Return the unit with what its configuration says. ``is_ambiguous``: several units have its id."""
+    """Return the unit with what its configuration says.
+
+    ``resolve``: returns the settings of a file, see `_resolve_settings`; ``is_ambiguous``: several units have its id.
+    """
     name = unit.id
     if is_ambiguous and config is not None and config.root != request.root:
         # Two folders with a configuration each call a model the same.
@@ -521,19 +537,29 @@ def _apply_config(
     # The baseline of the run has the names of a run, and that of a folder those of the folder.
     baseline_name = name if home is None else unit.id
     entries = {} if own_baseline is None else own_baseline.get_entries(baseline_name)
-    unit = replace(unit, id=name, baseline_entries=entries, baseline_home=home, baseline_name=baseline_name)
+    return replace(
+        unit,
+        id=name,
+        baseline_entries=entries,
+        baseline_home=home,
+        baseline_name=baseline_name,
+        **resolve(unit.path),
+    )
+
+
+def _resolve_settings(path: str, config: Config | None, request: Request) -> dict[str, Any]:
+    """Return what the configuration of a file says, as fields of its units, where that is not what holds for the run."""
     if config is None or request.config_resolver is None:
-        return unit
-    effective = request.config_resolver.resolve(config, Path(unit.path))
+        return {}
+    effective = request.config_resolver.resolve(config, Path(path))
     packages = PackageFolders(
         {**config.packages, **request.packages.by_name}, (*request.packages.search_path, *config.package_path)
     )
-    return replace(
-        unit,
-        policy=None if effective.policy == request.policy else effective.policy,
-        packages=None if packages == request.packages else packages,
-        fail_on=effective.fail_on,
-    )
+    return {
+        "policy": None if effective.policy == request.policy else effective.policy,
+        "packages": None if packages == request.packages else packages,
+        "fail_on": effective.fail_on,
+    }
 
 
 # -- worker processes ------------------------------------------------------------------------------------------------

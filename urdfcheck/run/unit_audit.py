@@ -470,7 +470,11 @@ class _UnitAudit:
             source=self.source,
             checked_codes=self.policy.codes,
             # Of a model that was not checked nobody knows what its comments are for.
-            skipped_codes={*(skip.code for skip in self.skipped), *(["ALL"] if self.unread_status else [])},
+            skipped_codes={
+                *(skip.code for skip in self.skipped),
+                *self.policy.postponed,
+                *(["ALL"] if self.unread_status else []),
+            },
         )
         info = self.info
         if self.unread_status:

@@ -19,7 +19,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
 from urdfcheck.facts.mesh.convex_hull import MeshHull, compute_convex_hull
 from urdfcheck.facts.mesh.decode_limits import MeshError
-from urdfcheck.facts.mesh.moments import compute_mesh_moments
+from urdfcheck.facts.mesh.moments import MeshMoments, compute_mesh_moments
 from urdfcheck.facts.mesh.topology import (
     Boundary,
     Edges,
@@ -256,6 +256,11 @@ class MeshFacts:
         part = self._get_part("hull", compute_hull)
         volume, area, excess = map(float, part["sizes"])
         return MeshHull(part["vertices"], part["faces"], volume=volume, area=area, excess=excess)
+
+    @cached_property
+    def hull_moments(self) -> MeshMoments:
+        """Integrals over the hull."""
+        return compute_mesh_moments(self.hull.vertices, self.hull.faces)
 
     def compute_reach(self, directions: Array) -> Array:
         """Compute how far the mesh reaches (n,) from the origin in each direction (n, 3); exact, also where the hull is not."""

@@ -53,8 +53,8 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     """Find how a robot on two or more driven wheels and what else carries it rests, with rigid parts and joints at zero.
 
     None where that is not decided: a wheel or a caster is suspended, a wheel carries rollers that turn by themselves, has its
-    shape beside its axle or is the hub of a larger part, wheels of the robot differ among themselves (SYM006, SYM008), or it does not stand on wheels and
-    casters alone.
+    shape beside its axle or is the hub of a larger part, wheels of the robot differ among themselves (SYM006, SYM008), or it does
+    not stand on wheels and casters alone.
 
     :param spread: part of the least radius of a driven wheel, and ``least`` (m), below which heights do not count.
     :raises FactUnavailableError: when the tree is broken, or a shape, a mass or an origin is not known.

@@ -286,16 +286,18 @@ def _find_better_images(
     """Find the images that carry what one link draws onto what the other draws, in frames at one point of the part, much better
     than the mirror does: the best half turn, and other mirrors. A part that is nearly its own mirror image may be on the other
     side by a half turn, or its mesh be mirrored by a scale in its own axes."""
+    if mirror_mismatch <= _ROUNDING:
+        return ()
     found: list[CopyTransform] = []
+    still, limit = np.zeros(3), mirror_mismatch / _MUCH_BETTER
     for signs in (1.0 - 2.0 * np.eye(3), 2.0 * np.eye(3) - 1.0):
         images = [linear @ np.diag(row) for row in signs]
         copies = [
-            CopyTransform(t, np.zeros(3), measure_outline_mismatch(one, other, linear=t, shift=np.zeros(3)))
+            CopyTransform(t, still, measure_outline_mismatch(one, other, linear=t, shift=still, limit=limit))
             for t in images
         ]
         found.append(min(copies, key=lambda copy: copy.mismatch))
-    limit = mirror_mismatch / _MUCH_BETTER
-    return tuple(copy for copy in found if mirror_mismatch > _ROUNDING and copy.mismatch < limit)
+    return tuple(copy for copy in found if copy.mismatch < limit)
 
 
 def _pair_by_geometry(model: Model, names: Sequence[str]) -> list[MirrorPair]:

@@ -96,6 +96,7 @@ def _list_coincident(model: Model, links: Sequence[Link]) -> Iterable[str]:
     return largest if len(bodies) >= _FEWEST_BODIES else ()
 
 
+@fact
 def _place_drawing(model: Model, link: Link) -> Solid | None:
     drawn = measure_role_geometry(model, link, "visual")
     if drawn is None:

@@ -39,10 +39,10 @@ def measure_link_geometry(
     there is nothing, or a shape is not known. ``apply_unit`` and ``apply_up_axis``: whether COLLADA's ``<unit>`` and
     ``<up_axis>`` are followed; RViz follows the unit alone.
     """
-    drawn = _measure_shapes(model, link.visuals, apply_unit=apply_unit, apply_up_axis=apply_up_axis)
+    drawn = _measure_role(model, link, "visual", apply_unit, apply_up_axis)
     if drawn is not None and drawn.closed:
         return drawn
-    colliding = _measure_shapes(model, link.collisions, apply_unit=apply_unit, apply_up_axis=apply_up_axis)
+    colliding = _measure_role(model, link, "collision", apply_unit, apply_up_axis)
     return colliding if drawn is None or (colliding is not None and colliding.closed) else drawn
 
 
@@ -65,11 +65,9 @@ def describe_geometry_source(model: Model, link: Link) -> str:
     return "the drawn part" if explain_collision_stand_in(model, link) is None else "the collision shape"
 
 
-@fact
 def measure_role_geometry(model: Model, link: Link, role: str) -> VisualGeometry | None:
     """Measure the shapes of one ``role`` (``visual`` or ``collision``) alone, like `measure_link_geometry`."""
-    shapes = link.visuals if role == "visual" else link.collisions
-    return _measure_shapes(model, shapes, apply_unit=True, apply_up_axis=False)
+    return _measure_role(model, link, role, True, False)
 
 
 @np.errstate(all="ignore")  # of an open mesh nothing need be finite
@@ -207,10 +205,10 @@ def measure_links_volume(model: Model, links: Iterable[Link]) -> float | None:
     return sum(known) if known and len(known) == len(volumes) else None
 
 
+@fact
 @np.errstate(all="ignore")  # other rules report numbers that no robot has
-def _measure_shapes(
-    model: Model, shapes: tuple[Shape, ...], *, apply_unit: bool, apply_up_axis: bool
-) -> VisualGeometry | None:
+def _measure_role(model: Model, link: Link, role: str, apply_unit: bool, apply_up_axis: bool) -> VisualGeometry | None:
+    shapes = link.visuals if role == "visual" else link.collisions
     parts = [
         _measure_shape(model, shape, apply_unit=apply_unit, apply_up_axis=apply_up_axis)
         for shape in tuple(s for s in shapes if not is_dummy_shape(s)) or shapes
@@ -257,7 +255,7 @@ def _measure_shape(model: Model, shape: Shape, *, apply_unit: bool, apply_up_axi
         return VisualGeometry(solid=solid, closed=True, points=points, hull=solid, primitive=primitive)
     upright = get_up_axis_rotation(facts, apply_up_axis)
     turn, scale = turn @ upright, np.abs(upright.T) @ scale
-    integrals = compute_mesh_moments(facts.hull.vertices, facts.hull.faces)
+    integrals = facts.hull_moments
     hull = Solid(0.0, np.zeros(3), np.zeros((3, 3)))
     if integrals.volume > 0.0:
         hull = transform_solid(_scale_solid(integrals, scale), turn, place)

@@ -120,26 +120,32 @@ def format_summary(run: Run, *, is_full: bool = False) -> Text:
         text.append(f"{GLYPH} not finished: {format_count(len(run.failures), 'failure')} · ", "bold red")
     if unchecked:
         text.append_text(format_glyph(run.unchecked_models)).append(f"{unchecked} · ", "bold")
-    notes = format_count(counts[Severity.INFO] + _count_unrequested(run), "note")
-    has_notes, how = not notes.startswith("0 "), "" if is_full else "-v"
+    notes, how = _describe_notes(run), "" if is_full else "-v"
     if not counts[Severity.ERROR] and not counts[Severity.WARNING]:
         if run.failures or unchecked:
-            text.append("nothing else found" if not has_notes else "no other errors or warnings")
+            text.append("nothing else found" if not notes else "no other errors or warnings")
         else:
             text.append("✔ no errors, no warnings", "bold green")
-        text.append(f" ({notes}{how and f': {how}'})" if has_notes else "", "dim")
+        text.append(f" ({notes}{how and f': {how}'})" if notes else "", "dim")
         return text.append(end, "dim")
     for severity in (Severity.ERROR, Severity.WARNING):
         if counts[severity]:
             text.append(f"{GLYPHS[severity]} {format_count(counts[severity], str(severity))}", STYLES[severity])
             text.append(" · ", "dim")
-    text.append(f"{notes}{how and f' ({how})'} · " if has_notes else "", "dim")
+    text.append(f"{notes}{how and f' ({how})'} · " if notes else "", "dim")
     return text.append(end.removeprefix(" · "), "dim")
 
 
-def _count_unrequested(run: Run) -> int:
-    """Count the notes that nobody asked for, those of several models at one place once."""
-    return len({(f.code, f.message_id, f.location.span or f.model) for f in run.unrequested})
+def _describe_notes(run: Run) -> str:
+    """Return ``12 notes``, those on request included; ``12+ notes`` where more were not looked for; empty without any.
+
+    Of several models, those at one place count once.
+    """
+    unrequested = {(f.code, f.message_id, f.location.span or f.model) for f in run.unrequested}
+    count = run.count_findings(Severity.INFO) + len(unrequested)
+    if run.postponed:
+        return f"{count}+ notes" if count else "notes"
+    return format_count(count, "note") if count else ""
 
 
 def describe_fixable(run: Run) -> str:

@@ -59,6 +59,8 @@ class ConfigReport:
     settings: tuple[Setting, ...]
     selected: tuple[str, ...]
     """Codes of the selected rules."""
+    postponed: tuple[str, ...]
+    """Codes of those that are selected too where their notes are asked for."""
     rules: tuple[RuleSetting, ...]
     known: tuple[Setting, ...]
     """Entries of ``[[suppress]]``."""
@@ -176,6 +178,7 @@ def _build_report(resolver: ConfigResolver, config: Config, path: Path, *, basel
         root=format_path(config.root),
         settings=tuple(settings),
         selected=tuple(sorted(effective.policy.codes)),
+        postponed=tuple(sorted(effective.policy.postponed)),
         rules=tuple(_iter_rule_settings(effective.policy, sections, at)),
         known=tuple(known),
         models=tuple(models),
@@ -274,7 +277,8 @@ def _print_report(report: ConfigReport) -> None:
     lines.append(Text.assemble("  models are named from ", (escape_one_line(report.root), "")))
     lines.append(Text())
     lines += [make_row(s.name, str(s.value), s.source) for s in report.settings]
-    lines.append(make_row("rules", f"{len(report.selected)} of {len(load_rules())}", ""))
+    more = f"; {', '.join(report.postponed)} with -v" if report.postponed else ""
+    lines.append(make_row("rules", f"{len(report.selected)} of {len(load_rules())}{more}", ""))
     severities = [
         make_row(r.code, f"{r.name}: {r.default} → {r.value}", r.source) for r in report.rules if r.option is None
     ]

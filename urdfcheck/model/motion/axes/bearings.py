@@ -81,10 +81,13 @@ def find_bearing_mismatches(bodies: DrawnBodies) -> list[BearingMismatch]:
         joint = model.tree.parent_joint[name]
         if joint.type not in {"revolute", "continuous"} or joint.name not in model.axes:
             continue
-        child, parent = surfaces.get(joint.child), surfaces.get(bodies.get_parent(joint))
-        if child is None or parent is None:
-            continue
         place, axis = model.frames[joint.child][:3, 3], model.axes[joint.name]
+        parent = surfaces.get(bodies.get_parent(joint))
+        if parent is None or parent.list_rings_about(place, axis):
+            continue
+        child = surfaces.get(joint.child)
+        if child is None:
+            continue
         others = list(_iter_near_axes(model, joint))
         mismatch = compare_bearing(joint.name, place, axis, parent=parent, child=child, others=others)
         if mismatch is None or _shares_offset(bodies, joint, mismatch, parent):
@@ -180,10 +183,9 @@ def compare_bearing(
 ) -> BearingMismatch | None:
     """Compare a joint at a place (3,) about a unit axis (3,) with the round surfaces on both sides, in root coordinates.
 
+    :param parent: a part that is not round about the axis.
     :param others: places and directions of the axes near it, to which a bore may belong.
     """
-    if parent.list_rings_about(place, axis):
-        return None
     hubs = child.list_rings_about(place, axis)
     if not hubs:
         return _find_across(joint, place, axis, parent=parent, child=child, others=others)
