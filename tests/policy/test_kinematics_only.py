@@ -18,7 +18,7 @@ ROBOT = robot(
     link("base", inertial(2, 0.1)),
     link("arm", inertial(0, 0.1)),
     link("hand", inertial(1, 0.1)),
-    joint("j", "base", "arm", '<limit lower="-1" upper="1" effort="-1" velocity="1"/>', kind="revolute"),
+    joint("j", "base", "arm", '<limit lower="-1" upper="1" effort="-2" velocity="1"/>', kind="revolute"),
     joint("k", "arm", "hand", '<limit lower="-1" upper="1"/>', kind="revolute"),
 )
 ALL = {("INR002", "inertia_without_mass"), ("JNT007", "effort-negative"), ("JNT007", "missing")}
