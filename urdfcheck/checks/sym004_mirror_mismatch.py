@@ -17,7 +17,12 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_d
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.twin_slips import TwinSlip
-from urdfcheck.facts.likeness.mirror import InertialDeviation, are_alike_when_spun, find_wrong_signs
+from urdfcheck.facts.likeness.mirror import (
+    InertialDeviation,
+    are_alike_when_spun,
+    find_wrong_signs,
+    measure_principal_deviation,
+)
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
@@ -25,7 +30,10 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
     PairSide,
     compare_sides,
+    describe_typed_tensor,
     find_cause,
+    find_side_slip,
+    find_typed_side,
     find_wrong_side,
     fit_own_drawings_alike,
     get_comparable_inertial,
@@ -33,7 +41,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     limit_to_com,
     list_inertial_changes,
 )
-from urdfcheck.model.inertials.unrelated_sides import compare_unrelated_sides, describe_slip
+from urdfcheck.model.inertials.unrelated_sides import UnlikeSides, compare_unrelated_sides, describe_slip
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
 from urdfcheck.model.likeness.mirror_places import iter_place_mistakes
 from urdfcheck.model.likeness.mirrored_joints import (
@@ -57,6 +65,9 @@ UNMIRRORED = "unmirrored"
 # Mistakes that change the mass, or its ratio to the tensor: no other explains that one side is heavier by more than this share.
 _MASS_CAUSES = frozenset({"mass_unit", "units", "other_mass", "decimal_point", "mesh_scale"})
 _SAME_MASS = 0.2
+# Moments of two sides that differ by less, as a share of a length, need no explanation; a mistake that is one leaves less than
+# the other share of it.
+_SLIGHT_SPREAD, _NEARER = 0.01, 0.5
 # A COM is the drawn part's within this share of a radius of gyration.
 _OWN_COM = 0.02
 # A COM is outside its drawing beyond this share of the drawing's size, as for INR006.
@@ -142,21 +153,16 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         return None
     if are_drawn_in_one_place(model, both[0].link, both[1].link):
         return _build_drawing_finding(rule, pair, both[1], shares=shares)
-    wrong = find_wrong_side(model, pair, both, threshold=note)
+    typed, wrong = _judge_sides(model, pair, both, note=note)
     side, like = (both[1], ()) if wrong is None else wrong
-    axis = find_spin_axis(model, pair, side.link.name)
-    if _are_shifted_drawings(pair, side) or (
-        axis is not None and are_alike_when_spun(side.actual, side.expected, axis, note)
-    ):
+    if _may_differ(model, pair, side, note=note, is_decided=wrong is not None):
         return None
-    deviation, cause = side.deviation, find_cause(pair, side, note)
+    deviation, slip = side.deviation, None
+    cause = find_cause(pair, side, note) if typed is None else "placeholder"
     if cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
         return None
-    links = both[0].link, both[1].link
-    if wrong is None and fit_own_drawings_alike(
-        model, *links, threshold=note, com_threshold=_OWN_COM, linear=pair.linear
-    ):
-        return None
+    if cause is None and (slip := _find_slip_of(both, None if wrong is None else side, note)) is not None:
+        cause = _name_slip(slip)
     # The twin's tensor is wrong too if its products contradict the drawing: then the COM alone can be written.
     barred = [one for one in both if deviation.spread > note and is_tensor_against_drawing(model, one)]
     is_barred = wrong is not None and any(one.link is side.link for one in barred)
@@ -179,6 +185,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         "signs": join_names(find_wrong_signs(side.actual, side.expected, note), 9),
         "share": deviation.worst,
         "between": _list_subjects(both[0].link, both[1].link),
+        **_collect_cause_data(both, slip, typed),
     }
     place: dict[str, Any] = {
         "at": _locate_difference(model, side.link, shown.deviation, note=note),
@@ -201,7 +208,8 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
         if repair in {_EXPORT_BOTH, _EXPORT_BOTH_INERTIALS}:
             # Neither was right before it was copied.
-            place |= {"cause": None, "severity": shares.choose_severity(deviation.worst, pair)}
+            cause = None if slip is None else cause
+            place |= {"cause": cause, "severity": shares.choose_severity(deviation.worst, pair, cause)}
             return rule.finding("pair_slight" if is_slight else "both", **place, repair=repair, **data)
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
     if written is not None and deviation.com_offset > note and _has_com_outside(model, side.twin):
@@ -215,8 +223,42 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         remedies.append(
             f"{_COMPUTE_TENSOR}: {side.twin.name} has products of inertia with other signs than those of its drawing"
         )
-    message, remedy = "like" if like else "inertial", "; ".join(remedies)
+    message = "typed" if typed is not None else "like" if like else "inertial"
+    remedy = "; ".join(remedies)
     return rule.finding(message, **place, edits=edits, remedy=remedy, like=join_names(like), **data)
+
+
+def _may_differ(model: Model, pair: MirrorPair, side: PairSide, *, note: float, is_decided: bool) -> bool:
+    """Whether the difference of two sides is no mistake: drawings that are shifted, a part that turns, or, where nothing has
+    ``is_decided`` which side is wrong, numbers that relate alike to what each side draws."""
+    axis = find_spin_axis(model, pair, side.link.name)
+    if _are_shifted_drawings(pair, side) or (
+        axis is not None and are_alike_when_spun(side.actual, side.expected, axis, note)
+    ):
+        return True
+    links = model.link_by_name[pair.one], model.link_by_name[pair.other]
+    return not is_decided and fit_own_drawings_alike(
+        model, *links, threshold=note, com_threshold=_OWN_COM, linear=pair.linear
+    )
+
+
+def _judge_sides(
+    model: Model, pair: MirrorPair, both: Sequence[PairSide], *, note: float
+) -> tuple[Link | None, tuple[PairSide, tuple[str, ...]] | None]:
+    """Find the side whose tensor was typed, where that makes the difference, and the side that is wrong, as
+    `find_wrong_side` does."""
+    typed = find_typed_side(both[0].link, both[1].link) if both[1].deviation.spread > note else None
+    if typed is not None:
+        return typed, (both[both[1].link is typed], ())
+    return None, find_wrong_side(model, pair, both, threshold=note)
+
+
+def _find_slip_of(both: Sequence[PairSide], wrong: PairSide | None, note: float) -> TwinSlip | None:
+    """Find the one mistake that explains the difference; none of the other side than the one that is found to be ``wrong``."""
+    slip = find_side_slip(both, note)
+    if slip is None or wrong is None or slip.is_either:
+        return slip
+    return slip if both[not slip.is_first].link is wrong.link else None
 
 
 def _build_drawing_finding(rule: Rule, pair: MirrorPair, side: PairSide, *, shares: _Shares) -> Finding:
@@ -303,15 +345,23 @@ def _measure_own_mismatch(model: Model, link: Link) -> tuple[float, float]:
 
 
 def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
-    """Whether INR009 reports a mistake in one of the links, which explains the difference: that of the masses, too."""
+    """Whether INR009 reports a mistake in one of the links, which explains the difference: that of the masses, too, and of the
+    moments, which are nearer to each other with the mistake undone."""
     masses = [model.mass_by_name[name].mass for name in (pair.one, pair.other) if name in model.mass_by_name]
     is_mass_off = len(masses) == 2 and not math.isclose(*masses, rel_tol=_SAME_MASS)
-    causes = []
+    causes, declared, undone = [], [], []
     for name in (pair.one, pair.other):
         diagnosed = inertial_diagnoses(model).get(name)
         cause = None if diagnosed is None or not diagnosed.diagnosis.at_fault else diagnosed.diagnosis.cause
         causes.append(None if cause == UNMIRRORED or (is_mass_off and cause not in _MASS_CAUSES) else cause)
-    return causes[0] != causes[1]
+        if diagnosed is not None:
+            declared.append(diagnosed.declared)
+            mended = diagnosed.diagnosis.mended
+            undone.append(diagnosed.declared if causes[-1] is None or mended is None else mended)
+    if causes[0] == causes[1] or len(declared) < 2:
+        return causes[0] != causes[1]
+    before, after = measure_principal_deviation(*declared).spread, measure_principal_deviation(*undone).spread
+    return before <= _SLIGHT_SPREAD or after < _NEARER * before
 
 
 def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, shares: _Shares) -> Finding | None:
@@ -332,11 +382,11 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
         related=[_locate_difference(model, sides.right, deviation, note=note)],
         severity=Severity.INFO if is_doubtful else severity,
         consequences=_describe_consequences(model, pair, deviation, note),
-        cause=_name_slip(slip) if slip is not None else "other_part" if sides.copied is not None else None,
+        cause=_name_cause(sides),
         factor=f"{sides.ratio:,.0f}",
         wrong=sides.wrong.name,
         source="" if sides.copied is None else sides.copied[1].name,
-        detail="" if slip is None else slip.mistake.detail,
+        detail=describe_typed_tensor(sides.wrong) if sides.typed else slip.mistake.detail if slip is not None else "",
         mistake="" if slip is None else describe_slip(slip),
         one=sides.one.name,
         other=sides.other.name,
@@ -345,6 +395,28 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
         share=share,
         between=_list_subjects(sides.one, sides.other),
     )
+
+
+def _name_cause(sides: UnlikeSides) -> str | None:
+    """Return the id of the cause on the page."""
+    if sides.typed is not None:
+        return "placeholder"
+    return _name_slip(sides.slip) if sides.slip is not None else "other_part" if sides.copied is not None else None
+
+
+def _collect_cause_data(both: Sequence[PairSide], slip: TwinSlip | None, typed: Link | None) -> dict[str, Any]:
+    """Return what the cause says: about the one mistake that explains the difference of two sides, or the typed one."""
+    if typed is not None:
+        return {"wrong": typed.name, "detail": describe_typed_tensor(typed)}
+    if slip is None:
+        return {}
+    first, second = (float(np.trace(side.actual.tensor)) for side in both)
+    return {
+        "wrong": both[not slip.is_first].link.name,
+        "factor": f"{max(first / second, second / first):,.0f}",
+        "detail": slip.mistake.detail,
+        "mistake": describe_slip(slip),
+    }
 
 
 def _name_slip(slip: TwinSlip) -> str:

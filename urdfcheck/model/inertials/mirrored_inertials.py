@@ -21,7 +21,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.inertial_fit import compute_whitening, measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
-from urdfcheck.facts.inertials.twin_slips import find_rounding, find_slip_between_twins
+from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_rounding, find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     find_wrong_signs,
@@ -60,6 +60,8 @@ _FAR_COM, _NEAR_IMAGE = 0.3, 0.25
 _OFF_ALIKE = 0.005
 # A product of inertia below this share of the greatest moment has the sign of what is not drawn: cables, screws, a motor.
 _CLEAR_PRODUCT = 0.05
+# Mistakes that change the COM and the tensor.
+_OF_ALL_LENGTHS = frozenset({"units", "mesh_scale"})
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -85,9 +87,9 @@ class PairSide:
 
 
 def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] | None:
-    """Compare both sides of a pair whose drawings are related; None when they are not, or an inertial is not comparable."""
+    """Compare both sides of a pair whose drawings are related; None when they are not, or no body has an inertial."""
     one, other = (model.link_by_name[name] for name in (pair.one, pair.other))
-    first, second = get_comparable_inertial(one), get_comparable_inertial(other)
+    first, second = get_possible_inertial(one), get_possible_inertial(other)
     if first is None or second is None or pair.drawn_as not in {"mirrored", "both", "copied"}:
         return None
     return (
@@ -137,12 +139,35 @@ def get_comparable_inertial(link: Link) -> DeclaredInertial | None:
 
     The rules about one link report the others.
     """
+    numbers = get_possible_inertial(link)
+    return None if numbers is None or describe_typed_tensor(link) is not None else numbers
+
+
+def get_possible_inertial(link: Link) -> DeclaredInertial | None:
+    """Return an inertial that a body can have, computed or guessed; None for any other."""
     inertial, numbers = link.inertial, read_declared_inertial(link)
     if inertial is None or inertial.inertia_components is None or numbers is None or is_point_mass(inertial):
         return None
     valid = check_inertia_validity(numbers.tensor, rel_tol=1e-3)
-    computed = describe_placeholder(numbers.mass, inertial.inertia_components) is None
-    return numbers if valid.positive_definite and valid.triangle_inequality and computed else None
+    return numbers if valid.positive_definite and valid.triangle_inequality else None
+
+
+def describe_typed_tensor(link: Link) -> str | None:
+    """Describe the tensor of a link where it looks typed and not computed (INR007); None for any other."""
+    inertial = link.inertial
+    if inertial is None or inertial.mass is None or inertial.inertia_components is None:
+        return None
+    return describe_placeholder(inertial.mass, inertial.inertia_components)
+
+
+def find_typed_side(one: Link, other: Link) -> Link | None:
+    """Find the side whose tensor was typed, where the other's was computed and is not what was rounded to it."""
+    described = [describe_typed_tensor(side) is not None for side in (one, other)]
+    if described[0] == described[1]:
+        return None
+    typed, computed = (one, other) if described[0] else (other, one)
+    coarse, fine = get_possible_inertial(typed), get_possible_inertial(computed)
+    return None if coarse is None or fine is None or find_rounding(coarse, fine) is not None else typed
 
 
 def _make_side(
@@ -272,22 +297,44 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
 
     ``copied`` or ``mirrored`` where the drawings were not; ``products_sign`` where the numbers are right but for the signs
     of all products; ``signs`` for other signs, in frames whose axes are mirror images: only there a mirror changes signs;
-    ``decimal`` where masses differ by a power of ten, alone or as the tensors do; ``rounded`` where one tensor is the other's,
-    with too few digits.
+    ``decimal`` where one coordinate of the COM differs by a power of ten; ``rounded`` where one tensor is the other's, with too
+    few digits.
     """
     if side.deviation.mass > threshold:
-        slip = find_slip_between_twins(side.actual, side.expected)
-        return "decimal" if slip is not None and slip.is_either else None
+        return None
     if any(_is_derived_from(side, copy, threshold) for copy in side.disallowed):
         return "copied"
     if pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
         return "mirrored"
     if find_rounding(side.actual, side.expected) or find_rounding(side.expected, side.actual):
         return "rounded"
+    if side.deviation.spread <= threshold and _has_slipped_coordinate(side):
+        return "decimal"
     signs = find_wrong_signs(side.actual, side.expected, threshold)
     if signs == PRODUCTS:
         return "products_sign"
     return "signs" if signs and is_axis_renaming(pair.linear) else None
+
+
+def _has_slipped_coordinate(side: PairSide) -> bool:
+    """Whether one coordinate of a COM is a power of ten times the expected one, and the others are as expected."""
+    actual, expected = side.actual.com, side.expected.com
+    off = np.abs(actual - expected) > COPIED * np.maximum(np.abs(actual), np.abs(expected)).max()
+    ratio = float(actual[off][0] / expected[off][0]) if off.sum() == 1 and expected[off].all() else 0.0
+    power = round(math.log10(ratio)) if ratio > 0.0 else 0
+    return power != 0 and math.isclose(ratio, 10.0**power, rel_tol=COPIED)
+
+
+def find_side_slip(both: Sequence[PairSide], threshold: float) -> TwinSlip | None:
+    """Find the one mistake that explains all of the difference between two sides; None where none does.
+
+    A mistake is found by what a mirror does not change. One of the tensor leaves the COM, which has to be the twin's image.
+    """
+    slip, deviation = find_slip_between_twins(both[0].actual, both[1].actual), both[1].deviation
+    is_of_com = max(deviation.mass, deviation.spread) <= threshold
+    if slip is None or deviation.com_offset <= threshold or is_of_com or slip.mistake.id in _OF_ALL_LENGTHS:
+        return slip
+    return None
 
 
 def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] | None:
@@ -341,8 +388,11 @@ def _is_derived_from(side: PairSide, source: DeclaredInertial, threshold: float)
 def list_inertial_changes(side: PairSide, threshold: float = 0.0) -> list[AttributeChange]:
     """List what changes in the text of the side's inertial if its twin is right.
 
-    Numbers that differ by rounding stay as they are, where the sides then agree to within ``threshold``.
+    Numbers that differ by rounding stay as they are, where the sides then agree to within ``threshold``, and so does a COM that
+    agrees.
     """
+    if side.deviation.com_offset <= threshold:
+        side = replace(side, expected=replace(side.expected, com=side.actual.com))
     kept = _keep_near_numbers(side)
     deviation = measure_deviation(kept, side.expected)
     return _list_changes(side, kept if deviation.worst <= threshold else side.expected)
