@@ -12,8 +12,10 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model import CompleteInertial, Model
+from urdfcheck.model.inertials.mirrored_inertials import describe_typed_tensor
 from urdfcheck.model.inertials.reach import measure_own_size, measure_reach
 from urdfcheck.model.parts import Link
+from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.corners import collect_body_corners
 
 # What a length is multiplied by when the COM is typed in another unit than metres, and the radius of gyration when the tensor is
@@ -22,6 +24,8 @@ LENGTHS = {"mm": 1e3, "cm": 1e2, "inches": 1 / 0.0254}
 RADII = {"g·m²": 1e3**0.5, "kg·cm²": 1e2, "kg·mm²": 1e3, "g·cm²": 1e7**0.5, "g·mm²": 1e9**0.5}
 # The shares of the robot's length between which 95 % of the COMs, and of the radii of gyration, of published robots are.
 _USUAL = {"com": (0.001, 0.19), "spread": (0.003, 0.27)}
+# A tensor that was typed has no unit, and is wrong from a radius of gyration of one length of the robot on.
+_TYPED_WHOLE = 1.0
 # Fewer links fit several units, or one by chance: the usual shares span more than two powers of ten.
 _LEAST_LINKS = 3
 
@@ -54,14 +58,14 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
         grave: list[_FarLink] = []
         odd: list[_FarLink] = []
         for name, pair in lengths.items():
-            if pair[index] <= share * reach or not _is_unknown(model, name, index):
+            if pair[index] <= share * reach or not _is_unknown(model, name, index, pair[index] / reach):
                 continue
             far = _FarLink(model.link_by_name[name], pair[index], measure_own_size(model, name))
             # A link whose joints are next to its frame may be a large part all the same.
             is_beyond_own = far.own > 0.05 * reach and far.distance > own * far.own
             if far.distance > impossible * reach:
                 grave.append(far)
-            elif far.distance > whole * reach or is_beyond_own:
+            elif far.distance > (_TYPED_WHOLE if _is_typed(message, far) else whole) * reach or is_beyond_own:
                 odd.append(far)
         unit = _find_unit(message, [*grave, *odd], units, reach)
         # The robot that includes a part may be longer than it.
@@ -82,9 +86,18 @@ def _measure_lengths(declared: CompleteInertial) -> tuple[float, float] | None:
     return com, max(0.0, float(np.linalg.eigvalsh(covariance)[-1])) ** 0.5
 
 
-def _is_unknown(model: Model, name: str, index: int) -> bool:
+def _is_typed(message: str, far: _FarLink) -> bool:
+    """Whether the tensor of a link was typed rather than computed (INR007)."""
+    return message == "spread" and describe_typed_tensor(far.link) is not None
+
+
+def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
     """Whether it is not known how large the link's body is, and the link matters to how it moves; otherwise INR005 and INR006
-    compare it with its geometry."""
+    compare it with its geometry.
+
+    A link that is ``distance`` lengths of the robot away matters as much more. INR006 does not check the COMs of links that draw
+    nothing.
+    """
     # Few models have a link that is so far away: the others do without the geometry of inertials.
     from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 
@@ -92,12 +105,16 @@ def _is_unknown(model: Model, name: str, index: int) -> bool:
         return False
     body = model.tree.list_body_links(name)
     shares = compute_body_shares(model, body).get(name)
-    return collect_body_corners(model, body) is None and shares is not None and shares[index] >= NEGLIGIBLE_SHARE
+    is_checked = collect_body_corners(model, body) is not None and (index or has_drawn_shape(model.link_by_name[name]))
+    weight = 1.0 if index else max(1.0, distance)
+    return not is_checked and shares is not None and shares[index] * weight >= NEGLIGIBLE_SHARE
 
 
 def _find_unit(message: str, links: Sequence[_FarLink], units: Mapping[str, float], reach: float) -> str:
     """Find the one unit that brings all links to where most published robots have theirs; empty where none or several do."""
     low, high = _USUAL[message]
+    if any(_is_typed(message, far) for far in links):
+        return ""
     fitting = [u for u, factor in units.items() if all(low <= f.distance / factor / reach <= high for f in links)]
     return fitting[0] if len(fitting) == 1 and len(links) >= _LEAST_LINKS else ""
 
@@ -112,12 +129,14 @@ def _build_finding(
     severity: Severity | None,
 ) -> Finding:
     farthest = max(links, key=lambda far: far.distance)
+    typed = {describe_typed_tensor(far.link) for far in links if message == "spread"}
+    placeholder = typed.pop() if len(typed) == 1 else None
     places = [far.link.inertial.element for far in links if far.link.inertial is not None]
     return build_group_finding(
         rule,
         message,
         places,
-        cause="unit" if unit else None,
+        cause="unit" if unit else "placeholder" if placeholder else None,
         severity=severity,
         confidence=Confidence.PROOF if severity is not None else None,
         link=farthest.link.name if len(links) == 1 else f"{len(links)} links",
@@ -129,4 +148,5 @@ def _build_finding(
         times=float(f"{farthest.distance / reach:.2g}"),
         own=format_length(farthest.own) if farthest.own > 0 else "0 mm",
         unit=unit,
+        what=placeholder or "",
     )

@@ -166,8 +166,8 @@ def _build_row_finding(model: Model, rule: Rule, slip: RowSlip) -> Finding:
     """Report a link whose numbers are those of its row with one mistake."""
     inertial = _get_inertial(model, slip.link)
     return rule.finding(
-        "typed" if slip.is_typed else "row",
-        at=(inertial.tensor_element if slip.is_typed else None) or inertial.element,
+        slip.kind,
+        at=(inertial.tensor_element if slip.kind == "typed" else None) or inertial.element,
         related=[_get_inertial(model, link).element for link in slip.row],
         link=slip.link.name,
         count=len(slip.row),

@@ -32,6 +32,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     compare_sides,
     describe_typed_tensor,
     find_cause,
+    find_copied_side,
     find_side_slip,
     find_typed_side,
     find_wrong_side,
@@ -157,12 +158,11 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     side, like = (both[1], ()) if wrong is None else wrong
     if _may_differ(model, pair, side, note=note, is_decided=wrong is not None):
         return None
-    deviation, slip = side.deviation, None
-    cause = find_cause(pair, side, note) if typed is None else "placeholder"
-    if cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
+    deviation = side.deviation
+    why = _explain_difference(model, pair, both, typed=typed, side=side, note=note, is_decided=wrong is not None)
+    if why.cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
         return None
-    if cause is None and (slip := _find_slip_of(both, None if wrong is None else side, note)) is not None:
-        cause = _name_slip(slip)
+    cause = why.cause
     # The twin's tensor is wrong too if its products contradict the drawing: then the COM alone can be written.
     barred = [one for one in both if deviation.spread > note and is_tensor_against_drawing(model, one)]
     is_barred = wrong is not None and any(one.link is side.link for one in barred)
@@ -185,7 +185,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         "signs": join_names(find_wrong_signs(side.actual, side.expected, note), 9),
         "share": deviation.worst,
         "between": _list_subjects(both[0].link, both[1].link),
-        **_collect_cause_data(both, slip, typed),
+        **_collect_cause_data(both, why),
     }
     place: dict[str, Any] = {
         "at": _locate_difference(model, side.link, shown.deviation, note=note),
@@ -208,7 +208,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
         if repair in {_EXPORT_BOTH, _EXPORT_BOTH_INERTIALS}:
             # Neither was right before it was copied.
-            cause = None if slip is None else cause
+            cause = None if why.slip is None else cause
             place |= {"cause": cause, "severity": shares.choose_severity(deviation.worst, pair, cause)}
             return rule.finding("pair_slight" if is_slight else "both", **place, repair=repair, **data)
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
@@ -253,12 +253,43 @@ def _judge_sides(
     return None, find_wrong_side(model, pair, both, threshold=note)
 
 
-def _find_slip_of(both: Sequence[PairSide], wrong: PairSide | None, note: float) -> TwinSlip | None:
-    """Find the one mistake that explains the difference; none of the other side than the one that is found to be ``wrong``."""
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class _Explanation:
+    """Why two sides differ."""
+
+    cause: str | None
+    """Its id on the page."""
+    typed: Link | None = None
+    """The side whose tensor was typed."""
+    slip: TwinSlip | None = None
+    """The one mistake without which the two agree."""
+    copied: tuple[Link, Link] | None = None
+    """The side that has the numbers of another part, and that part."""
+
+
+def _explain_difference(
+    model: Model,
+    pair: MirrorPair,
+    both: Sequence[PairSide],
+    *,
+    typed: Link | None,
+    side: PairSide,
+    note: float,
+    is_decided: bool,
+) -> _Explanation:
+    """Explain why the ``side`` is not as its twin says. Where the drawing has ``is_decided`` that it is the wrong one, a mistake
+    of the other explains nothing."""
+    if typed is not None:
+        return _Explanation(cause="placeholder", typed=typed)
+    if (cause := find_cause(pair, side, note)) is not None:
+        return _Explanation(cause=cause)
     slip = find_side_slip(both, note)
-    if slip is None or wrong is None or slip.is_either:
-        return slip
-    return slip if both[not slip.is_first].link is wrong.link else None
+    if slip is not None and (not is_decided or slip.is_either or both[not slip.is_first].link is side.link):
+        return _Explanation(cause=_name_slip(slip), slip=slip)
+    copied = find_copied_side(model, both[0].link, both[1].link)
+    if copied is not None and (not is_decided or copied[0] is side.link):
+        return _Explanation(cause="other_part", copied=copied)
+    return _Explanation(cause=None)
 
 
 def _build_drawing_finding(rule: Rule, pair: MirrorPair, side: PairSide, *, shares: _Shares) -> Finding:
@@ -382,7 +413,7 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
         related=[_locate_difference(model, sides.right, deviation, note=note)],
         severity=Severity.INFO if is_doubtful else severity,
         consequences=_describe_consequences(model, pair, deviation, note),
-        cause=_name_cause(sides),
+        cause=_name_unrelated_cause(sides),
         factor=f"{sides.ratio:,.0f}",
         wrong=sides.wrong.name,
         source="" if sides.copied is None else sides.copied[1].name,
@@ -397,25 +428,27 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
     )
 
 
-def _name_cause(sides: UnlikeSides) -> str | None:
+def _name_unrelated_cause(sides: UnlikeSides) -> str | None:
     """Return the id of the cause on the page."""
     if sides.typed is not None:
         return "placeholder"
     return _name_slip(sides.slip) if sides.slip is not None else "other_part" if sides.copied is not None else None
 
 
-def _collect_cause_data(both: Sequence[PairSide], slip: TwinSlip | None, typed: Link | None) -> dict[str, Any]:
-    """Return what the cause says: about the one mistake that explains the difference of two sides, or the typed one."""
-    if typed is not None:
-        return {"wrong": typed.name, "detail": describe_typed_tensor(typed)}
-    if slip is None:
+def _collect_cause_data(both: Sequence[PairSide], why: _Explanation) -> dict[str, Any]:
+    """Return what the cause says."""
+    if why.copied is not None:
+        return {"wrong": why.copied[0].name, "source": why.copied[1].name}
+    if why.typed is not None:
+        return {"wrong": why.typed.name, "detail": describe_typed_tensor(why.typed)}
+    if why.slip is None:
         return {}
     first, second = (float(np.trace(side.actual.tensor)) for side in both)
     return {
-        "wrong": both[not slip.is_first].link.name,
+        "wrong": both[not why.slip.is_first].link.name,
         "factor": f"{max(first / second, second / first):,.0f}",
-        "detail": slip.mistake.detail,
-        "mistake": describe_slip(slip),
+        "detail": why.slip.mistake.detail,
+        "mistake": describe_slip(why.slip),
     }
 
 

@@ -11,7 +11,11 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import split_name_words
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.twin_slips import find_principal_rounding, find_twin_slip
-from urdfcheck.model.inertials.mirrored_inertials import describe_typed_tensor, get_possible_inertial
+from urdfcheck.model.inertials.mirrored_inertials import (
+    describe_typed_tensor,
+    find_same_numbers,
+    get_possible_inertial,
+)
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.likeness.side_names import pair_by_name
 from urdfcheck.model.parts import Link
@@ -30,10 +34,10 @@ class RowSlip:
     link: Link
     row: tuple[Link, ...]
     """The others, which agree."""
+    kind: str
+    """``row``: a mistake that can be undone; ``typed``: a tensor that was typed; ``copied``: the numbers of another link."""
     mistake: str
-    """What it is, in words; the tensor where that was typed rather than computed."""
-    is_typed: bool
-    """Whether the tensor was typed: then the row has the right one."""
+    """The mistake in words, the tensor, or the name of the other link."""
 
 
 def find_row_slips(model: Model) -> Iterator[RowSlip]:
@@ -55,7 +59,7 @@ def find_row_slips(model: Model) -> Iterator[RowSlip]:
     found: set[str] = set()
     for row in rows.values():
         if len(row) > _FEWEST:
-            for slip in _find_odd_ones(row):
+            for slip in _find_odd_ones(model, row):
                 if slip.link.name not in found:
                     found.add(slip.link.name)
                     yield slip
@@ -70,7 +74,7 @@ def _list_row_names(name: str) -> list[tuple[str, ...]]:
     return [(*words[:i], "#", *words[i + 1 :]) for i in range(len(words))]
 
 
-def _find_odd_ones(row: list[Link]) -> Iterator[RowSlip]:
+def _find_odd_ones(model: Model, row: list[Link]) -> Iterator[RowSlip]:
     known = [(link, numbers) for link in row if (numbers := get_possible_inertial(link)) is not None]
     computed = [(link, numbers) for link, numbers in known if describe_typed_tensor(link) is None]
     most: list[tuple[Link, DeclaredInertial]] = []
@@ -81,23 +85,26 @@ def _find_odd_ones(row: list[Link]) -> Iterator[RowSlip]:
         return
     others = tuple(link for link, _ in most)
     for link, numbers in known:
-        if link not in others and (slip := _explain(link, numbers, most[0][1], others)) is not None:
-            yield slip
+        if link not in others and (why := _explain(model, link, numbers, right=most[0][1], row=row)) is not None:
+            kind, mistake = why
+            yield RowSlip(link=link, row=others, kind=kind, mistake=mistake)
 
 
-def _explain(link: Link, numbers: DeclaredInertial, right: DeclaredInertial, row: tuple[Link, ...]) -> RowSlip | None:
-    """Find the mistake that makes the numbers of a link of those that its ``row`` has; None where none does."""
-    typed = describe_typed_tensor(link)
+def _explain(
+    model: Model, link: Link, numbers: DeclaredInertial, *, right: DeclaredInertial, row: list[Link]
+) -> tuple[str, str] | None:
+    """Find what makes the numbers of a link of those that its ``row`` has; None where nothing does."""
     mistake = find_twin_slip(numbers, right) or find_principal_rounding(numbers, right)
     if mistake is not None:
-        words = describe_mistake(mistake.id, mistake.detail)
-        return RowSlip(link=link, row=row, mistake=words, is_typed=False)
-    if typed is None or not math.isclose(numbers.mass, right.mass, rel_tol=_EQUAL):
+        return "row", describe_mistake(mistake.id, mistake.detail)
+    typed = describe_typed_tensor(link)
+    if typed is None:
+        source = find_same_numbers(model, link, [other for other in model.links if other not in row])
+        return None if source is None else ("copied", source.name)
+    if not math.isclose(numbers.mass, right.mass, rel_tol=_EQUAL):
         return None
     ratios = np.linalg.eigvalsh(numbers.tensor) / np.linalg.eigvalsh(right.tensor)
-    if max(ratios.max(), 1.0 / ratios.min()) < _UNLIKE:
-        return None
-    return RowSlip(link=link, row=row, mistake=typed, is_typed=True)
+    return ("typed", typed) if max(ratios.max(), 1.0 / ratios.min()) > _UNLIKE else None
 
 
 def _is_same(one: DeclaredInertial, other: DeclaredInertial) -> bool:

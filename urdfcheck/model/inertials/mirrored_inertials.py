@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -62,6 +62,8 @@ _OFF_ALIKE = 0.005
 _CLEAR_PRODUCT = 0.05
 # Mistakes that change the COM and the tensor.
 _OF_ALL_LENGTHS = frozenset({"units", "mesh_scale"})
+# Mass and moments of so many digits in all are not twice in a file by chance.
+_TELLING_DIGITS = 6
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -161,13 +163,15 @@ def describe_typed_tensor(link: Link) -> str | None:
 
 
 def find_typed_side(one: Link, other: Link) -> Link | None:
-    """Find the side whose tensor was typed, where the other's was computed and is not what was rounded to it."""
+    """Find the side whose tensor was typed, where the other's was computed for the same mass, and rounding does not make it."""
     described = [describe_typed_tensor(side) is not None for side in (one, other)]
     if described[0] == described[1]:
         return None
     typed, computed = (one, other) if described[0] else (other, one)
     coarse, fine = get_possible_inertial(typed), get_possible_inertial(computed)
-    return None if coarse is None or fine is None or find_rounding(coarse, fine) is not None else typed
+    if coarse is None or fine is None or abs(coarse.mass - fine.mass) > COPIED * fine.mass:
+        return None
+    return None if find_rounding(coarse, fine) is not None else typed
 
 
 def _make_side(
@@ -342,19 +346,27 @@ def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] 
     None where neither side or both have such numbers."""
     found: list[tuple[Link, Link]] = []
     for side in (one, other):
-        declared = model.tensor_by_name[side.name]
-        telling = max(map(abs, declared.components), default=0.0)
-        if telling == float(f"{telling:.1e}"):
-            continue  # two digits are twice there by chance
-        sources = [
-            known.link
-            for known in model.tensors
-            if known.components == declared.components
-            and known.inertial.mass == declared.inertial.mass
-            and remove_places(known.link.name) != remove_places(side.name)
-        ]
-        found += [(side, source) for source in sources[:1]]
+        others = [link for link in model.links if remove_places(link.name) != remove_places(side.name)]
+        source = find_same_numbers(model, side, others)
+        found += [] if source is None else [(side, source)]
     return found[0] if len(found) == 1 else None
+
+
+def find_same_numbers(model: Model, link: Link, others: Iterable[Link]) -> Link | None:
+    """Find the first of some ``others`` with the mass and the tensor of a link, digit for digit; None where none has them, or so
+    few digits that chance makes them equal."""
+    declared = model.tensor_by_name[link.name]
+    numbers = {declared.inertial.mass, *map(abs, declared.components)} - {None, 0.0}
+    if sum(len(f"{number:.16g}".partition("e")[0].replace(".", "").strip("0")) for number in numbers) < _TELLING_DIGITS:
+        return None
+    for other in others:
+        known = model.tensor_by_name.get(other.name)
+        if known is not None and (known.inertial.mass, known.components) == (
+            declared.inertial.mass,
+            declared.components,
+        ):
+            return other
+    return None
 
 
 def find_contradicted_links(model: Model, threshold: float = 0.01) -> frozenset[str]:
