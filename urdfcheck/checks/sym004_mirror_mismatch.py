@@ -229,8 +229,8 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
 
 
 def _may_differ(model: Model, pair: MirrorPair, side: PairSide, *, note: float, is_decided: bool) -> bool:
-    """Whether the difference of two sides is no mistake: drawings that are shifted, a part that turns, or, where nothing has
-    ``is_decided`` which side is wrong, numbers that relate alike to what each side draws."""
+    """Whether the difference of two sides may be right: of drawings that are shifted, of a part that turns, or, where nothing has
+    ``is_decided`` which side is wrong, of numbers that relate alike to what each side draws."""
     axis = find_spin_axis(model, pair, side.link.name)
     if _are_shifted_drawings(pair, side) or (
         axis is not None and are_alike_when_spun(side.actual, side.expected, axis, note)
@@ -245,8 +245,8 @@ def _may_differ(model: Model, pair: MirrorPair, side: PairSide, *, note: float, 
 def _judge_sides(
     model: Model, pair: MirrorPair, both: Sequence[PairSide], *, note: float
 ) -> tuple[Link | None, tuple[PairSide, tuple[str, ...]] | None]:
-    """Find the side whose tensor was typed, where that makes the difference, and the side that is wrong, as
-    `find_wrong_side` does."""
+    """Find the side whose tensor was typed, where that makes the difference, and the side that is wrong, with the links that say
+    so."""
     typed = find_typed_side(both[0].link, both[1].link) if both[1].deviation.spread > note else None
     if typed is not None:
         return typed, (both[both[1].link is typed], ())
