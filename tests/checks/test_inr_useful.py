@@ -78,10 +78,11 @@ def test_one_of_a_row_has_a_placeholder(tmp_path: Path) -> None:
 def test_a_com_beside_that_of_the_part_whose_tensor_is_right_is_wrong(tmp_path: Path) -> None:
     """Both numbers come from one drawing. A tensor that is only near shows nothing."""
     away = 2.0 * np.sqrt(np.diag(DRAWN.solid.covariance)) * (1.0, -0.6, 0.7)
+    cover = link("cover", visual(box("1 1 1"))) + joint("lid", "part", "cover")
     for stretch, expected in ((1.0, ["disagrees"]), (1.3, [])):
         moved = replace(TRUE, com=TRUE.com + away, tensor=stretch * TRUE.tensor)
         part = link("part", format_inertial(moved, 9), drawn_boxes(CASTING))
-        text = robot(link("base"), joint("j", "base", "part", kind="continuous"), part)
+        text = robot(link("base"), joint("j", "base", "part", kind="continuous"), part, cover)
         found = find(tmp_path / f"{stretch}", text, "INR009")
         assert [finding.message_id for finding in found if finding.severity is Severity.WARNING] == expected
 

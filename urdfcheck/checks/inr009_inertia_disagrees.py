@@ -45,6 +45,7 @@ from urdfcheck.model.inertials.inertial_effects import (
     is_vast,
     measure_mismatch,
 )
+from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, format_comparison
@@ -89,6 +90,8 @@ _ASSUMED, _FACETS = 1000.0, 0.01
 MIRROR_CAUSES = frozenset({"unmirrored"})
 # Visual and collision shapes of one link differ by so much where a mesh is in another unit.
 _OTHER_UNIT = 100.0
+# A COM is outside its body beyond this share of the body's size, as for INR006.
+_OUTSIDE = 0.1
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
 _FAR_SMALLER = 0.2
 _UNSEEN = ("other link has an open visual mesh, which does", "other links have open visual meshes, which do")
@@ -242,9 +245,17 @@ def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: Diagnosed
 
 
 def _has_own_tensor(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
-    """Whether the tensor is that of the drawn part at this mass: it was computed from the drawing, and so was its COM."""
+    """Whether the tensor is that of the drawn part at this mass: it was computed from the drawing, and so was its COM. Not where
+    the COM is outside the body, which INR006 reports."""
     drawn = measure_link_geometry(model, link)
-    return drawn is not None and drawn.closed and judged.diagnosis.tensor_mismatch < UNIFORM
+    if drawn is None or not drawn.closed or not judged.diagnosis.tensor_mismatch < UNIFORM:
+        return False
+    parts = [part for part in enclosed_inertials(model) if part.link is link]
+    return any(
+        measure_hull_distance(points, part.com) <= _OUTSIDE * measure_extent(points)
+        for part in parts
+        for points in part.readings
+    )
 
 
 def _is_drawn_in_other_unit(model: Model, link: Link) -> bool:

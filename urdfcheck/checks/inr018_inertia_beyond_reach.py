@@ -12,8 +12,8 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model import CompleteInertial, Model
-from urdfcheck.model.inertials.mirrored_inertials import describe_typed_tensor
 from urdfcheck.model.inertials.reach import measure_own_size, measure_reach
+from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.parts import Link
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.corners import collect_body_corners

@@ -30,7 +30,6 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
     PairSide,
     compare_sides,
-    describe_typed_tensor,
     find_cause,
     find_copied_side,
     find_side_slip,
@@ -42,6 +41,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     limit_to_com,
     list_inertial_changes,
 )
+from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.inertials.unrelated_sides import UnlikeSides, compare_unrelated_sides, describe_slip
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
 from urdfcheck.model.likeness.mirror_places import iter_place_mistakes

@@ -12,11 +12,11 @@ from urdfcheck.core.text import split_name_words
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.twin_slips import find_principal_rounding, find_twin_slip
 from urdfcheck.model.inertials.mirrored_inertials import (
-    describe_typed_tensor,
     find_same_numbers,
     get_possible_inertial,
 )
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
+from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.side_names import pair_by_name
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model

@@ -20,7 +20,6 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     list_inertia_components,
 )
 from urdfcheck.facts.inertials.inertial_fit import compute_whitening, measure_inertial_mismatch
-from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_rounding, find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
@@ -29,6 +28,7 @@ from urdfcheck.facts.likeness.mirror import (
     measure_principal_deviation,
 )
 from urdfcheck.facts.likeness.symmetry import is_axis_renaming
+from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_inertial, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_elsewhere, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
@@ -152,14 +152,6 @@ def get_possible_inertial(link: Link) -> DeclaredInertial | None:
         return None
     valid = check_inertia_validity(numbers.tensor, rel_tol=1e-3)
     return numbers if valid.positive_definite and valid.triangle_inequality else None
-
-
-def describe_typed_tensor(link: Link) -> str | None:
-    """Describe the tensor of a link where it looks typed and not computed (INR007); None for any other."""
-    inertial = link.inertial
-    if inertial is None or inertial.mass is None or inertial.inertia_components is None:
-        return None
-    return describe_placeholder(inertial.mass, inertial.inertia_components)
 
 
 def find_typed_side(one: Link, other: Link) -> Link | None:
