@@ -26,6 +26,8 @@ RADII = {"g·m²": 1e3**0.5, "kg·cm²": 1e2, "kg·mm²": 1e3, "g·cm²": 1e7**0
 _USUAL = {"com": (0.001, 0.19), "spread": (0.003, 0.27)}
 # A tensor that was typed has no unit, and is wrong from a radius of gyration of one length of the robot on.
 _TYPED_WHOLE = 1.0
+# Nobody types a larger one (kg·m²) to make a program accept the file: it may be a smaller one in another unit.
+_MOST_TYPED = 1.0
 # Fewer links fit several units, or one by chance: the usual shares span more than two powers of ten.
 _LEAST_LINKS = 3
 
@@ -65,7 +67,10 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
             is_beyond_own = far.own > 0.05 * reach and far.distance > own * far.own
             if far.distance > impossible * reach:
                 grave.append(far)
-            elif far.distance > (_TYPED_WHOLE if _is_typed(message, far) else whole) * reach or is_beyond_own:
+            elif (
+                far.distance > (whole if _describe_typed(message, far) is None else _TYPED_WHOLE) * reach
+                or is_beyond_own
+            ):
                 odd.append(far)
         unit = _find_unit(message, [*grave, *odd], units, reach)
         # The robot that includes a part may be longer than it.
@@ -86,9 +91,11 @@ def _measure_lengths(declared: CompleteInertial) -> tuple[float, float] | None:
     return com, max(0.0, float(np.linalg.eigvalsh(covariance)[-1])) ** 0.5
 
 
-def _is_typed(message: str, far: _FarLink) -> bool:
-    """Whether the tensor of a link was typed rather than computed (INR007)."""
-    return message == "spread" and describe_typed_tensor(far.link) is not None
+def _describe_typed(message: str, far: _FarLink) -> str | None:
+    """Describe the tensor of a link where it was typed rather than computed (INR007); None for any other."""
+    declared = None if far.link.inertial is None else far.link.inertial.inertia_components
+    is_small = declared is not None and max(map(abs, declared)) <= _MOST_TYPED
+    return describe_typed_tensor(far.link) if message == "spread" and is_small else None
 
 
 def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
@@ -113,7 +120,7 @@ def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
 def _find_unit(message: str, links: Sequence[_FarLink], units: Mapping[str, float], reach: float) -> str:
     """Find the one unit that brings all links to where most published robots have theirs; empty where none or several do."""
     low, high = _USUAL[message]
-    if any(_is_typed(message, far) for far in links):
+    if any(_describe_typed(message, far) is not None for far in links):
         return ""
     fitting = [u for u, factor in units.items() if all(low <= f.distance / factor / reach <= high for f in links)]
     return fitting[0] if len(fitting) == 1 and len(links) >= _LEAST_LINKS else ""
@@ -129,7 +136,7 @@ def _build_finding(
     severity: Severity | None,
 ) -> Finding:
     farthest = max(links, key=lambda far: far.distance)
-    typed = {describe_typed_tensor(far.link) for far in links if message == "spread"}
+    typed = {_describe_typed(message, far) for far in links}
     placeholder = typed.pop() if len(typed) == 1 else None
     places = [far.link.inertial.element for far in links if far.link.inertial is not None]
     return build_group_finding(
