@@ -156,6 +156,13 @@ def test_a_light_link_of_a_heavy_body_decides_nothing(tmp_path: Path) -> None:
     assert codes(tmp_path / "b", make_chain(Part(mass=3.0).xml("body"), sensor.xml("sensor"))) == ["INR005"]
 
 
+def test_a_light_link_whose_com_is_many_sizes_away_moves_its_body(tmp_path: Path) -> None:
+    for place, expected in ((0.3, []), (9.0, ["INR006"])):
+        sensor = replace(Part(size=(0.02, 0.02, 0.02), mass=0.01), com=(place, 0, 0))
+        text = make_chain(Part(mass=3.0).xml("body"), sensor.xml("sensor"), kind="fixed")
+        assert codes(tmp_path / f"{place}", text) == expected
+
+
 # -- INR006 ---------------------------------------------------------------------------------------------------------
 
 

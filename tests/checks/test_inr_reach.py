@@ -116,6 +116,36 @@ def test_a_link_whose_geometry_is_known_is_left_to_the_rules_about_it(tmp_path: 
     assert "INR018" not in {finding.code for finding in found}
 
 
+def add_fixed(text: str, mass: float, com: float, *, drawn: str = "") -> str:
+    """Fix a link to the arm's second one."""
+    inertial = (
+        f'<inertial><origin xyz="{com} 0 0"/><mass value="{mass}"/>'
+        '<inertia ixx="1e-6" ixy="0" ixz="0" iyy="1.1e-6" iyz="0" izz="1.2e-6"/></inertial>'
+    )
+    return text.replace("</robot>", link("added", inertial, drawn) + joint("to_added", "l1", "added") + "</robot>")
+
+
+@pytest.mark.parametrize(
+    ("mass", "com", "found"), [(0.01, 0.1, False), (0.01, 90.0, True), (0.01, 3.0, False), (0.2, 3.0, True)]
+)
+def test_a_light_link_counts_by_how_far_it_moves_its_body(tmp_path: Path, mass: float, com: float, found: bool) -> None:
+    far = find_far(tmp_path, add_fixed(make_arm(), mass, com))
+    assert [finding.code for finding in far] == ["INR018"] * found
+
+
+def test_the_com_of_a_link_that_draws_nothing_is_checked_on_a_drawn_body(tmp_path: Path) -> None:
+    (found,) = find_far(tmp_path, add_fixed(make_arm(drawn=BOX), 0.5, 10.0))
+    assert (found.code, found.message_id) == ("INR018", "com")
+
+
+def test_a_typed_tensor_is_one_and_has_no_unit(tmp_path: Path) -> None:
+    typed = 'ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"'
+    computed = 'ixx="0.00052" ixy="0" ixz="0" iyy="0.0098" iyz="0" izz="0.0099"'
+    (found,) = find_far(tmp_path, make_arm().replace(computed, typed, 1).replace('value="1.3"', 'value="0.4"', 1))
+    assert found.cause is not None
+    assert found.cause.text == "The inertia is 1 × identity kg·m², typed rather than computed."
+
+
 def test_two_joints_do_not_say_how_large_a_robot_is(tmp_path: Path) -> None:
     assert find_far(tmp_path, make_arm(com=1e3, links=3)) == []
     assert find_far(tmp_path, make_arm(com=1e3, links=4)) != []

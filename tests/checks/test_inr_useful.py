@@ -34,6 +34,7 @@ def make_row(*numbers: DeclaredInertial, names: str = "wheel_{}", kind: str = "c
 POUNDS = replace(TRUE, mass=TRUE.mass / 0.45359237)
 AT_ORIGIN = replace(TRUE, tensor=TRUE.tensor + steiner(TRUE.mass, TRUE.com))
 HEAVIER = replace(TRUE, mass=1.37 * TRUE.mass)
+ROUNDED = replace(TRUE, tensor=np.round(TRUE.tensor, int(np.ceil(-np.log10(TRUE.tensor.diagonal().min())))))
 
 
 @pytest.mark.parametrize(
@@ -44,6 +45,8 @@ HEAVIER = replace(TRUE, mass=1.37 * TRUE.mass)
         (HEAVIER, 3, "wheel_{}", ""),  # no common mistake
         (POUNDS, 1, "wheel_{}", ""),  # which of two is wrong is not known
         (POUNDS, 3, "wheel{}_part_of_one", "unit of the mass: lb"),
+        (POUNDS, 3, "{}_3", "unit of the mass: lb"),
+        (ROUNDED, 2, "wheel_{}", "rounding"),
     ],
 )
 def test_of_a_row_that_draws_nothing_one_has_a_mistake(
@@ -60,6 +63,28 @@ def test_of_a_row_that_draws_nothing_one_has_a_mistake(
 
 def test_a_row_of_two_kinds_shows_nothing(tmp_path: Path) -> None:
     assert not find(tmp_path, make_row(POUNDS, TRUE, TRUE, HEAVIER), "SYM003")
+    (found,) = find(tmp_path, make_row(POUNDS, TRUE, TRUE, TRUE, HEAVIER), "SYM003")
+    assert found.location.subject.startswith("link[wheel_0]")
+
+
+def test_one_of_a_row_has_a_placeholder(tmp_path: Path) -> None:
+    typed = replace(TRUE, tensor=0.1 * np.eye(3))
+    (found,) = find(tmp_path, make_row(TRUE, typed, TRUE), "SYM003")
+    assert found.message_id == "typed"
+    assert "0.1 × identity kg·m², typed rather than computed" in found.message
+    assert not find(tmp_path, make_row(TRUE, replace(typed, mass=1.02 * TRUE.mass), TRUE), "SYM003")
+
+
+def test_a_com_beside_that_of_the_part_whose_tensor_is_right_is_wrong(tmp_path: Path) -> None:
+    """Both numbers come from one drawing. A tensor that is only near shows nothing."""
+    away = 2.0 * np.sqrt(np.diag(DRAWN.solid.covariance)) * (1.0, -0.6, 0.7)
+    cover = link("cover", visual(box("1 1 1"))) + joint("lid", "part", "cover")
+    for stretch, expected in ((1.0, ["disagrees"]), (1.3, [])):
+        moved = replace(TRUE, com=TRUE.com + away, tensor=stretch * TRUE.tensor)
+        part = link("part", format_inertial(moved, 9), drawn_boxes(CASTING))
+        text = robot(link("base"), joint("j", "base", "part", kind="continuous"), part, cover)
+        found = find(tmp_path / f"{stretch}", text, "INR009")
+        assert [finding.message_id for finding in found if finding.severity is Severity.WARNING] == expected
 
 
 # -- a scale of the whole file -------------------------------------------------------------------------------------------

@@ -25,9 +25,10 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.motion.kinematics import build_origin_transform, rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.mirrored_inertials import compare_sides, find_cause
+from urdfcheck.model.inertials.mirrored_inertials import compare_sides, find_cause, find_side_slip
 from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
+from urdfcheck.model.likeness.side_names import pair_by_name
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
@@ -699,9 +700,14 @@ def test_joints_that_follow_another_are_not_compared(tmp_path: Path) -> None:
     assert not find_mirror_defects(tmp_path, robot)
 
 
-def test_a_placeholder_is_the_business_of_another_rule(tmp_path: Path) -> None:
+def test_a_placeholder_beside_a_computed_tensor_is_the_wrong_one(tmp_path: Path) -> None:
     six = dict(zip(SIX, ("0.001", "0", "0", "0.001", "0", "0.001"), strict=True))
-    assert not [f for f in find_mirror_defects(tmp_path, with_(ROBOT, f"{RIGHT}/inertia", **six)) if f.code == "SYM004"]
+    finding = one(tmp_path, with_(ROBOT, f"{RIGHT}/inertia", **six))
+    assert (finding.code, finding.message_id, finding.cause and finding.cause.id) == ("SYM004", "typed", "placeholder")
+    assert finding.location.subject.startswith("link[right_arm]")
+    # Where both were typed, the rule about one link reports both.
+    both = with_(with_(ROBOT, f"{RIGHT}/inertia", **six), f"{LEFT}/inertia", **six)
+    assert not [f for f in find_mirror_defects(tmp_path, both) if f.code == "SYM004" and f.message_id == "typed"]
 
 
 def test_without_drawings_only_what_mirror_and_copy_have_in_common_counts(tmp_path: Path) -> None:
@@ -819,6 +825,45 @@ def test_without_drawings_one_mistake_that_leads_to_the_twin_is_named(
     assert finding.cause.id == cause
     assert words in finding.cause.text
     assert finding.severity is Severity.WARNING
+
+
+@pytest.mark.parametrize(
+    ("mass", "tensor", "mistake"),
+    [(2.2046226, 1.0, "mass_unit"), (10.0, 10.0, "decimal_point"), (1.0, 1e6, "inertia_unit")],
+)
+def test_the_mistake_of_a_drawn_side_is_found_by_its_twin(
+    tmp_path: Path, mass: float, tensor: float, mistake: str
+) -> None:
+    robot = scale_inertial(ROBOT, RIGHT, mass=mass, tensor=tensor)
+    both = compare_sides(model_of(tmp_path, robot), pairs_of(tmp_path, robot)["left_arm"])
+    assert both is not None
+    slip = find_side_slip(both, 0.01)
+    assert slip is not None
+    assert slip.mistake.id == mistake
+    # What the mistake leaves as it is has to agree.
+    moved = with_(robot, f"{RIGHT}/origin", xyz="0.1 0.1 0.1")
+    both = compare_sides(model_of(tmp_path, moved), pairs_of(tmp_path, moved)["left_arm"])
+    assert both is not None
+    assert find_side_slip(both, 0.01) is None
+
+
+def test_a_coordinate_of_a_com_that_lost_its_decimal_point_is_named(tmp_path: Path) -> None:
+    element = ROBOT.find(f"{RIGHT}/origin")
+    assert element is not None
+    x, y, z = element.attrib["xyz"].split()
+    robot = with_(ROBOT, f"{RIGHT}/origin", xyz=f"{10 * float(x)!r} {y} {z}")
+    pair = pairs_of(tmp_path, robot)["left_arm"]
+    both = compare_sides(model_of(tmp_path, robot), pair)
+    assert both is not None
+    assert find_cause(pair, both[1], 0.01) == "decimal"
+
+
+def test_names_that_spell_one_word_apart_are_a_pair_where_no_other_is() -> None:
+    assert list(pair_by_name(["steerFL", "steer_FR", "steer_BL", "steer_BR"])) == [
+        ("steerFL", "steer_FR"),
+        ("steer_BL", "steer_BR"),
+    ]
+    assert list(pair_by_name(["l_arm", "r_arm", "larm"])) == [("l_arm", "r_arm")]
 
 
 @pytest.mark.parametrize(("side", "drawn"), [(LEFT, True), (RIGHT, True), (LEFT, False), (RIGHT, False)])

@@ -9,7 +9,7 @@ import numpy as np
 from urdfcheck.core import Confidence, FactUnavailableError, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import format_count, join_names
-from urdfcheck.facts.inertials.certainty import EXACT
+from urdfcheck.facts.inertials.certainty import EXACT, UNIFORM
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
@@ -45,6 +45,7 @@ from urdfcheck.model.inertials.inertial_effects import (
     is_vast,
     measure_mismatch,
 )
+from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, format_comparison
@@ -89,6 +90,8 @@ _ASSUMED, _FACETS = 1000.0, 0.01
 MIRROR_CAUSES = frozenset({"unmirrored"})
 # Visual and collision shapes of one link differ by so much where a mesh is in another unit.
 _OTHER_UNIT = 100.0
+# A COM is outside its body beyond this share of the body's size, as for INR006.
+_OUTSIDE = 0.1
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
 _FAR_SMALLER = 0.2
 _UNSEEN = ("other link has an open visual mesh, which does", "other links have open visual meshes, which do")
@@ -136,7 +139,10 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             if not is_of_pair:
                 yield _build_cause_finding(model, rule, judged, tensor=tensor, others=disputed.get(diagnosis.cause, ""))
         elif _is_far_from_drawing(model, tensor, judged, far=far):
-            if diagnosis.min_moment_ratio > concentrated or is_light(model, tensor.link):
+            is_possible_part = diagnosis.min_moment_ratio > concentrated and not _has_own_tensor(
+                model, tensor.link, judged
+            )
+            if is_possible_part or is_light(model, tensor.link):
                 doubtful += [] if is_too_dense(model, tensor.link, judged) else [tensor]
             else:
                 yield _build_mismatch_finding(model, rule, judged, tensor=tensor)
@@ -222,7 +228,7 @@ def _is_unproven(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
 def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial, *, far: float) -> bool:
     """Whether numbers without a cause disagree with what is drawn, and this is the shape of the part."""
     diagnosis = judged.diagnosis
-    if diagnosis.judged_by != "mesh" or not diagnosis.fits_geometry:
+    if diagnosis.judged_by != "mesh" or not (diagnosis.fits_geometry or _has_own_tensor(model, tensor.link, judged)):
         return False
     if not max(diagnosis.tensor_mismatch, diagnosis.com_mismatch) > far:
         return False
@@ -236,6 +242,20 @@ def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: Diagnosed
     if drawn is not None and judged.declared.mass < LIGHTEST * drawn.solid.volume:
         return False  # nor its size: no material is so light
     return is_hull_enough(model, tensor.link, judged, far=far)
+
+
+def _has_own_tensor(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the tensor is that of the drawn part at this mass: it was computed from the drawing, and so was its COM. Not where
+    the COM is outside the body, which INR006 reports."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None or not drawn.closed or not judged.diagnosis.tensor_mismatch < UNIFORM:
+        return False
+    parts = [part for part in enclosed_inertials(model) if part.link is link]
+    return any(
+        measure_hull_distance(points, part.com) <= _OUTSIDE * measure_extent(points)
+        for part in parts
+        for points in part.readings
+    )
 
 
 def _is_drawn_in_other_unit(model: Model, link: Link) -> bool:
@@ -415,7 +435,8 @@ def _find_other_mass(judged: DiagnosedInertial) -> float | None:
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
     drawn = describe_drawn_inertial(model, tensor.link, with_com=judged.diagnosis.com_mismatch > NOTABLE)
-    is_sure = is_tiny(model, tensor.link, judged) and tensor.link.name not in list_bolted_links(model)
+    is_sure = is_tiny(model, tensor.link, judged) or _has_own_tensor(model, tensor.link, judged)
+    is_sure &= tensor.link.name not in list_bolted_links(model)
     rank = (None, None) if is_sure else (Severity.INFO, Confidence.HEURISTIC)
     return rule.finding(
         "disagrees",

@@ -13,7 +13,9 @@ from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model import CompleteInertial, Model
 from urdfcheck.model.inertials.reach import measure_own_size, measure_reach
+from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.parts import Link
+from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.corners import collect_body_corners
 
 # What a length is multiplied by when the COM is typed in another unit than metres, and the radius of gyration when the tensor is
@@ -26,6 +28,10 @@ _WITH_GRAMS = {"kg·cm²": "g·cm²", "kg·mm²": "g·mm²"}
 _USUAL = {"com": (0.001, 0.19), "spread": (0.003, 0.27)}
 # Another unit that leaves all links within so many times these shares is not ruled out.
 _POSSIBLE = 1.5
+# A tensor that was typed has no unit, and is wrong from a radius of gyration of one length of the robot on.
+_TYPED_WHOLE = 1.0
+# Nobody types a larger one (kg·m²) to make a program accept the file: it may be a smaller one in another unit.
+_MOST_TYPED = 1.0
 # Fewer links fit several units, or one by chance: the usual shares span more than two powers of ten.
 _LEAST_LINKS = 3
 
@@ -58,14 +64,17 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
         grave: list[_FarLink] = []
         odd: list[_FarLink] = []
         for name, pair in lengths.items():
-            if pair[index] <= share * reach or not _is_unknown(model, name, index):
+            if pair[index] <= share * reach or not _is_unknown(model, name, index, pair[index] / reach):
                 continue
             far = _FarLink(model.link_by_name[name], pair[index], measure_own_size(model, name))
             # A link whose joints are next to its frame may be a large part all the same.
             is_beyond_own = far.own > 0.05 * reach and far.distance > own * far.own
             if far.distance > impossible * reach:
                 grave.append(far)
-            elif far.distance > whole * reach or is_beyond_own:
+            elif (
+                far.distance > (whole if _describe_typed(message, far) is None else _TYPED_WHOLE) * reach
+                or is_beyond_own
+            ):
                 odd.append(far)
         unit = _find_unit(message, [*grave, *odd], units, reach)
         # The robot that includes a part may be longer than it.
@@ -86,9 +95,20 @@ def _measure_lengths(declared: CompleteInertial) -> tuple[float, float] | None:
     return com, max(0.0, float(np.linalg.eigvalsh(covariance)[-1])) ** 0.5
 
 
-def _is_unknown(model: Model, name: str, index: int) -> bool:
+def _describe_typed(message: str, far: _FarLink) -> str | None:
+    """Describe the tensor of a link where it was typed rather than computed (INR007); None for any other."""
+    declared = None if far.link.inertial is None else far.link.inertial.inertia_components
+    is_small = declared is not None and max(map(abs, declared)) <= _MOST_TYPED
+    return describe_typed_tensor(far.link) if message == "spread" and is_small else None
+
+
+def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
     """Whether it is not known how large the link's body is, and the link matters to how it moves; otherwise INR005 and INR006
-    compare it with its geometry."""
+    compare it with its geometry.
+
+    A link that is ``distance`` lengths of the robot away matters as much more. INR006 does not check the COMs of links that draw
+    nothing.
+    """
     # Few models have a link that is so far away: the others do without the geometry of inertials.
     from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 
@@ -96,12 +116,16 @@ def _is_unknown(model: Model, name: str, index: int) -> bool:
         return False
     body = model.tree.list_body_links(name)
     shares = compute_body_shares(model, body).get(name)
-    return collect_body_corners(model, body) is None and shares is not None and shares[index] >= NEGLIGIBLE_SHARE
+    is_checked = collect_body_corners(model, body) is not None and (index or has_drawn_shape(model.link_by_name[name]))
+    weight = 1.0 if index else max(1.0, distance)
+    return not is_checked and shares is not None and shares[index] * weight >= NEGLIGIBLE_SHARE
 
 
 def _find_unit(message: str, links: Sequence[_FarLink], units: Mapping[str, float], reach: float) -> str:
     """Find the one unit that brings all links to where most published robots have theirs, and no other near; empty without."""
     low, high = _USUAL[message]
+    if any(_describe_typed(message, far) is not None for far in links):
+        return ""
 
     def fits(factor: float, slack: float) -> bool:
         return all(low / slack <= far.distance / factor / reach <= high * slack for far in links)
@@ -123,12 +147,14 @@ def _build_finding(
     severity: Severity | None,
 ) -> Finding:
     farthest = max(links, key=lambda far: far.distance)
+    typed = {_describe_typed(message, far) for far in links}
+    placeholder = typed.pop() if len(typed) == 1 else None
     places = [far.link.inertial.element for far in links if far.link.inertial is not None]
     return build_group_finding(
         rule,
         message,
         places,
-        cause="unit" if unit else None,
+        cause="unit" if unit else "placeholder" if placeholder else None,
         severity=severity,
         confidence=Confidence.PROOF if severity is not None else None,
         link=farthest.link.name if len(links) == 1 else f"{len(links)} links",
@@ -140,4 +166,5 @@ def _build_finding(
         times=float(f"{farthest.distance / reach:.2g}"),
         own=format_length(farthest.own) if farthest.own > 0 else "0 mm",
         unit=unit,
+        what=placeholder or "",
     )

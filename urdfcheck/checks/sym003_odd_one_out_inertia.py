@@ -17,7 +17,6 @@ from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, format_millimetres, locate_difference
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
-from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.likeness.declared_inertials import turn_inertial
 from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
@@ -165,14 +164,15 @@ def _has_com_apart(model: Model, comparison: CopyComparison) -> bool:
 
 def _build_row_finding(model: Model, rule: Rule, slip: RowSlip) -> Finding:
     """Report a link whose numbers are those of its row with one mistake."""
+    inertial = _get_inertial(model, slip.link)
     return rule.finding(
-        "row",
-        at=_get_inertial(model, slip.link).element,
+        slip.kind,
+        at=(inertial.tensor_element if slip.kind == "typed" else None) or inertial.element,
         related=[_get_inertial(model, link).element for link in slip.row],
         link=slip.link.name,
         count=len(slip.row),
         siblings=join_names(link.name for link in slip.row),
-        mistake=describe_mistake(slip.mistake.id, slip.mistake.detail),
+        mistake=slip.mistake,
     )
 
 

@@ -18,7 +18,12 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_d
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.twin_slips import TwinSlip
-from urdfcheck.facts.likeness.mirror import InertialDeviation, are_alike_when_spun, find_wrong_signs
+from urdfcheck.facts.likeness.mirror import (
+    InertialDeviation,
+    are_alike_when_spun,
+    find_wrong_signs,
+    measure_principal_deviation,
+)
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
@@ -27,6 +32,9 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     PairSide,
     compare_sides,
     find_cause,
+    find_copied_side,
+    find_side_slip,
+    find_typed_side,
     find_wrong_side,
     fit_own_drawings_alike,
     get_comparable_inertial,
@@ -34,7 +42,8 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     limit_to_com,
     list_inertial_changes,
 )
-from urdfcheck.model.inertials.unrelated_sides import compare_unrelated_sides, describe_slip
+from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
+from urdfcheck.model.inertials.unrelated_sides import UnlikeSides, compare_unrelated_sides, describe_slip
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
 from urdfcheck.model.likeness.mirror_places import iter_place_mistakes
 from urdfcheck.model.likeness.mirrored_joints import (
@@ -58,6 +67,9 @@ UNMIRRORED = "unmirrored"
 # Mistakes that change the mass, or its ratio to the tensor: no other explains that one side is heavier by more than this share.
 _MASS_CAUSES = frozenset({"mass_unit", "units", "other_mass", "decimal_point", "mesh_scale"})
 _SAME_MASS = 0.2
+# Moments of two sides that differ by less, as a share of a length, need no explanation; a mistake that is one leaves less than
+# the other share of it.
+_SLIGHT_SPREAD, _NEARER = 0.01, 0.5
 # A COM is the drawn part's within this share of a radius of gyration.
 _OWN_COM = 0.02
 # A COM is outside its drawing beyond this share of the drawing's size, as for INR006.
@@ -143,21 +155,15 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         return None
     if are_drawn_in_one_place(model, both[0].link, both[1].link):
         return _build_drawing_finding(rule, pair, both[1], shares=shares)
-    wrong = find_wrong_side(model, pair, both, threshold=note)
+    typed, wrong = _judge_sides(model, pair, both, note=note)
     side, like = (both[1], ()) if wrong is None else wrong
-    axis = find_spin_axis(model, pair, side.link.name)
-    if _are_shifted_drawings(pair, side) or (
-        axis is not None and are_alike_when_spun(side.actual, side.expected, axis, note)
-    ):
+    if _may_differ(model, pair, side, note=note, is_decided=wrong is not None):
         return None
-    deviation, cause = side.deviation, find_cause(pair, side, note)
-    if cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
+    deviation = side.deviation
+    why = _explain_difference(model, pair, both, typed=typed, side=side, note=note, is_decided=wrong is not None)
+    if why.cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
         return None
-    links = both[0].link, both[1].link
-    if wrong is None and fit_own_drawings_alike(
-        model, *links, threshold=note, com_threshold=_OWN_COM, linear=pair.linear
-    ):
-        return None
+    cause = why.cause
     # The twin's tensor is wrong too if its products contradict the drawing: then the COM alone can be written.
     barred = [one for one in both if deviation.spread > note and is_tensor_against_drawing(model, one)]
     is_barred = wrong is not None and any(one.link is side.link for one in barred)
@@ -180,6 +186,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         "signs": join_names(find_wrong_signs(side.actual, side.expected, note), 9),
         "share": deviation.worst,
         "between": _list_subjects(both[0].link, both[1].link),
+        **_collect_cause_data(both, why),
     }
     place: dict[str, Any] = {
         "at": _locate_difference(model, side.link, shown.deviation, note=note),
@@ -202,7 +209,8 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
         if repair in {_EXPORT_BOTH, _EXPORT_BOTH_INERTIALS}:
             # Neither was right before it was copied.
-            place |= {"cause": None, "severity": shares.choose_severity(deviation.worst, pair)}
+            cause = None if why.slip is None else cause
+            place |= {"cause": cause, "severity": shares.choose_severity(deviation.worst, pair, cause)}
             return rule.finding("pair_slight" if is_slight else "both", **place, repair=repair, **data)
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
     if written is not None and deviation.com_offset > note and _has_com_outside(model, side.twin):
@@ -216,8 +224,73 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         remedies.append(
             f"{_COMPUTE_TENSOR}: {side.twin.name} has products of inertia with other signs than those of its drawing"
         )
-    message, remedy = "like" if like else "inertial", "; ".join(remedies)
+    message = "typed" if typed is not None else "like" if like else "inertial"
+    remedy = "; ".join(remedies)
     return rule.finding(message, **place, edits=edits, remedy=remedy, like=join_names(like), **data)
+
+
+def _may_differ(model: Model, pair: MirrorPair, side: PairSide, *, note: float, is_decided: bool) -> bool:
+    """Whether the difference of two sides may be right: of drawings that are shifted, of a part that turns, or, where nothing has
+    ``is_decided`` which side is wrong, of numbers that relate alike to what each side draws."""
+    axis = find_spin_axis(model, pair, side.link.name)
+    if _are_shifted_drawings(pair, side) or (
+        axis is not None and are_alike_when_spun(side.actual, side.expected, axis, note)
+    ):
+        return True
+    links = model.link_by_name[pair.one], model.link_by_name[pair.other]
+    return not is_decided and fit_own_drawings_alike(
+        model, *links, threshold=note, com_threshold=_OWN_COM, linear=pair.linear
+    )
+
+
+def _judge_sides(
+    model: Model, pair: MirrorPair, both: Sequence[PairSide], *, note: float
+) -> tuple[Link | None, tuple[PairSide, tuple[str, ...]] | None]:
+    """Find the side whose tensor was typed, where that makes the difference, and the side that is wrong, with the links that say
+    so."""
+    typed = find_typed_side(both[0].link, both[1].link) if both[1].deviation.spread > note else None
+    if typed is not None:
+        return typed, (both[both[1].link is typed], ())
+    return None, find_wrong_side(model, pair, both, threshold=note)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class _Explanation:
+    """Why two sides differ."""
+
+    cause: str | None
+    """Its id on the page."""
+    typed: Link | None = None
+    """The side whose tensor was typed."""
+    slip: TwinSlip | None = None
+    """The one mistake without which the two agree."""
+    copied: tuple[Link, Link] | None = None
+    """The side that has the numbers of another part, and that part."""
+
+
+def _explain_difference(
+    model: Model,
+    pair: MirrorPair,
+    both: Sequence[PairSide],
+    *,
+    typed: Link | None,
+    side: PairSide,
+    note: float,
+    is_decided: bool,
+) -> _Explanation:
+    """Explain why the ``side`` is not as its twin says. Where the drawing has ``is_decided`` that it is the wrong one, a mistake
+    of the other explains nothing."""
+    if typed is not None:
+        return _Explanation(cause="placeholder", typed=typed)
+    if (cause := find_cause(pair, side, note)) is not None:
+        return _Explanation(cause=cause)
+    slip = find_side_slip(both, note)
+    if slip is not None and (not is_decided or slip.is_either or both[not slip.is_first].link is side.link):
+        return _Explanation(cause=_name_slip(slip), slip=slip)
+    copied = find_copied_side(model, both[0].link, both[1].link)
+    if copied is not None and (not is_decided or copied[0] is side.link):
+        return _Explanation(cause="other_part", copied=copied)
+    return _Explanation(cause=None)
 
 
 def _build_drawing_finding(rule: Rule, pair: MirrorPair, side: PairSide, *, shares: _Shares) -> Finding:
@@ -304,15 +377,23 @@ def _measure_own_mismatch(model: Model, link: Link) -> tuple[float, float]:
 
 
 def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
-    """Whether INR009 reports a mistake in one of the links, which explains the difference: that of the masses, too."""
+    """Whether INR009 reports a mistake in one of the links, which explains the difference: that of the masses, too, and of the
+    moments, which are nearer to each other with the mistake undone."""
     masses = [model.mass_by_name[name].mass for name in (pair.one, pair.other) if name in model.mass_by_name]
     is_mass_off = len(masses) == 2 and not math.isclose(*masses, rel_tol=_SAME_MASS)
-    causes = []
+    causes, declared, undone = [], [], []
     for name in (pair.one, pair.other):
         diagnosed = inertial_diagnoses(model).get(name)
         cause = None if diagnosed is None or not diagnosed.diagnosis.at_fault else diagnosed.diagnosis.cause
         causes.append(None if cause == UNMIRRORED or (is_mass_off and cause not in _MASS_CAUSES) else cause)
-    return causes[0] != causes[1]
+        if diagnosed is not None:
+            declared.append(diagnosed.declared)
+            mended = diagnosed.diagnosis.mended
+            undone.append(diagnosed.declared if causes[-1] is None or mended is None else mended)
+    if causes[0] == causes[1] or len(declared) < 2:
+        return causes[0] != causes[1]
+    before, after = measure_principal_deviation(*declared).spread, measure_principal_deviation(*undone).spread
+    return before <= _SLIGHT_SPREAD or after < _NEARER * before
 
 
 def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, shares: _Shares) -> Finding | None:
@@ -333,11 +414,11 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
         related=[_locate_difference(model, sides.right, deviation, note=note)],
         severity=Severity.INFO if is_doubtful else severity,
         consequences=_describe_consequences(model, pair, deviation, note),
-        cause=_name_slip(slip) if slip is not None else "other_part" if sides.copied is not None else None,
+        cause=_name_unrelated_cause(sides),
         factor=f"{sides.ratio:,.0f}",
         wrong=sides.wrong.name,
         source="" if sides.copied is None else sides.copied[1].name,
-        detail="" if slip is None else slip.mistake.detail,
+        detail=describe_typed_tensor(sides.wrong) if sides.typed else slip.mistake.detail if slip is not None else "",
         mistake="" if slip is None else describe_slip(slip),
         one=sides.one.name,
         other=sides.other.name,
@@ -346,6 +427,30 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
         share=share,
         between=_list_subjects(sides.one, sides.other),
     )
+
+
+def _name_unrelated_cause(sides: UnlikeSides) -> str | None:
+    """Return the id of the cause on the page."""
+    if sides.typed is not None:
+        return "placeholder"
+    return _name_slip(sides.slip) if sides.slip is not None else "other_part" if sides.copied is not None else None
+
+
+def _collect_cause_data(both: Sequence[PairSide], why: _Explanation) -> dict[str, Any]:
+    """Return what the cause says."""
+    if why.copied is not None:
+        return {"wrong": why.copied[0].name, "source": why.copied[1].name}
+    if why.typed is not None:
+        return {"wrong": why.typed.name, "detail": describe_typed_tensor(why.typed)}
+    if why.slip is None:
+        return {}
+    first, second = (float(np.trace(side.actual.tensor)) for side in both)
+    return {
+        "wrong": both[not why.slip.is_first].link.name,
+        "factor": f"{max(first / second, second / first):,.0f}",
+        "detail": why.slip.mistake.detail,
+        "mistake": describe_slip(why.slip),
+    }
 
 
 def _name_slip(slip: TwinSlip) -> str:

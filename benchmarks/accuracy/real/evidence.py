@@ -63,13 +63,26 @@ def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool, share
     reach = measure_reach(part.owner)
     if _has_telling_joints(part) and max(_size(new)) > _REACH * reach >= max(_size(old)):
         found.add("reach")
-    if max(old.mass, new.mass) < _LIGHT * _measure_body_mass(part):
+    if max(old.mass, new.mass) < _LIGHT * _measure_body_mass(part) or _is_base_of_limb(part):
         return found
     if with_meshes:
         found |= _find_drawn_evidence(part, old, new)
     if _differs_from_twins(part, old, new, with_meshes=with_meshes, shared=shared):
         found.add("twin")
     return found
+
+
+def _is_base_of_limb(part: Part) -> bool:
+    """Whether a link belongs to the root's body, and one limb of two joints or more is all that moves: an arm, whose base is
+    bolted down."""
+    model = part.owner.model
+    try:
+        tree = model.tree
+        body = tree.list_body_links(tree.root)
+        limbs = [joint for name in body for joint in tree.child_joints[name] if joint.is_movable]
+        return part.link.name in body and len(limbs) == 1 < sum(joint.is_movable for joint in model.joints)
+    except FactUnavailableError:
+        return False
 
 
 def _has_telling_joints(part: Part) -> bool:
@@ -303,10 +316,18 @@ def _swings_as_before(part: Part, old: Numbers, new: Numbers, solid: Array) -> b
     return bool(abs(float(axes[:, 0] @ axis)) <= _ALONG * float(np.linalg.norm(axis)))
 
 
+def _is_drawing_known(part: Part) -> bool:
+    """Whether what a link draws can be read."""
+    try:
+        return measure_link_geometry(part.owner.model, part.link) is not None
+    except FactUnavailableError:
+        return False
+
+
 def _differs_from_twins(part: Part, old: Numbers, new: Numbers, *, with_meshes: bool, shared: Collection[str]) -> bool:
-    """Whether mass, moments or the COM's distance now differ from those of the other side, or of two others of a row. Without
-    meshes the frames may be at different points of equal parts, and the COM's distance says nothing."""
-    count = 5 if with_meshes else 4
+    """Whether mass, moments or the COM's distance now differ from those of the other side, or of two others of a row. Where what
+    is drawn is not known, the frames may be at different points of equal parts, and the COM's distance says nothing."""
+    count = 5 if with_meshes and _is_drawing_known(part) else 4
     if np.allclose(_list_invariants(new)[:count], _list_invariants(old)[:count], rtol=_UNLIKE):
         return False
     sides = row = 0

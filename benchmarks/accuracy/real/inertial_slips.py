@@ -17,6 +17,8 @@ TENSOR_UNITS = {
 MASS_UNITS = {"g": 1e3, "lb": 1 / POUND}
 COM_UNITS = {"mm": 1e3, "cm": 1e2, "inches": 1 / INCH}
 _PRODUCTS, _MOMENTS = [1, 2, 4], [0, 3, 5]
+# Products below this share of the largest moment are none: a repair that has them right or wrong is right.
+_NO_PRODUCT = 0.005
 _SIGN_OF_PRODUCTS = np.array((1.0, -1.0, -1.0, 1.0, -1.0, 1.0))
 
 
@@ -56,9 +58,13 @@ def about_origin(part: Part, rng: Rng) -> list[Change] | None:
     return _changed(part, lambda n: replace(n, six=_about_origin(n)))
 
 
-def positive_notation(part: Part, rng: Rng) -> list[Change] | None:
+def positive_notation(part: Part, rng: Rng) -> Broken | None:
     """The tensor about the link's origin, with products of the other sign: a print-out of SolidWorks."""
-    return _changed(part, lambda n: replace(n, six=_about_origin(n) * _SIGN_OF_PRODUCTS))
+    six = _about_origin(_numbers(part))
+    # Without products the two mistakes are one.
+    has_products = np.abs(six[_PRODUCTS]).max() > _NO_PRODUCT * np.abs(six[_MOMENTS]).max()
+    words = "" if has_products else f"{_POSITIVE}|{_ORIGIN}"
+    return _named(part, lambda n: replace(n, six=six * _SIGN_OF_PRODUCTS), words)
 
 
 def products_sign(part: Part, rng: Rng) -> list[Change] | None:

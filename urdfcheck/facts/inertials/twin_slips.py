@@ -31,6 +31,8 @@ _UNLIKE = 1.2
 _NEAR_FRAME = 0.1
 # Half a unit of the last decimal, and what other axes add; and how much of a moment is lost at least.
 _HALF, _LOST = 0.51, 1.05
+# Masses that were computed once differ by less.
+_ONE_NUMBER = 1e-6
 # Nobody types more significant digits, and other axes change the ones behind them.
 _TYPED_DIGITS = 12
 # A mistake that is rarer than another by this many nats is not the one (e² = 7 : 1).
@@ -68,16 +70,36 @@ def find_slip_between_twins(first: DeclaredInertial, second: DeclaredInertial) -
 def find_rounding(coarse: DeclaredInertial, fine: DeclaredInertial) -> Mistake | None:
     """Find whether the six numbers of a tensor are those of another, apart from signs, rounded to so few decimals that its
     smallest moment has one digit left."""
-    is_comparable = is_computable(coarse) and is_body(fine)
-    unit, finer = (measure_decimal(_drop_noise(one.tensor)) if is_comparable else None for one in (coarse, fine))
+    unit = _measure_lost_decimal(coarse, fine)
+    off = float(np.abs(np.abs(coarse.tensor) - np.abs(fine.tensor)).max())
+    if unit is None or off > _HALF * unit or abs(coarse.mass - fine.mass) > _EQUAL * fine.mass:
+        return None
+    return make_mistake("rounded", f"{max(0, -round(math.log10(unit)))} decimals")
+
+
+def find_principal_rounding(coarse: DeclaredInertial, fine: DeclaredInertial) -> Mistake | None:
+    """Find what `find_rounding` does, of tensors in any two frames: the masses are one number, and the principal moments are as
+    near as rounding six numbers leaves them."""
+    unit = _measure_lost_decimal(coarse, fine)
+    one, other = (np.linalg.eigvalsh(numbers.tensor) for numbers in (coarse, fine))
+    # Half a unit in each of nine components is at most three times that in the norm, which bounds how far a moment moves; of
+    # three moments it is as much in their sum.
+    off = max(float(np.abs(one - other).max()), abs(float(one.sum() - other.sum())))
+    if unit is None or off > 3.0 * _HALF * unit or not math.isclose(coarse.mass, fine.mass, rel_tol=_ONE_NUMBER):
+        return None
+    return make_mistake("rounded", f"{max(0, -round(math.log10(unit)))} decimals")
+
+
+def _measure_lost_decimal(coarse: DeclaredInertial, fine: DeclaredInertial) -> float | None:
+    """Measure the last decimal place of the tensor ``coarse``, where its smallest moment has one digit, ``fine`` has more
+    decimals, and a moment or the mass differs; None otherwise."""
+    if not (is_computable(coarse) and is_body(fine)):
+        return None
+    unit, finer = (measure_decimal(_drop_noise(one.tensor)) for one in (coarse, fine))
     if unit is None or (finer is not None and finer >= unit):
         return None
     least = float(coarse.tensor.diagonal().min())
-    off = float(np.abs(np.abs(coarse.tensor) - np.abs(fine.tensor)).max())
-    is_rounded = float(f"{least:.0e}") == least and off <= _HALF * unit
-    if not is_rounded or abs(coarse.mass - fine.mass) > _EQUAL * fine.mass or _measure_ratio(coarse, fine) < _LOST:
-        return None
-    return make_mistake("rounded", f"{max(0, -round(math.log10(unit)))} decimals")
+    return unit if float(f"{least:.0e}") == least and _measure_ratio(coarse, fine) >= _LOST else None
 
 
 def _drop_noise(tensor: Mat3) -> Mat3:

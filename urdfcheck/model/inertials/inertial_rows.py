@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,62 +10,101 @@ import numpy as np
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import split_name_words
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
-from urdfcheck.facts.inertials.mistakes.mistake import Mistake
-from urdfcheck.facts.inertials.twin_slips import find_twin_slip
-from urdfcheck.model.inertials.mirrored_inertials import get_comparable_inertial
+from urdfcheck.facts.inertials.twin_slips import find_principal_rounding, find_twin_slip
+from urdfcheck.model.inertials.mirrored_inertials import (
+    find_same_numbers,
+    get_possible_inertial,
+)
+from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
+from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.side_names import pair_by_name
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
 
 # So many links of a row have to agree, in mass and principal moments to within what three typed digits leave.
 _FEWEST, _SAME = 2, 0.005
+# Masses that are the same number in one unit, and moments that nobody takes for rounded ones.
+_EQUAL, _UNLIKE = 1e-6, 1.2
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class RowSlip:
     """A link whose numbers are those of its row with one mistake."""
 
     link: Link
     row: tuple[Link, ...]
     """The others, which agree."""
-    mistake: Mistake
+    kind: str
+    """``row``: a mistake that can be undone; ``typed``: a tensor that was typed; ``copied``: the numbers of another link."""
+    mistake: str
+    """The mistake in words, the tensor, or the name of the other link."""
 
 
 def find_row_slips(model: Model) -> Iterator[RowSlip]:
-    """Find the one link of a row that differs from all others, where these agree and one mistake explains the difference.
+    """Find the links of a row that differ from most, where these agree and one mistake explains the difference.
 
-    The names of a row differ in numbers only, and joints of one type move its links. What is drawn is not compared: the mistake
-    has to lead to mass and principal moments of the others to within half a percent. Links with a counterpart on the other side
-    are left to those that compare the sides.
+    The names of a row differ in numbers only, in one where there is nothing else, and joints of one type move its links. What is
+    drawn is not compared: the mistake has to lead to mass and principal moments of the others to within half a percent. Links
+    with a counterpart on the other side are left to those that compare the sides.
 
     :raises FactUnavailableError: when the tree is broken.
     """
     with_side = {name for pair in pair_by_name(link.name for link in model.links) for name in pair}
     rows: dict[tuple[object, ...], list[Link]] = {}
     for link in model.links:
-        words = tuple(word.lower() for word in split_name_words(link.name))
-        kind = tuple(word for word in words if not word.isdigit())
         joint = model.tree.parent_joint.get(link.name)
-        if kind and kind != words and link.name not in with_side and joint is not None:
-            rows.setdefault((kind, joint.type), []).append(link)
+        if link.name not in with_side and joint is not None:
+            for kind in _list_row_names(link.name):
+                rows.setdefault((kind, joint.type), []).append(link)
+    found: set[str] = set()
     for row in rows.values():
         if len(row) > _FEWEST:
-            known = [(link, numbers) for link in row if (numbers := get_comparable_inertial(link)) is not None]
-            if len(known) > _FEWEST:
-                yield from _find_odd_one(known)
+            for slip in _find_odd_ones(model, row):
+                if slip.link.name not in found:
+                    found.add(slip.link.name)
+                    yield slip
 
 
-def _find_odd_one(row: list[tuple[Link, DeclaredInertial]]) -> Iterator[RowSlip]:
-    if all(_is_same(other, row[0][1]) for _, other in row[1:]):  # as nearly always
+def _list_row_names(name: str) -> list[tuple[str, ...]]:
+    """List what the names of the rows that a link may be in have in common: words, or all numbers but one."""
+    words = tuple(word.lower() for word in split_name_words(name))
+    kind = tuple(word for word in words if not word.isdigit())
+    if kind:
+        return [kind] if kind != words else []
+    return [(*words[:i], "#", *words[i + 1 :]) for i in range(len(words))]
+
+
+def _find_odd_ones(model: Model, row: list[Link]) -> Iterator[RowSlip]:
+    known = [(link, numbers) for link in row if (numbers := get_possible_inertial(link)) is not None]
+    computed = [(link, numbers) for link, numbers in known if describe_typed_tensor(link) is None]
+    most: list[tuple[Link, DeclaredInertial]] = []
+    for _, first in computed:
+        if 2 * len(most) <= len(known):  # else it is the majority already, as nearly always
+            most = max(most, [(link, n) for link, n in computed if _is_same(n, first)], key=len)
+    if len(most) < _FEWEST or 2 * len(most) <= len(known) or len(most) == len(known):
         return
-    for i, (link, numbers) in enumerate(row):
-        others = row[:i] + row[i + 1 :]
-        first = others[0][1]
-        if not all(_is_same(other, first) for _, other in others[1:]) or _is_same(numbers, first):
-            continue
-        mistake = find_twin_slip(numbers, first)
-        if mistake is not None:
-            yield RowSlip(link, tuple(other for other, _ in others), mistake)
+    others = tuple(link for link, _ in most)
+    for link, numbers in known:
+        if link not in others and (why := _explain(model, link, numbers, right=most[0][1], row=row)) is not None:
+            kind, mistake = why
+            yield RowSlip(link=link, row=others, kind=kind, mistake=mistake)
+
+
+def _explain(
+    model: Model, link: Link, numbers: DeclaredInertial, *, right: DeclaredInertial, row: list[Link]
+) -> tuple[str, str] | None:
+    """Find what makes the numbers of a link of those that its ``row`` has; None where nothing does."""
+    mistake = find_twin_slip(numbers, right) or find_principal_rounding(numbers, right)
+    if mistake is not None:
+        return "row", describe_mistake(mistake.id, mistake.detail)
+    typed = describe_typed_tensor(link)
+    if typed is None:
+        source = find_same_numbers(model, link, [other for other in model.links if other not in row])
+        return None if source is None else ("copied", source.name)
+    if not math.isclose(numbers.mass, right.mass, rel_tol=_EQUAL):
+        return None
+    ratios = np.linalg.eigvalsh(numbers.tensor) / np.linalg.eigvalsh(right.tensor)
+    return ("typed", typed) if max(ratios.max(), 1.0 / ratios.min()) > _UNLIKE else None
 
 
 def _is_same(one: DeclaredInertial, other: DeclaredInertial) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -20,8 +20,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     list_inertia_components,
 )
 from urdfcheck.facts.inertials.inertial_fit import compute_whitening, measure_inertial_mismatch
-from urdfcheck.facts.inertials.placeholders import describe_placeholder
-from urdfcheck.facts.inertials.twin_slips import find_rounding, find_slip_between_twins
+from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_rounding, find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     find_wrong_signs,
@@ -29,6 +28,7 @@ from urdfcheck.facts.likeness.mirror import (
     measure_principal_deviation,
 )
 from urdfcheck.facts.likeness.symmetry import is_axis_renaming
+from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_inertial, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_elsewhere, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
@@ -60,6 +60,10 @@ _FAR_COM, _NEAR_IMAGE = 0.3, 0.25
 _OFF_ALIKE = 0.005
 # A product of inertia below this share of the greatest moment has the sign of what is not drawn: cables, screws, a motor.
 _CLEAR_PRODUCT = 0.05
+# Mistakes that change the COM and the tensor.
+_OF_ALL_LENGTHS = frozenset({"units", "mesh_scale"})
+# Mass and moments of so many digits in all are not twice in a file by chance.
+_TELLING_DIGITS = 6
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -85,9 +89,9 @@ class PairSide:
 
 
 def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] | None:
-    """Compare both sides of a pair whose drawings are related; None when they are not, or an inertial is not comparable."""
+    """Compare both sides of a pair whose drawings are related; None when they are not, or no body has an inertial."""
     one, other = (model.link_by_name[name] for name in (pair.one, pair.other))
-    first, second = get_comparable_inertial(one), get_comparable_inertial(other)
+    first, second = get_possible_inertial(one), get_possible_inertial(other)
     if first is None or second is None or pair.drawn_as not in {"mirrored", "both", "copied"}:
         return None
     return (
@@ -137,12 +141,29 @@ def get_comparable_inertial(link: Link) -> DeclaredInertial | None:
 
     The rules about one link report the others.
     """
+    numbers = get_possible_inertial(link)
+    return None if numbers is None or describe_typed_tensor(link) is not None else numbers
+
+
+def get_possible_inertial(link: Link) -> DeclaredInertial | None:
+    """Return an inertial that a body can have, computed or guessed; None for any other."""
     inertial, numbers = link.inertial, read_declared_inertial(link)
     if inertial is None or inertial.inertia_components is None or numbers is None or is_point_mass(inertial):
         return None
     valid = check_inertia_validity(numbers.tensor, rel_tol=1e-3)
-    computed = describe_placeholder(numbers.mass, inertial.inertia_components) is None
-    return numbers if valid.positive_definite and valid.triangle_inequality and computed else None
+    return numbers if valid.positive_definite and valid.triangle_inequality else None
+
+
+def find_typed_side(one: Link, other: Link) -> Link | None:
+    """Find the side whose tensor was typed, where the other's was computed for the same mass, and rounding does not make it."""
+    described = [describe_typed_tensor(side) is not None for side in (one, other)]
+    if described[0] == described[1]:
+        return None
+    typed, computed = (one, other) if described[0] else (other, one)
+    coarse, fine = get_possible_inertial(typed), get_possible_inertial(computed)
+    if coarse is None or fine is None or abs(coarse.mass - fine.mass) > COPIED * fine.mass:
+        return None
+    return None if find_rounding(coarse, fine) is not None else typed
 
 
 def _make_side(
@@ -272,22 +293,44 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
 
     ``copied`` or ``mirrored`` where the drawings were not; ``products_sign`` where the numbers are right but for the signs
     of all products; ``signs`` for other signs, in frames whose axes are mirror images: only there a mirror changes signs;
-    ``decimal`` where masses differ by a power of ten, alone or as the tensors do; ``rounded`` where one tensor is the other's,
-    with too few digits.
+    ``decimal`` where one coordinate of the COM differs by a power of ten; ``rounded`` where one tensor is the other's, with too
+    few digits.
     """
     if side.deviation.mass > threshold:
-        slip = find_slip_between_twins(side.actual, side.expected)
-        return "decimal" if slip is not None and slip.is_either else None
+        return None
     if any(_is_derived_from(side, copy, threshold) for copy in side.disallowed):
         return "copied"
     if pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
         return "mirrored"
     if find_rounding(side.actual, side.expected) or find_rounding(side.expected, side.actual):
         return "rounded"
+    if side.deviation.spread <= threshold and _has_slipped_coordinate(side):
+        return "decimal"
     signs = find_wrong_signs(side.actual, side.expected, threshold)
     if signs == PRODUCTS:
         return "products_sign"
     return "signs" if signs and is_axis_renaming(pair.linear) else None
+
+
+def _has_slipped_coordinate(side: PairSide) -> bool:
+    """Whether one coordinate of a COM is a power of ten times the expected one, and the others are as expected."""
+    actual, expected = side.actual.com, side.expected.com
+    off = np.abs(actual - expected) > COPIED * np.maximum(np.abs(actual), np.abs(expected)).max()
+    ratio = float(actual[off][0] / expected[off][0]) if off.sum() == 1 and expected[off].all() else 0.0
+    power = round(math.log10(ratio)) if ratio > 0.0 else 0
+    return power != 0 and math.isclose(ratio, 10.0**power, rel_tol=COPIED)
+
+
+def find_side_slip(both: Sequence[PairSide], threshold: float) -> TwinSlip | None:
+    """Find the one mistake that explains all of the difference between two sides; None where none does.
+
+    A mistake is found by what a mirror does not change. One of the tensor leaves the COM, which has to be the twin's image.
+    """
+    slip, deviation = find_slip_between_twins(both[0].actual, both[1].actual), both[1].deviation
+    is_of_com = max(deviation.mass, deviation.spread) <= threshold
+    if slip is None or deviation.com_offset <= threshold or is_of_com or slip.mistake.id in _OF_ALL_LENGTHS:
+        return slip
+    return None
 
 
 def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] | None:
@@ -295,19 +338,27 @@ def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] 
     None where neither side or both have such numbers."""
     found: list[tuple[Link, Link]] = []
     for side in (one, other):
-        declared = model.tensor_by_name[side.name]
-        telling = max(map(abs, declared.components), default=0.0)
-        if telling == float(f"{telling:.1e}"):
-            continue  # two digits are twice there by chance
-        sources = [
-            known.link
-            for known in model.tensors
-            if known.components == declared.components
-            and known.inertial.mass == declared.inertial.mass
-            and remove_places(known.link.name) != remove_places(side.name)
-        ]
-        found += [(side, source) for source in sources[:1]]
+        others = [link for link in model.links if remove_places(link.name) != remove_places(side.name)]
+        source = find_same_numbers(model, side, others)
+        found += [] if source is None else [(side, source)]
     return found[0] if len(found) == 1 else None
+
+
+def find_same_numbers(model: Model, link: Link, others: Iterable[Link]) -> Link | None:
+    """Find the first of some ``others`` with the mass and the tensor of a link, digit for digit; None where none has them, or so
+    few digits that chance makes them equal."""
+    declared = model.tensor_by_name[link.name]
+    numbers = {declared.inertial.mass, *map(abs, declared.components)} - {None, 0.0}
+    if sum(len(f"{number:.16g}".partition("e")[0].replace(".", "").strip("0")) for number in numbers) < _TELLING_DIGITS:
+        return None
+    for other in others:
+        known = model.tensor_by_name.get(other.name)
+        if known is not None and (known.inertial.mass, known.components) == (
+            declared.inertial.mass,
+            declared.components,
+        ):
+            return other
+    return None
 
 
 def find_contradicted_links(model: Model, threshold: float = 0.01) -> frozenset[str]:
@@ -341,8 +392,11 @@ def _is_derived_from(side: PairSide, source: DeclaredInertial, threshold: float)
 def list_inertial_changes(side: PairSide, threshold: float = 0.0) -> list[AttributeChange]:
     """List what changes in the text of the side's inertial if its twin is right.
 
-    Numbers that differ by rounding stay as they are, where the sides then agree to within ``threshold``.
+    Numbers that differ by rounding stay as they are, where the sides then agree to within ``threshold``, and so does a COM that
+    agrees.
     """
+    if side.deviation.com_offset <= threshold:
+        side = replace(side, expected=replace(side.expected, com=side.actual.com))
     kept = _keep_near_numbers(side)
     deviation = measure_deviation(kept, side.expected)
     return _list_changes(side, kept if deviation.worst <= threshold else side.expected)

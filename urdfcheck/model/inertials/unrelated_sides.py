@@ -13,8 +13,9 @@ from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_slip_between_twi
 from urdfcheck.facts.likeness.mirror import InertialDeviation, measure_principal_deviation
 from urdfcheck.model.inertials.mirrored_inertials import (
     find_copied_side,
+    find_typed_side,
     fit_own_drawings_alike,
-    get_comparable_inertial,
+    get_possible_inertial,
 )
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair
@@ -32,6 +33,8 @@ class UnlikeSides:
     deviation: InertialDeviation
     slip: TwinSlip | None
     """The one mistake that explains all of the difference."""
+    typed: Link | None
+    """The side whose tensor was typed, where the other's was computed."""
     copied: tuple[Link, Link] | None
     """The side with the numbers of a link that is not a counterpart of either, and that link."""
     are_drawn: bool
@@ -40,6 +43,8 @@ class UnlikeSides:
     @property
     def wrong(self) -> Link:
         """The side that is wrong; the second one where nothing shows it."""
+        if self.typed is not None:
+            return self.typed
         is_first = self.slip.is_first if self.slip is not None else False
         return self.one if is_first or (self.copied is not None and self.copied[0] is self.one) else self.other
 
@@ -51,7 +56,7 @@ class UnlikeSides:
     @property
     def is_explained(self) -> bool:
         """Whether the cause of the difference is known."""
-        return self.slip is not None or self.copied is not None
+        return self.slip is not None or self.typed is not None or self.copied is not None
 
     @property
     def ratio(self) -> float:
@@ -89,7 +94,7 @@ def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float)
     if pair.drawn_as not in {None, "neither"} or not pair.is_named or pair.is_alike is False:
         return None
     one, other = (model.link_by_name[name] for name in (pair.one, pair.other))
-    first, second = get_comparable_inertial(one), get_comparable_inertial(other)
+    first, second = get_possible_inertial(one), get_possible_inertial(other)
     if first is None or second is None:
         return None
     deviation, slip = measure_principal_deviation(second, first), find_slip_between_twins(first, second)
@@ -103,6 +108,7 @@ def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float)
         numbers=(first, second),
         deviation=deviation,
         slip=slip,
+        typed=find_typed_side(one, other) if slip is None and deviation.spread > threshold else None,
         copied=None if slip is not None else find_copied_side(model, one, other),
         are_drawn=pair.drawn_as is not None,
     )

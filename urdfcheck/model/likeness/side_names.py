@@ -36,14 +36,29 @@ def remove_places(name: str) -> tuple[str, ...]:
 
 
 def pair_by_name(names: Iterable[str]) -> Iterator[tuple[str, str]]:
-    """Yield names that differ in nothing but the side, each pair once, in the order of the names."""
+    """Yield names that differ in nothing but the side, each pair once, in the order of the names.
+
+    Where no such name is known, one that differs in what separates its words counts too: ``steerFL`` and ``steer_FR``.
+    """
     all_names = list(names)
     index = {name: i for i, name in enumerate(all_names)}
     words = {word for name in all_names for word in _WORDS.findall(name)}
+    others = {name: tuple(dict.fromkeys(_list_other_side_names(name, words))) for name in all_names}
+    known = {name: [other for other in others[name] if other in index] for name in all_names}
+    spelled: dict[tuple[str, ...], list[str]] = {}
     for name in all_names:
-        for other in dict.fromkeys(_list_other_side_names(name, words)):
-            if index.get(other, -1) > index[name]:
-                yield name, other
+        if not known[name]:
+            spelled.setdefault(_list_spelled_words(name), []).append(name)
+    for name in all_names:
+        if not known[name]:
+            alike = (spelled.get(_list_spelled_words(other), []) for other in others[name])
+            known[name] = [found[0] for found in alike if len(found) == 1]
+        yield from ((name, other) for other in known[name] if index[other] > index[name])
+
+
+def _list_spelled_words(name: str) -> tuple[str, ...]:
+    """Return the words of a name without what separates them."""
+    return tuple(word for word in _WORDS.findall(name) if word.isalnum())
 
 
 def _list_other_side_names(name: str, known: AbstractSet[str]) -> Iterator[str]:

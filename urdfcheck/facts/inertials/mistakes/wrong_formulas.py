@@ -141,5 +141,6 @@ def is_rounding_of(typed: Mat3, tensor: Mat3, slack: float = ROUNDING_SLACK) -> 
 
 def measure_decimal(tensor: Mat3) -> float | None:
     """Measure the last decimal place of six numbers, as a power of ten; None where all are zero."""
-    halves = [half for half in list_half_units([repr(v) for v in list_inertia_components(tensor)]) if half]
+    texts = [repr(value).removesuffix(".0") for value in list_inertia_components(tensor)]
+    halves = [half for half in list_half_units(texts) if half]
     return 2.0 * min(halves) if halves else None
