@@ -216,9 +216,9 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
         return None
     if pair.drawn_as == "copied" or (pair.drawn_as == "neither" and not pair.is_alike):
         return None
-    if _is_at_one_place(joints):
-        return None
     one, other = joints
+    if _is_at_one_place(joints) and not _is_renamed(pair, joints):
+        return None
     image, axis = pair.plane.linear @ model.axes[one.name], model.axes[other.name]
     angle = math.atan2(float(np.linalg.norm(np.cross(image, axis))), abs(float(image @ axis)))
     carries_mirrored = are_children_mirrored(model, pair, known_pairs)
