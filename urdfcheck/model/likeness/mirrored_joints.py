@@ -361,15 +361,13 @@ def _is_turn_taken_back(pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> 
 
 
 def _is_renamed(pair: MirrorPair, joints: tuple[Joint, Joint]) -> bool:
-    """Whether both axes are along coordinates of frames that are turned alike, but not along the same one."""
-    one, other = (joint.axis or (1.0, 0.0, 0.0) for joint in joints)
-    origins = [joint.origin.matrix for joint in joints]
-    if any(matrix is None for matrix in origins) or joints[0].type == "continuous":
+    """Whether the frames are mirror images apart from the choice of axes, and both axes are along coordinates of them, but not
+    along the same one."""
+    if joints[0].type == "continuous" or not _is_axis_aligned(pair.linear):
         return False
-    turned = float(np.abs(origins[0][:3, :3] - origins[1][:3, :3]).max())  # type: ignore[index]
-    mirrored = bool(np.abs(np.abs(np.rint(pair.linear)) - np.eye(3)).max() < 0.5) and _is_axis_aligned(pair.linear)
+    one, other = (np.array(joint.axis or (1.0, 0.0, 0.0)) for joint in joints)
     single = all(int(np.count_nonzero(axis)) == 1 for axis in (one, other))
-    return turned < 1e-6 and mirrored and single and int(np.abs(one).argmax()) != int(np.abs(other).argmax())
+    return single and int(np.abs(pair.linear @ one).argmax()) != int(np.abs(other).argmax())
 
 
 def _compute_expected_limit(

@@ -62,16 +62,16 @@ def iter_odd_numbers(model: Model) -> Iterator[OddNumbers]:
     is_bare = not any(link.visuals or link.collisions or link.inertial is not None for link in model.links)
     for group in groups.values():
         if len(group) >= _MOST_OF and (
-            group[0].is_movable or is_bare or all(_places_something(model, j) for j in group)
+            group[0].is_movable or is_bare or all(places_something(model, j) for j in group)
         ):
             yield from _find_odd_numbers(model, group)
 
 
-def _places_something(model: Model, joint: Joint) -> bool:
+def places_something(model: Model, joint: Joint) -> bool:
     """Whether a link behind a joint has a shape or a mass: a fixed frame that carries nothing may be anywhere."""
     link = model.link_by_name[joint.child]
     own = bool(link.visuals or link.collisions or link.inertial is not None)
-    return own or any(_places_something(model, below) for below in model.tree.child_joints[joint.child])
+    return own or any(places_something(model, below) for below in model.tree.child_joints[joint.child])
 
 
 def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbers]:
@@ -100,7 +100,7 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
             continue
         if attribute == "xyz" and not _is_sign_slip(places, index, like):
             expected = _restore_signs(places, index)
-        elif attribute == "rpy" and _is_slip_of_angle(turns[like].T @ turns[index]):
+        elif attribute == "rpy" and is_slip_of_angle(turns[like].T @ turns[index]):
             expected = np.array(matrix_to_rpy(turns[like]))
         elif attribute == "axis" and _is_odd_axis(model, group, index, places):
             expected = axes[like]
@@ -157,10 +157,10 @@ def _restore_signs(places: Array, index: int) -> Array:
     return restored
 
 
-def _is_slip_of_angle(away: Array) -> bool:
-    """Whether a rotation (3, 3) against the others is by an angle that nobody chooses."""
+def is_slip_of_angle(away: Array, *, least: float = _LEAST_TURN) -> bool:
+    """Whether a rotation (3, 3) against the others is by an angle, greater than ``least`` (rad), that nobody chooses."""
     angle = math.acos(min(1.0, max(-1.0, (float(np.trace(away)) - 1.0) / 2.0)))
-    return angle > _LEAST_TURN and abs(angle - round(angle / _STEP) * _STEP) > _ROUND
+    return angle > least and abs(angle - round(angle / _STEP) * _STEP) > _ROUND
 
 
 def _is_odd_axis(model: Model, group: Sequence[Joint], index: int, places: Array) -> bool:

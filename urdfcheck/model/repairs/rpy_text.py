@@ -26,6 +26,11 @@ def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[flo
     Near a pitch of 90° many angles are one rotation: those with the fewest that are not round are what the author meant.
     """
     rpy = [_snap_angle(angle) for angle in matrix_to_rpy(rotation)]
+    if typed is not None:
+        # Half a turn is one angle with either sign.
+        rpy = [
+            math.copysign(a, b) if math.pi - abs(a) < ANGLE_TOLERANCE else a for a, b in zip(rpy, typed, strict=True)
+        ]
     if typed is None or sum(abs(a - b) > ANGLE_TOLERANCE for a, b in zip(rpy, typed, strict=True)) < 2:
         return rpy
     best, least = rpy, (len(rpy) + 1, ANGLE_TOLERANCE)
@@ -48,6 +53,11 @@ def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[flo
 def _snap_angle(angle: float) -> float:
     """Round a predicted angle to a near multiple of 15°, else to 1e-6 rad."""
     return round(angle / ROUND_STEP) * ROUND_STEP if _is_round(angle) else round(angle, 6)
+
+
+def has_round_angles(rpy: Sequence[float]) -> bool:
+    """Whether all angles are near multiples of 15°."""
+    return all(map(_is_round, rpy))
 
 
 def _is_round(angle: float) -> bool:
