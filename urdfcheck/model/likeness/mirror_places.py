@@ -186,7 +186,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         else one.origin.get_attribute(odd.attribute)
         for one in (joint, odd.others[0])
     )
-    words = format_point(odd.expected, decimals=6).split() if like is None else like.value.split()
+    words = format_point(odd.expected, decimals=6).split() if like is None or odd.is_spoke else like.value.split()
     if odd.attribute == "xyz":
         signs = ["-" if value < 0 else "" for value in odd.expected.tolist()]
         words = [sign + word.lstrip("+-") for sign, word in zip(signs, words, strict=True)]
@@ -200,7 +200,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         "expected": expected,
     }
     return PlaceMistake(
-        message="odd",
+        message="spoke" if odd.is_spoke else "odd",
         joints=(joint,),
         at=places[0],
         related=tuple(places[1:]),

@@ -266,11 +266,30 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
             and _name_slip(origins[index], origins[index - 1]) == "sign"
             and not is_taken_back(model, group[index], group[index - 1], by_sign=True)
         ):
-            yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
+            pair = next((p for p in mirror_pairs(model) if p.is_in_place and group[index].child in {p.one, p.other}), None)
+            if pair is None:
+                yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
+            else:
+                yield from _find_unmirrored(model, group, index, pair)
         axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in group]
         index = _find_odd(axes)
         if index is not None and _is_reversed(model, group, index, axes):
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), True)
+
+
+def _find_unmirrored(model: Model, group: Sequence[Joint], index: int, pair: MirrorPair) -> Iterator[OddSign]:
+    """Yield the joint that made three and one of two and two: the only one with a parent on the side of the odd one, which is the
+    mirror image of its twin in a ``pair``."""
+    odd = group[index]
+
+    def is_left(joint: Joint) -> bool:
+        return float(pair.plane.normal @ model.frames[joint.parent][:3, 3]) > pair.plane.offset
+
+    beside = [joint for joint in group if joint is not odd and is_left(joint) == is_left(odd)]
+    if len(beside) == 1 and len(group) == _MOST_OF:
+        turned = np.abs(model.frames[odd.parent][:3, :3] - model.frames[beside[0].parent][:3, :3]).max()
+        if turned < _PARALLEL and beside[0].child not in {pair.one, pair.other}:
+            yield OddSign(beside[0], (odd,), False)
 
 
 def is_taken_back(model: Model, odd: Joint, like: Joint, *, by_sign: bool = False) -> bool:

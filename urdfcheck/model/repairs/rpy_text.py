@@ -27,10 +27,7 @@ def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[flo
     """
     rpy = [_snap_angle(angle) for angle in matrix_to_rpy(rotation)]
     if typed is not None:
-        # Half a turn is one angle with either sign.
-        rpy = [
-            math.copysign(a, b) if math.pi - abs(a) < ANGLE_TOLERANCE else a for a, b in zip(rpy, typed, strict=True)
-        ]
+        rpy = [_keep_typed(*both) for both in zip(rpy, typed, strict=True)]
     if typed is None or sum(abs(a - b) > ANGLE_TOLERANCE for a, b in zip(rpy, typed, strict=True)) < 2:
         return rpy
     best, least = rpy, (len(rpy) + 1, ANGLE_TOLERANCE)
@@ -48,6 +45,13 @@ def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[flo
         if off < ANGLE_TOLERANCE and misfit < least:
             best, least = kept, misfit
     return best
+
+
+def _keep_typed(angle: float, typed: float) -> float:
+    """Return what the author typed where it is the angle, and half a turn with the sign of what was typed."""
+    if abs(angle - typed) <= ANGLE_TOLERANCE:
+        return float(typed)
+    return math.copysign(angle, typed) if math.pi - abs(angle) < ANGLE_TOLERANCE else angle
 
 
 def _snap_angle(angle: float) -> float:
