@@ -357,7 +357,9 @@ def test_a_sign_that_half_a_turn_of_the_parents_does_not_flip_is_a_slip(tmp_path
     for side, y, yaw in (("left", "0.2", "0"), ("right", "-0.2", "3.14159265358979")):
         names = [f"{side}_{part}" for part in ("arm", "wrist", "motor")]
         parts += [f'<link name="{name}">{BOX.format(z=0)}</link>' for name in names]
-        parts.append(joint(f"{names[0]}_joint", "base", names[0], LIMIT, kind="revolute", xyz=f"0 {y} 0", rpy=f"0 0 {yaw}"))
+        parts.append(
+            joint(f"{names[0]}_joint", "base", names[0], LIMIT, kind="revolute", xyz=f"0 {y} 0", rpy=f"0 0 {yaw}")
+        )
         parts.append(joint(f"{names[1]}_joint", names[0], names[1], LIMIT, kind="revolute", xyz="0 0 -0.2"))
         place = f"0 -0.02 {z}" if side == "right" else "0 -0.02 -0.03"
         parts.append(joint(f"{names[2]}_joint", names[1], names[2], kind="fixed", xyz=place))
@@ -383,9 +385,13 @@ def test_a_leg_that_is_turned_against_the_other_is_found(
         for name, xyz, rpy in (("hip", f"0 {y} 0", "0 0 0"), ("thigh", "0 0 -0.1", hip), ("shin", "0 0 -0.2", knee)):
             link, turned = f"{side}_{name}", rpy if side == "left" else "0 0 0"
             parts.append(f'<link name="{link}">{BOX.format(z=-0.1)}</link>')
-            parts.append(joint(f"{link}_joint", parent, link, LIMIT, kind="revolute", xyz=xyz, rpy=turned, axis="0 1 0"))
+            parts.append(
+                joint(f"{link}_joint", parent, link, LIMIT, kind="revolute", xyz=xyz, rpy=turned, axis="0 1 0")
+            )
             parent = link
-    found = [f for f in find(tmp_path, f'<robot name="r">{"".join(parts)}</robot>', "SYM004") if "turned" in f.message_id]
+    found = [
+        f for f in find(tmp_path, f'<robot name="r">{"".join(parts)}</robot>', "SYM004") if "turned" in f.message_id
+    ]
     assert [finding.message_id for finding in found] == messages
     for finding in found:
         assert finding.fix is not None

@@ -33,18 +33,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if len(wheels) < 2:
         return
     axis = wheels[0].axis
-    if any(abs(float(wheel.axis @ axis)) < 1 - LEVEL for wheel in wheels):  # wheels in several directions: a holonomic base
-        odd_wheel = _find_inward_wheel(model, wheels)
-        if odd_wheel is not None:
-            rest = [wheel for wheel in wheels if wheel is not odd_wheel]
-            yield rule.finding(
-                "ring",
-                at=odd_wheel.joint.axis_location,
-                related=[wheel.joint.axis_location for wheel in rest],
-                edits=_propose_edits([odd_wheel]),
-                odd=odd_wheel.joint.name,
-                rest=_join_joint_names(rest),
-            )
+    if any(
+        abs(float(wheel.axis @ axis)) < 1 - LEVEL for wheel in wheels
+    ):  # wheels in several directions: a holonomic base
+        yield from _check_ring(model, rule, wheels)
         return
     along = [wheel for wheel in wheels if float(wheel.axis @ axis) > 0]
     against = [wheel for wheel in wheels if wheel not in along]
@@ -73,6 +65,21 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         odd_axis=format_point(odd[0].axis, decimals=3),
         rest_axis=format_point(rest[0].axis, decimals=3),
     )
+
+
+def _check_ring(model: Model, rule: Rule, wheels: Sequence[DrivenWheel]) -> Iterator[Finding]:
+    """Report the only wheel around a base whose axis points inwards, or outwards."""
+    odd = _find_inward_wheel(model, wheels)
+    if odd is not None:
+        rest = [wheel for wheel in wheels if wheel is not odd]
+        yield rule.finding(
+            "ring",
+            at=odd.joint.axis_location,
+            related=[wheel.joint.axis_location for wheel in rest],
+            edits=_propose_edits([odd]),
+            odd=odd.joint.name,
+            rest=_join_joint_names(rest),
+        )
 
 
 def _find_inward_wheel(model: Model, wheels: Sequence[DrivenWheel]) -> DrivenWheel | None:

@@ -46,9 +46,9 @@ class OddNumbers:
 def iter_odd_numbers(model: Model) -> Iterator[OddNumbers]:
     """Yield joints of which one attribute is unlike that of three and more like joints, those nearest to the root first.
 
-    Names of joints or of their links differ in places (``FL_knee``, ``HR_knee``), or on one parent in numbers also. Everything else that is typed of the
-    origins and axes agrees, apart from the signs of the sides. Nothing else explains an odd one: legs that bend the other way
-    come in pairs.
+    Names of joints or of their links differ in places (``FL_knee``, ``HR_knee``), or on one parent in numbers also. Everything
+    else that is typed of the origins and axes agrees, apart from the signs of the sides. Nothing else explains an odd one: legs
+    that bend the other way come in pairs.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -131,7 +131,11 @@ def _find_odd_spoke(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbers
     )
     spread = np.ptp(angles, axis=0) > _ANGLE
     index = _find_odd_vector(places)
-    if index is not None and int(spread.sum()) == 1 and float(np.linalg.norm(places[index] - places[index - 1])) > _NEAR:
+    if (
+        index is not None
+        and int(spread.sum()) == 1
+        and float(np.linalg.norm(places[index] - places[index - 1])) > _NEAR
+    ):
         if not is_taken_back(model, group[index], group[index - 1]):
             yield _make_odd_spoke(group, index, "xyz", places[index - 1])
         return

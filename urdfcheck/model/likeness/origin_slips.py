@@ -266,7 +266,9 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
             and _name_slip(origins[index], origins[index - 1]) == "sign"
             and not is_taken_back(model, group[index], group[index - 1], by_sign=True)
         ):
-            pair = next((p for p in mirror_pairs(model) if p.is_in_place and group[index].child in {p.one, p.other}), None)
+            pair = next(
+                (p for p in mirror_pairs(model) if p.is_in_place and group[index].child in {p.one, p.other}), None
+            )
             if pair is None:
                 yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
             else:

@@ -100,4 +100,6 @@ def _find_rpy(rotation: Array, joint: Joint) -> list[float]:
 def _is_free_spin(joint: Joint, away: Array) -> bool:
     """Whether a rotation (3, 3) is about the axis of a joint without limits, whose zero is of no consequence."""
     axis = np.array(joint.axis or (1.0, 0.0, 0.0))
-    return joint.type == "continuous" and bool(np.linalg.norm(away @ axis - axis) < math.sin(_LEAST) * np.linalg.norm(axis))
+    return joint.type == "continuous" and bool(
+        np.linalg.norm(away @ axis - axis) < math.sin(_LEAST) * np.linalg.norm(axis)
+    )
