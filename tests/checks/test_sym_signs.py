@@ -370,10 +370,11 @@ def test_a_sign_that_half_a_turn_of_the_parents_does_not_flip_is_a_slip(tmp_path
 @pytest.mark.parametrize(
     ("hip", "knee", "messages"),
     [
-        ("0 0.14 0", "0 0 0", ["turned"]),
-        ("0 0.14 0", "0 -0.14 0", []),  # the next joint turns back
-        ("0 0.01 0", "0 0 0", []),
-        ("0 0.2617993878 0", "0 0 0", []),
+        ("0.14 0 0", "0 0 0", ["turned"]),
+        ("0.14 0 0", "-0.14 0 0", []),  # the next joint turns back
+        ("0 0.14 0", "0 0 0", []),  # another zero
+        ("0.01 0 0", "0 0 0", []),
+        ("0.2617993878 0 0", "0 0 0", []),
     ],
 )
 def test_a_leg_that_is_turned_against_the_other_is_found(

@@ -11,6 +11,7 @@ import numpy as np
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.likeness.symmetry import is_axis_renaming, measure_rotation_angle
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair
+from urdfcheck.model.likeness.mirrored_joints import TURNING
 from urdfcheck.model.likeness.odd_limbs import is_slip_of_angle, places_something
 from urdfcheck.model.likeness.origin_slips import find_carrying_joints
 from urdfcheck.model.likeness.shape_comparison import ALIKE
@@ -72,7 +73,7 @@ def _find_turn(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]
         return None  # the frame is a choice, or the parts are not twins
     choice = np.rint(pair.linear)
     away = choice.T @ pair.linear
-    if not is_axis_renaming(choice) or not is_slip_of_angle(away, least=_LEAST) or _is_free_spin(joints[0], away):
+    if not is_axis_renaming(choice) or not is_slip_of_angle(away, least=_LEAST) or _is_of_zero(joints[0], away):
         return None
     one, other = joints
     mirror, frames = pair.plane.linear, model.frames
@@ -97,9 +98,7 @@ def _find_rpy(rotation: Array, joint: Joint) -> list[float]:
     return find_nearest_rpy(rotation, joint.origin.rpy)
 
 
-def _is_free_spin(joint: Joint, away: Array) -> bool:
-    """Whether a rotation (3, 3) is about the axis of a joint without limits, whose zero is of no consequence."""
+def _is_of_zero(joint: Joint, away: Array) -> bool:
+    """Whether a rotation (3, 3) is about the axis of a hinge: another zero, which SYM001 compares with all like joints."""
     axis = np.array(joint.axis or (1.0, 0.0, 0.0))
-    return joint.type == "continuous" and bool(
-        np.linalg.norm(away @ axis - axis) < math.sin(_LEAST) * np.linalg.norm(axis)
-    )
+    return joint.type in TURNING and bool(np.linalg.norm(away @ axis - axis) < math.sin(_LEAST) * np.linalg.norm(axis))
