@@ -841,6 +841,7 @@ def test_the_wheels_of_a_mobile_arm_are_not_joints_of_its_limb(tmp_path: Path) -
         ("-9.42478", False),
         ("1e6", False),
         ("6.3167", False),
+        ("10.3132", True),
         ("6.35", True),
     ],
 )

@@ -494,3 +494,21 @@ def test_a_repair_does_not_keep_the_angle_that_is_not_round() -> None:
     """At a pitch of 90° a yaw of -0.0049 would make up for it."""
     wanted = rpy_to_matrix((np.pi - 0.0003, 1.5708, 0.0003))
     assert find_nearest_rpy(wanted, (3.1367, 1.5708, 0.0)) == [pytest.approx(np.pi), 1.5708, 0.0]
+
+
+def test_half_a_turn_has_the_sign_that_was_typed_and_a_small_angle_stays() -> None:
+    assert find_nearest_rpy(rpy_to_matrix((0.0, 0.0, -np.pi)), (0.0, 0.0, 2.9)) == [0.0, 0.0, np.pi]
+    assert find_nearest_rpy(rpy_to_matrix((0.0, 0.00088, 0.0)), (0.0, 0.00088, 0.17)) == [0.0, 0.00088, 0.0]
+
+
+def test_an_angle_in_degrees_is_not_a_tilt_as_well(tmp_path: Path) -> None:
+    text = car(front_left="-90 0 0")
+    assert find(tmp_path / "degrees", text, "JNT012")
+    assert not find(tmp_path / "tilt", text, "SYM001")
+
+
+def test_of_equal_tilts_the_nearest_frame_is_proposed(tmp_path: Path) -> None:
+    """Half a turn about the axis has the same tilt."""
+    text = axle(right="0 0.0717150119 0").replace('axis xyz="0 1 0"', 'axis xyz="1 0 0"')
+    (finding,) = find(tmp_path, text, "SYM001")
+    assert edits(finding) == [("0 0.0717150119 0", "0 0 0")]

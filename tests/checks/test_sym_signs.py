@@ -44,7 +44,8 @@ def find_slips(tmp_path: Path, text: str) -> list[Finding]:
     return [
         f
         for f in find(tmp_path, text, "SYM004")
-        if f.message_id in {"slip", "sign", "reversed", "coincident", "opposed", "steering", "together"}
+        if f.message_id
+        in {"slip", "sign", "reversed", "coincident", "opposed", "steering", "together", "crosswise", "diagonal"}
     ]
 
 
@@ -310,9 +311,10 @@ def test_wheels_that_are_steered_to_opposite_sides_are_found(tmp_path: Path, axi
         ("0 -1 0", 'lower="-0.03" upper="0"', "finger", 1),
         ("0 1 0", 'lower="0" upper="0.03"', "carriage", 0),
         ("0 1 0", 'lower="-0.015" upper="0.015"', "finger", 0),
+        ("0 0 1", 'lower="0" upper="0.03"', "finger", 1),
     ],
 )
-def test_fingers_that_slide_to_the_same_side_are_found(
+def test_fingers_that_slide_to_the_same_side_or_across_each_other_are_found(
     tmp_path: Path, axis: str, second: str, names: str, count: int
 ) -> None:
     parts = ['<link name="palm"><visual><geometry><box size="0.4 0.2 0.1"/></geometry></visual></link>']
@@ -326,4 +328,72 @@ def test_fingers_that_slide_to_the_same_side_are_found(
             )
         )  # fmt: skip
     found = find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')
-    assert [finding.message_id for finding in found] == ["together"] * count
+    assert [finding.message_id for finding in found] == ["crosswise" if axis == "0 0 1" else "together"] * count
+
+
+@pytest.mark.parametrize(("axis", "count"), [("1 0 0", 1), ("0 0 1", 1), ("0 1 0", 0), ("0 -1 0", 0)])
+def test_copies_of_one_module_have_their_axes_along_one_coordinate(tmp_path: Path, axis: str, count: int) -> None:
+    text = make_quadruped(("FL", "FR"), FL_knee="0 0 -0.2", FR_knee="0 0 -0.2", FR_knee_axis=axis)
+    found = [f.message_id for f in find(tmp_path, text, "SYM004") if f.message_id == "axis"]
+    assert found == ["axis"] * count
+
+
+def test_a_leg_that_has_changed_sides_is_found_beside_the_odd_one(tmp_path: Path) -> None:
+    (finding,) = find_slips(tmp_path, make_quadruped(HL_hip="0 -0.05 0"))
+    assert finding.message_id == "sign"
+    assert finding.location.subject == "joint[HL_hip]/origin@xyz"
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == ["0 0.05 0"]
+
+
+def test_the_first_pair_shows_the_plane_where_a_slip_takes_the_rest_along(tmp_path: Path) -> None:
+    (finding,) = find_slips(tmp_path, make_quadruped(("FL", "FR"), FL_hip="0 0.05 -0.04", FR_hip="0 -0.05 0.04"))
+    assert (finding.message_id, finding.location.subject) == ("slip", "joint[FR_hip]/origin@xyz")
+
+
+@pytest.mark.parametrize(("z", "count"), [("-0.03", 0), ("0.03", 1)])
+def test_a_sign_that_half_a_turn_of_the_parents_does_not_flip_is_a_slip(tmp_path: Path, z: str, count: int) -> None:
+    parts = ['<link name="base"/>']
+    for side, y, yaw in (("left", "0.2", "0"), ("right", "-0.2", "3.14159265358979")):
+        names = [f"{side}_{part}" for part in ("arm", "wrist", "motor")]
+        parts += [f'<link name="{name}">{BOX.format(z=0)}</link>' for name in names]
+        parts.append(
+            joint(f"{names[0]}_joint", "base", names[0], LIMIT, kind="revolute", xyz=f"0 {y} 0", rpy=f"0 0 {yaw}")
+        )
+        parts.append(joint(f"{names[1]}_joint", names[0], names[1], LIMIT, kind="revolute", xyz="0 0 -0.2"))
+        place = f"0 -0.02 {z}" if side == "right" else "0 -0.02 -0.03"
+        parts.append(joint(f"{names[2]}_joint", names[1], names[2], kind="fixed", xyz=place))
+    found = find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')
+    assert [finding.message_id for finding in found] == ["slip"] * count
+
+
+@pytest.mark.parametrize(
+    ("hip", "knee", "messages"),
+    [
+        ("0.14 0 0", "0 0 0", ["turned"]),
+        ("0.14 0 0", "-0.14 0 0", []),  # the next joint turns back
+        ("0 0.14 0", "0 0 0", []),  # another zero
+        ("0.01 0 0", "0 0 0", []),
+        ("0.2617993878 0 0", "0 0 0", []),
+    ],
+)
+def test_a_leg_that_is_turned_against_the_other_is_found(
+    tmp_path: Path, hip: str, knee: str, messages: list[str]
+) -> None:
+    parts = ['<link name="trunk"/>']
+    for side, y in (("left", 0.1), ("right", -0.1)):
+        parent = "trunk"
+        for name, xyz, rpy in (("hip", f"0 {y} 0", "0 0 0"), ("thigh", "0 0 -0.1", hip), ("shin", "0 0 -0.2", knee)):
+            link, turned = f"{side}_{name}", rpy if side == "left" else "0 0 0"
+            parts.append(f'<link name="{link}">{BOX.format(z=-0.1)}</link>')
+            parts.append(
+                joint(f"{link}_joint", parent, link, LIMIT, kind="revolute", xyz=xyz, rpy=turned, axis="0 1 0")
+            )
+            parent = link
+    found = [
+        f for f in find(tmp_path, f'<robot name="r">{"".join(parts)}</robot>', "SYM004") if "turned" in f.message_id
+    ]
+    assert [finding.message_id for finding in found] == messages
+    for finding in found:
+        assert finding.fix is not None
+        assert [(edit.expected, edit.replacement) for edit in finding.fix.edits] == [(hip, "0 0 0")]

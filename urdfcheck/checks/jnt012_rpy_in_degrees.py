@@ -21,6 +21,8 @@ _SQUARE, _DIAGONAL = math.pi / 2, math.pi / 4
 _USUAL_DEGREES = 15
 # Sums of angles stay below some turns: 95 is in degrees and not a multiple of 15° in radians with few digits.
 _MOST_TURNS = 4
+# Exporters keep angles within a turn, to which the next joint may add a little.
+_LITTLE_MORE = 1.25
 
 
 def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Finding]:
@@ -83,7 +85,7 @@ def _is_degrees(angle: float, step: float, near: float) -> bool:
     size = abs(angle)
     fraction = size <= _MOST_TURNS * math.tau and abs(size - round(size / step) * step) <= near
     # Nobody types degrees to four decimals; an exporter writes an angle of little more than a turn so.
-    is_computed = size < 2 * math.tau and round(size, 3) != size
+    is_computed = size < _LITTLE_MORE * math.tau and round(size, 3) != size
     return math.tau < size <= 360 * _MOST_TURNS and not fraction and not is_computed
 
 

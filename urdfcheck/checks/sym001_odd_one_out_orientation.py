@@ -33,7 +33,7 @@ from urdfcheck.model.likeness.sibling_joints import (
 )
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
-from urdfcheck.model.repairs.rpy_text import ANGLE_TOLERANCE, ROUND_STEP, find_nearest_rpy, format_angle
+from urdfcheck.model.repairs.rpy_text import ANGLE_TOLERANCE, find_nearest_rpy, format_angle, has_round_angles
 from urdfcheck.model.wheel_names import PASSIVE_NAME, WHEEL_CARRIER_NAME, WHEEL_NAME
 from urdfcheck.source.text.values import parse_number
 
@@ -240,7 +240,9 @@ def _pick_outlier_by_angles(
         others = tuple(group[i] for i in among if i != index)
         typed = _collect_unround_rpys(model, group[index], name)
         if len(typed) == 1 and all(
-            _has_round_angles(one) for other in others for one in trace_fixed_chain(model, other, name)
+            one.origin.rpy is not None and has_round_angles(one.origin.rpy)
+            for other in others
+            for one in trace_fixed_chain(model, other, name)
         ):
             few = "sibling" if len(others) == 1 else "siblings"
             have = "has" if len(others) == 1 else "have"
@@ -278,13 +280,6 @@ def _get_unround_rpy(joint: Joint) -> str | None:
         ):
             return attribute.value
     return None
-
-
-def _has_round_angles(joint: Joint) -> bool:
-    rpy = joint.origin.rpy
-    return rpy is not None and all(
-        abs(angle - round(angle / ROUND_STEP) * ROUND_STEP) < ANGLE_TOLERANCE for angle in rpy
-    )
 
 
 def _build_pair_finding(model: Model, rule: Rule, pair: tuple[Joint, Joint, SuspectFrames]) -> Finding:

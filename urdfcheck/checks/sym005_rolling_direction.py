@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_point
 from urdfcheck.model import Model
@@ -17,10 +19,13 @@ from urdfcheck.source.text.values import parse_number
 # Plugins and controllers that drive straight with velocities of one sign. Other programs may negate one side.
 _DRIVES_ALIKE = re.compile(r"diff[-_]?drive|skid[-_]?steer|mecanum[-_]?drive", re.IGNORECASE)
 
+# Of three wheels around a base one may point inwards as well as the other two.
+_RING = 4
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     known = find_driven_wheels(model)
-    if len({float(wheel.axis @ known[0].axis) > 0 for wheel in known}) < 2:
+    if all(float(wheel.axis @ known[0].axis) > 1 - LEVEL for wheel in known):
         return  # all roll alike
     driven = _list_driven_names(model)
     # What a drive turns is a wheel, even if it hangs in the air by mistake.
@@ -28,8 +33,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if len(wheels) < 2:
         return
     axis = wheels[0].axis
-    if any(abs(float(wheel.axis @ axis)) < 1 - LEVEL for wheel in wheels):
-        return  # wheels in several directions: a holonomic base, whose wheels roll outwards by convention
+    if any(
+        abs(float(wheel.axis @ axis)) < 1 - LEVEL for wheel in wheels
+    ):  # wheels in several directions: a holonomic base
+        yield from _check_ring(model, rule, wheels)
+        return
     along = [wheel for wheel in wheels if float(wheel.axis @ axis) > 0]
     against = [wheel for wheel in wheels if wheel not in along]
     if not against:
@@ -57,6 +65,36 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         odd_axis=format_point(odd[0].axis, decimals=3),
         rest_axis=format_point(rest[0].axis, decimals=3),
     )
+
+
+def _check_ring(model: Model, rule: Rule, wheels: Sequence[DrivenWheel]) -> Iterator[Finding]:
+    """Report the only wheel around a base whose axis points inwards, or outwards."""
+    odd = _find_inward_wheel(model, wheels)
+    if odd is not None:
+        rest = [wheel for wheel in wheels if wheel is not odd]
+        yield rule.finding(
+            "ring",
+            at=odd.joint.axis_location,
+            related=[wheel.joint.axis_location for wheel in rest],
+            edits=_propose_edits([odd]),
+            odd=odd.joint.name,
+            rest=_join_joint_names(rest),
+        )
+
+
+def _find_inward_wheel(model: Model, wheels: Sequence[DrivenWheel]) -> DrivenWheel | None:
+    """Return the only wheel around a holonomic base whose axis points inwards where those of all others point outwards, or the
+    other way round; None where an axis is along no spoke, or there are fewer than three others."""
+    places = np.array([model.frames[wheel.joint.child][:3, 3] for wheel in wheels])
+    spokes = places - places.mean(axis=0)
+    along = (spokes * [wheel.axis for wheel in wheels]).sum(axis=1)
+    outwards = along > 0
+    if len(wheels) < _RING or not (np.abs(along) > (1 - LEVEL) * np.linalg.norm(spokes, axis=1)).all():
+        return None
+    for odd, is_out in enumerate(outwards):
+        if (np.delete(outwards, odd) != is_out).all():
+            return wheels[odd]
+    return None
 
 
 def _are_on_two_sides(model: Model, one: Sequence[DrivenWheel], other: Sequence[DrivenWheel]) -> bool:

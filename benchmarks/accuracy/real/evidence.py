@@ -44,6 +44,9 @@ _NUMBERS = re.compile(r"[0-9]+")
 _UNLIKE = 0.05
 # A collision shape smaller than this share of what is drawn is a stand-in.
 _TOKEN = 0.1
+# Shorter origins (m) are zero.
+_NO_LENGTH = 1e-6
+_SCENE = re.compile(r"(?i)world|map|odom")
 # So many other joints say what a robot's joints are like.
 _LEAST_JOINTS = 3
 
@@ -88,7 +91,7 @@ def _is_base_of_limb(part: Part) -> bool:
 def _has_telling_joints(part: Part) -> bool:
     """Whether so many joints have a length that they say how large the robot is."""
     lengths = [float(np.linalg.norm(joint.origin.xyz or (0, 0, 0))) for joint in part.owner.model.joints]
-    return sum(length > 1e-6 for length in lengths) >= _LEAST_JOINTS
+    return sum(length > _NO_LENGTH for length in lengths) >= _LEAST_JOINTS
 
 
 def _measure_body_mass(part: Part) -> float:
@@ -121,14 +124,21 @@ def find_joint_evidence(part: Part, old: Array, new: Array, shared: Collection[s
         length = float(np.linalg.norm(other.origin.xyz or (0, 0, 0)))
         lengths.append(length)
         if other.type == joint.type and np.isclose(length, mine, rtol=1e-3, atol=1e-5):
-            sides += _is_other_side(other.name, joint.name) and _is_other_side(other.parent, joint.parent, or_same=True)
+            # Two covers with the origin of the body that they are on say nothing of each other.
+            may_mirror = mine > _NO_LENGTH or other.parent != joint.parent
+            sides += (
+                may_mirror
+                and _is_other_side(other.name, joint.name)
+                and _is_other_side(other.parent, joint.parent, or_same=True)
+            )
             row += other.parent == joint.parent and _strip(other.name) == _strip(joint.name)
     if sides or row >= 2:
         found.add("twin")
     # One or two other joints do not say how large a robot is.
-    known = sum(length > 1e-6 for length in lengths) >= _LEAST_JOINTS
+    known = sum(length > _NO_LENGTH for length in lengths) >= _LEAST_JOINTS
     if (
         known
+        and not _SCENE.fullmatch(joint.parent)  # a robot is anywhere in its world
         and len(new) == 3
         and np.linalg.norm(new) > 10 * max(lengths)
         and np.linalg.norm(new) > 2 * np.linalg.norm(old)
@@ -356,7 +366,8 @@ def _carries_something(part: Part) -> bool:
 
     def has_body(name: str) -> bool:
         link = model.link_by_name[name]
-        return bool(link.visuals or link.collisions or link.inertial is not None)
+        has_mass = link.inertial is not None and link.inertial.mass != 0
+        return bool(link.visuals or link.collisions or has_mass)
 
     if not any(has_body(link.name) for link in model.links):
         return True

@@ -390,7 +390,9 @@ def _suspect_members(
             deviation = _classify_deviation(frame, turn[index], axes[index])
             if deviation is not None:
                 kind, angle, _ = deviation
-                ways.append((kind == "axis_tilt", renamed, abs(angle), place, kind, angle))
+                # Half turns about the axis do not show in its tilt: of equal ones the nearest frame is meant.
+                whole = measure_rotation_angle(frame, turn[index])
+                ways.append((kind == "axis_tilt", renamed, round(abs(angle), 6), whole, place, kind, angle))
         if not ways:
             return None
         *_, best, kind, angle = min(ways)

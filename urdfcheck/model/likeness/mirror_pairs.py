@@ -184,7 +184,7 @@ def _match_group(model: Model, group: Sequence[tuple[str, str]]) -> Iterator[Mir
     for link in (_find_common_body(model, *group[0]), _find_common_link(model, *group[0])):
         # A link that is fixed to the body by angles like 1.57 has axes beside those of the body.
         normals += [axis for axis in model.frames[link][:3, :3].T if not any((axis == n).all() for n in normals)]
-    fitted = _fit_mirror_plane(model, single or group, normals)
+    fitted = _fit_mirror_plane(model, single or group, normals) or _fit_nearest_pairs(model, single, normals)
     if fitted is None:
         return
     plane, agreeing = fitted
@@ -218,6 +218,19 @@ def _fit_mirror_plane(
     if not known:
         return None
     return find_mirror_plane([a for a, _ in known], [b for _, b in known], normals=normals, tolerance=PLACE)
+
+
+def _fit_nearest_pairs(
+    model: Model, group: Sequence[tuple[str, str]], normals: Sequence[Array]
+) -> tuple[MirrorPlane, int] | None:
+    """Fit the plane to the pairs that hang on one link only, where it is across an axis: a joint out of its place takes all pairs
+    behind it along, which may be most of the group."""
+    before = model.tree.parent_joint
+    nearest = [names for names in group if before[names[0]].parent == before[names[1]].parent]
+    if not nearest or len(nearest) == len(group):
+        return None
+    fitted = _fit_mirror_plane(model, nearest, normals)
+    return fitted if fitted and any(abs(float(fitted[0].normal @ normal)) > _PARALLEL for normal in normals) else None
 
 
 def _refit_without_hinges(

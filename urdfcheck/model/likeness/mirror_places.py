@@ -19,14 +19,17 @@ from urdfcheck.model.likeness.origin_slips import (
     OriginSlip,
     find_origin_slips,
     iter_coincident_twins,
+    iter_diagonal_twins,
     iter_odd_signs,
 )
 from urdfcheck.model.likeness.sides.lone_coordinates import iter_lone_coordinates
+from urdfcheck.model.likeness.sides.lone_turns import LoneTurn, iter_lone_turns
 from urdfcheck.model.likeness.sides.opposed_axes import OpposedAxes, iter_opposed_axes
 from urdfcheck.model.likeness.sides.settled_places import is_settled
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_all_numbers
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
+from urdfcheck.model.repairs.rpy_text import format_angle
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
@@ -70,7 +73,10 @@ def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[Pl
             yield _describe_slip(slip)
     for one, other in iter_coincident_twins(model):
         yield _describe_coincidence(one, other)
+    for one, other in iter_diagonal_twins(model):
+        yield _describe_diagonal(one, other)
     yield from map(_describe_opposed_axes, iter_opposed_axes(model, pairs))
+    yield from map(_describe_lone_turn, iter_lone_turns(model, pairs))
     for pair in pairs:
         off = find_misplaced_joint(model, pair, pairs)
         if off is not None and not (off.distance and is_settled(model, [pair.one, pair.other], pairs)):
@@ -93,6 +99,33 @@ def _describe_misplaced_joint(off: MisplacedJoint) -> PlaceMistake:
     at, related = (locate_origin_attribute(joint, "rpy") if off.turned else joint.axis_location for joint in both)
     data["angle"] = math.degrees(off.angle)
     return PlaceMistake(message="axis", joints=both, at=at, related=(related,), data=data)
+
+
+def _describe_lone_turn(turn: LoneTurn) -> PlaceMistake:
+    both = turn.joint, turn.twin
+    at, related = (locate_origin_attribute(joint, "rpy") for joint in both)
+    change, other = (
+        change_numbers(joint.origin.get_attribute("rpy"), "rpy", " ".join(format_angle(a, xacro=False) for a in angles))
+        for joint, angles in ((turn.joint, turn.expected), (turn.twin, turn.twin_expected))
+    )
+    shared = at.span == related.span
+    first = describe_remedy([change], turn.joint.name, turn.twin.name, shared=shared)
+    second = describe_remedy([other], turn.twin.name, turn.joint.name, shared=shared)
+    return PlaceMistake(
+        message="turned" if turn.is_decided else "turned_pair",
+        joints=both,
+        at=at,
+        related=(related,),
+        edits=tuple(edit_all_numbers([(change.attribute, change.text)])) if turn.is_decided and not shared else (),
+        data={
+            "joint": turn.joint.name,
+            "twin": turn.twin.name,
+            "angle": math.degrees(turn.angle),
+            "first": first,
+            "second": second,
+            "between": _list_subjects(both),
+        },
+    )
 
 
 def _describe_slip(slip: OriginSlip) -> PlaceMistake:
@@ -153,7 +186,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         else one.origin.get_attribute(odd.attribute)
         for one in (joint, odd.others[0])
     )
-    words = format_point(odd.expected, decimals=6).split() if like is None else like.value.split()
+    words = format_point(odd.expected, decimals=6).split() if like is None or odd.is_spoke else like.value.split()
     if odd.attribute == "xyz":
         signs = ["-" if value < 0 else "" for value in odd.expected.tolist()]
         words = [sign + word.lstrip("+-") for sign, word in zip(signs, words, strict=True)]
@@ -167,7 +200,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         "expected": expected,
     }
     return PlaceMistake(
-        message="odd",
+        message="spoke" if odd.is_spoke else "odd",
         joints=(joint,),
         at=places[0],
         related=tuple(places[1:]),
@@ -203,6 +236,24 @@ def _describe_coincidence(one: Joint, other: Joint) -> PlaceMistake:
         "between": _list_subjects((one, other)),
     }
     return PlaceMistake(message="coincident", joints=(one, other), at=at, related=(related,), data=data)
+
+
+def _describe_diagonal(one: Joint, other: Joint) -> PlaceMistake:
+    (at, typed), (related, like) = (
+        (locate_origin_attribute(joint, "xyz"), format_point(joint.origin.xyz or (0.0, 0.0, 0.0), decimals=6))
+        for joint in (other, one)
+    )
+    signs = [a * b < 0 for a, b in zip(one.origin.xyz or (), other.origin.xyz or (), strict=True)]
+    data = {
+        "joint": other.name,
+        "twin": one.name,
+        "parent": one.parent,
+        "typed": typed,
+        "like": like,
+        "axes": join_names(letter for letter, differs in zip("xyz", signs, strict=True) if differs),
+        "between": _list_subjects((one, other)),
+    }
+    return PlaceMistake(message="diagonal", joints=(other, one), at=at, related=(related,), data=data)
 
 
 def _describe_move(joint: Joint, twin: Joint, place: Array) -> str:

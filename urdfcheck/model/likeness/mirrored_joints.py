@@ -39,7 +39,7 @@ _MEASURED_PAIRS = 4
 # A joint that is out of place by a turn of its parent is as far from the parent's axis as its twin, to the digits (m) of a CAD
 # program; or, where both have the same coordinates in their parents, to this share of its displacement.
 _TURNED_EXACTLY, _TURNED_SHARE = 5e-6, 0.05
-_TURNING = frozenset({"revolute", "continuous"})
+TURNING = frozenset({"revolute", "continuous"})
 # Pairs that must agree about the plane before a joint can be out of its place.
 WITNESSES = 2
 
@@ -216,9 +216,9 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
         return None
     if pair.drawn_as == "copied" or (pair.drawn_as == "neither" and not pair.is_alike):
         return None
-    if _is_at_one_place(joints):
-        return None
     one, other = joints
+    if _is_at_one_place(joints) and not _is_renamed(pair, joints):
+        return None
     image, axis = pair.plane.linear @ model.axes[one.name], model.axes[other.name]
     angle = math.atan2(float(np.linalg.norm(np.cross(image, axis))), abs(float(image @ axis)))
     carries_mirrored = are_children_mirrored(model, pair, known_pairs)
@@ -264,7 +264,7 @@ def _is_turned_with_parent(model: Model, pair: MirrorPair, joints: tuple[Joint, 
     """Whether the second joint of a pair is where it should be apart from a turn about the axis of the joint before it: then the
     zero of that joint differs, and the place in the part may be right. ``distance``: of the two places, m."""
     before = [one for one in model.tree.find_path_to(joints[1].parent) if one.is_movable]
-    if not before or before[-1].type not in _TURNING or before[-1].name not in model.axes:
+    if not before or before[-1].type not in TURNING or before[-1].name not in model.axes:
         return False
     axis, center = model.axes[before[-1].name], model.frames[before[-1].child][:3, 3]
     image = pair.plane.reflect_points(model.frames[pair.one][:3, 3])
@@ -315,7 +315,7 @@ def measure_axis_offset(model: Model, pair: MirrorPair) -> float:
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     shift, joint = model.frames[pair.other][:3, :3] @ pair.shift, model.tree.parent_joint.get(pair.other)
-    if joint is not None and joint.type in _TURNING and joint.name in model.axes:
+    if joint is not None and joint.type in TURNING and joint.name in model.axes:
         axis = model.axes[joint.name]
         shift = shift - axis * float(shift @ axis)
     return float(np.linalg.norm(shift))
@@ -329,7 +329,7 @@ def are_children_mirrored(model: Model, pair: MirrorPair, known_pairs: Sequence[
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     below = [known for known in known_pairs if known is not pair and known.is_attached_to(pair)]
-    nearest = [one for one in below if not any(one is not other and one.is_attached_to(other) for other in below)]
+    nearest = _list_nearest(below)
     # An offset along parallel axes is a choice in each of them, but only a frame that is in place takes it back.
     in_place = any(one.is_in_place for one in below)
     drawn = [one for one in nearest if one.drawn_as is not None] or nearest
@@ -355,21 +355,24 @@ def _is_turn_taken_back(pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> 
     Two angles that were typed to fit each other, as those of a CAD assembly, are not a slip.
     """
     below = [known for known in known_pairs if known is not pair and known.is_attached_to(pair)]
-    nearest = [one for one in below if not any(one is not other and one.is_attached_to(other) for other in below)]
+    nearest = _list_nearest(below)
     is_back = all(_is_axis_aligned(one.linear) and one.is_in_place for one in nearest)
     return bool(nearest) and is_back and not _is_axis_aligned(pair.linear)
 
 
+def _list_nearest(below: Sequence[MirrorPair]) -> list[MirrorPair]:
+    """Return those of some pairs that hang on no other of them."""
+    return [one for one in below if not any(one is not other and one.is_attached_to(other) for other in below)]
+
+
 def _is_renamed(pair: MirrorPair, joints: tuple[Joint, Joint]) -> bool:
-    """Whether both axes are along coordinates of frames that are turned alike, but not along the same one."""
-    one, other = (joint.axis or (1.0, 0.0, 0.0) for joint in joints)
-    origins = [joint.origin.matrix for joint in joints]
-    if any(matrix is None for matrix in origins) or joints[0].type == "continuous":
+    """Whether the frames are mirror images apart from the choice of axes, and both axes are along coordinates of them, but not
+    along the same one."""
+    if joints[0].type == "continuous" or not _is_axis_aligned(pair.linear):
         return False
-    turned = float(np.abs(origins[0][:3, :3] - origins[1][:3, :3]).max())  # type: ignore[index]
-    mirrored = bool(np.abs(np.abs(np.rint(pair.linear)) - np.eye(3)).max() < 0.5) and _is_axis_aligned(pair.linear)
+    one, other = (np.array(joint.axis or (1.0, 0.0, 0.0)) for joint in joints)
     single = all(int(np.count_nonzero(axis)) == 1 for axis in (one, other))
-    return turned < 1e-6 and mirrored and single and int(np.abs(one).argmax()) != int(np.abs(other).argmax())
+    return single and int(np.abs(pair.linear @ one).argmax()) != int(np.abs(other).argmax())
 
 
 def _compute_expected_limit(
@@ -415,10 +418,13 @@ def _compute_expected_range(
     if abs(along) < math.cos(ARRANGED) or not differs:
         return {}
     below = [p for p in known_pairs if p.is_attached_to(pair)]
-    if pair.drawn_as is None and not all(p.is_in_place and _is_axis_aligned(p.linear) for p in below):
+    is_negated = _has_negated_axis(model, joints)
+    # One range and opposite axes: of the poses behind the joint, the next one is enough to show that zeros are mirrored.
+    shown = (pair, *_list_nearest([p for p in below if p is not pair])) if is_negated and (a, b) == (c, d) else below
+    if pair.drawn_as is None and not all(p.is_in_place and _is_axis_aligned(p.linear) for p in shown):
         return {}  # the zero of one side may be another angle
     drawn = {p.drawn_as for p in below}
-    is_module = ("mirrored" not in drawn or "copied" in drawn) and not _has_negated_axis(model, joints)
+    is_module = ("mirrored" not in drawn or "copied" in drawn) and not is_negated
     if is_module and max(abs(a - c), abs(b - d)) <= slack:
         return {}
     pairs = (("lower", lower, c), ("upper", upper, d))

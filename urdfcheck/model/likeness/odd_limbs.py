@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.facts.motion.kinematics import matrix_to_rpy
+from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model.likeness.origin_slips import is_taken_back
+from urdfcheck.model.likeness.shape_comparison import is_alike
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
@@ -38,40 +39,45 @@ class OddNumbers:
     attribute: Literal["axis", "xyz", "rpy"]
     expected: Array
     """(3,) What the others have, with the signs of this joint's side."""
+    is_spoke: bool = False
+    """Whether all hang at one place of one link, and one angle differs from joint to joint."""
 
 
 def iter_odd_numbers(model: Model) -> Iterator[OddNumbers]:
     """Yield joints of which one attribute is unlike that of three and more like joints, those nearest to the root first.
 
-    Names differ in places (``FL_knee``, ``HR_knee``), or on one parent in numbers also. Everything else that is typed of the
-    origins and axes agrees, apart from the signs of the sides. Nothing else explains an odd one: legs that bend the other way
-    come in pairs.
+    Names of joints or of their links differ in places (``FL_knee``, ``HR_knee``), or on one parent in numbers also. Everything
+    else that is typed of the origins and axes agrees, apart from the signs of the sides. Nothing else explains an odd one: legs
+    that bend the other way come in pairs.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     groups: dict[object, list[Joint]] = {}
     for name in model.tree.order[1:]:
         joint = model.tree.parent_joint[name]
-        words = remove_places(joint.name)
-        if joint.mimic is None and joint.origin.xyz is not None and joint.origin.rpy is not None:
-            groups.setdefault((joint.type, words), []).append(joint)
+        if joint.mimic is not None or joint.origin.xyz is None or joint.origin.rpy is None:
+            continue
+        # Exporters number joints, whatever they carry: then the names of the links say what is alike.
+        for of_link, words in enumerate((remove_places(joint.name), remove_places(name))):
+            groups.setdefault((joint.type, of_link, words), []).append(joint)
             stripped = tuple(word for word in words if not word.isdigit())
             if stripped != words:
-                groups.setdefault((joint.type, stripped, joint.parent), []).append(joint)
+                groups.setdefault((joint.type, of_link, stripped, joint.parent), []).append(joint)
     # Some models have joints only.
     is_bare = not any(link.visuals or link.collisions or link.inertial is not None for link in model.links)
-    for group in groups.values():
+    for group in {tuple(joint.name for joint in group): group for group in groups.values()}.values():
         if len(group) >= _MOST_OF and (
-            group[0].is_movable or is_bare or all(_places_something(model, j) for j in group)
+            group[0].is_movable or is_bare or all(places_something(model, j) for j in group)
         ):
             yield from _find_odd_numbers(model, group)
+            yield from _find_odd_spoke(model, group)
 
 
-def _places_something(model: Model, joint: Joint) -> bool:
+def places_something(model: Model, joint: Joint) -> bool:
     """Whether a link behind a joint has a shape or a mass: a fixed frame that carries nothing may be anywhere."""
     link = model.link_by_name[joint.child]
     own = bool(link.visuals or link.collisions or link.inertial is not None)
-    return own or any(_places_something(model, below) for below in model.tree.child_joints[joint.child])
+    return own or any(places_something(model, below) for below in model.tree.child_joints[joint.child])
 
 
 def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbers]:
@@ -82,8 +88,10 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
         return
     odd_place, odd_turn = _find_odd_place(places), _find_odd_turn(turns)
     odd_axis = _find_odd_vector(axes) if group[0].has_axis else None
-    odd = [index for index in (odd_place, odd_turn, odd_axis) if index is not None]
-    rest = [values for values in (np.abs(places), turns.reshape(len(group), 9), axes) if len(values)]
+    # Axes of two sides have two signs: then the odd line is that of the odd one.
+    odd_line = _find_odd_vector(np.abs(axes)) if odd_axis is None else None
+    odd = [index for index in (odd_place, odd_turn, odd_axis, odd_line) if index is not None]
+    rest = (np.abs(places), turns.reshape(len(group), 9), np.abs(axes))
     # A joint with two attributes of its own is arranged otherwise.
     single = {index for index in odd if odd.count(index) == 1}
     if not odd or not all(_agree(values, odd) for values in rest):
@@ -96,17 +104,57 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
             continue
         like = next(i for i in range(len(group)) if i not in odd)
         others = tuple(other for i, other in enumerate(group) if i != index)
+        if is_alike(model, group[index].child, group[like].child) is False:
+            continue
         if attribute == "xyz" and is_taken_back(model, group[index], group[like]):
             continue
         if attribute == "xyz" and not _is_sign_slip(places, index, like):
             expected = _restore_signs(places, index)
-        elif attribute == "rpy" and _is_slip_of_angle(turns[like].T @ turns[index]):
+        elif attribute == "rpy" and is_slip_of_angle(turns[like].T @ turns[index]):
             expected = np.array(matrix_to_rpy(turns[like]))
         elif attribute == "axis" and _is_odd_axis(model, group, index, places):
             expected = axes[like]
         else:
             continue
         yield OddNumbers(joint=group[index], others=others, attribute=attribute, expected=expected)
+
+
+def _find_odd_spoke(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbers]:
+    """Yield the joint that is beside the point where all others of a hub are, or is turned about another axis than they are.
+
+    Arms that a multicopter has around its middle differ in their yaw only.
+    """
+    if len({joint.parent for joint in group}) > 1:
+        return
+    places, angles = (
+        np.array([getattr(joint.origin, name) for joint in group], dtype=float) for name in ("xyz", "rpy")
+    )
+    spread = np.ptp(angles, axis=0) > _ANGLE
+    index = _find_odd_vector(places)
+    if (
+        index is not None
+        and int(spread.sum()) == 1
+        and float(np.linalg.norm(places[index] - places[index - 1])) > _NEAR
+    ):
+        if not is_taken_back(model, group[index], group[index - 1]):
+            yield _make_odd_spoke(group, index, "xyz", places[index - 1])
+        return
+    if np.ptp(places, axis=0).max() > _NEAR:
+        return
+    for index in range(len(group)):
+        others = np.delete(angles, index, axis=0)
+        free = np.ptp(others, axis=0) > _ANGLE
+        needed = np.where(free, angles[index], others[0])
+        away = rpy_to_matrix(needed).T @ rpy_to_matrix(angles[index])
+        if int(free.sum()) == 1 and is_slip_of_angle(away):
+            yield _make_odd_spoke(group, index, "rpy", needed)
+
+
+def _make_odd_spoke(
+    group: Sequence[Joint], index: int, attribute: Literal["xyz", "rpy"], expected: Array
+) -> OddNumbers:
+    others = (*group[:index], *group[index + 1 :])
+    return OddNumbers(joint=group[index], others=others, attribute=attribute, expected=expected, is_spoke=True)
 
 
 def _agree(values: Array, odd: Sequence[int]) -> bool:
@@ -157,10 +205,10 @@ def _restore_signs(places: Array, index: int) -> Array:
     return restored
 
 
-def _is_slip_of_angle(away: Array) -> bool:
-    """Whether a rotation (3, 3) against the others is by an angle that nobody chooses."""
+def is_slip_of_angle(away: Array, *, least: float = _LEAST_TURN) -> bool:
+    """Whether a rotation (3, 3) against the others is by an angle, greater than ``least`` (rad), that nobody chooses."""
     angle = math.acos(min(1.0, max(-1.0, (float(np.trace(away)) - 1.0) / 2.0)))
-    return angle > _LEAST_TURN and abs(angle - round(angle / _STEP) * _STEP) > _ROUND
+    return angle > least and abs(angle - round(angle / _STEP) * _STEP) > _ROUND
 
 
 def _is_odd_axis(model: Model, group: Sequence[Joint], index: int, places: Array) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
-from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair, mirror_pairs
+from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair, list_named_pairs, mirror_pairs
 from urdfcheck.model.likeness.mirrored_joints import (
     WITNESSES,
     are_children_mirrored,
@@ -75,7 +75,7 @@ def find_origin_slips(model: Model) -> tuple[OriginSlip, ...]:
 
 
 def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> OriginSlip | None:
-    joints = _get_joints(model, pair)
+    joints = find_carrying_joints(model, pair)
     if joints is None or not pair.is_named:
         return None
     one, other = joints
@@ -92,7 +92,7 @@ def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]
             model, pair, known_pairs, 1 if is_same or kind == "decimal" else WITNESSES
         ):
             continue
-        if kind == "sign" and pair.drawn_as != "mirrored" and not _is_parallel(model, pair):
+        if kind == "sign" and pair.drawn_as != "mirrored" and _is_placed_by_turn(model, pair, joints):
             continue  # a part that is rotated by half a turn may be placed by half a turn as well
         if pair.is_in_place or are_children_mirrored(model, pair, known_pairs):
             continue  # one joint takes back what another one adds: the correction would displace all that follows
@@ -108,7 +108,7 @@ def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]
     return None
 
 
-def _get_joints(model: Model, pair: MirrorPair) -> tuple[Joint, Joint] | None:
+def find_carrying_joints(model: Model, pair: MirrorPair) -> tuple[Joint, Joint] | None:
     """Return the joints on which the links of a pair hang; None where their types differ."""
     one, other = (model.tree.parent_joint.get(name) for name in (pair.one, pair.other))
     if one is None or other is None or one.type != other.type:
@@ -120,7 +120,7 @@ def _has_witnesses(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorP
     """Whether so many other pairs with a parallel plane have joints whose origins are mirror images."""
     count = 0
     for known in known_pairs:
-        joints = _get_joints(model, known)
+        joints = find_carrying_joints(model, known)
         parallel = abs(float(known.plane.normal @ pair.plane.normal)) > 1 - _PARALLEL
         if known is pair or joints is None or not known.is_named or not parallel:
             continue
@@ -131,10 +131,13 @@ def _has_witnesses(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorP
     return count >= least
 
 
-def _is_parallel(model: Model, pair: MirrorPair) -> bool:
-    """Whether the frames of both sides have the same axes, all joints at zero."""
+def _is_placed_by_turn(model: Model, pair: MirrorPair, joints: tuple[Joint, Joint]) -> bool:
+    """Whether the rotation that takes the frame of one link of a pair to that of the other takes its place on its parent there,
+    too: the origin is no mirror image, but that of a part that is rotated."""
     one, other = (model.frames[name][:3, :3] for name in (pair.one, pair.other))
-    return bool(np.abs(one - other).max() < _PARALLEL)
+    arms = [model.frames[joint.parent][:3, :3] @ (joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in joints]
+    is_turned = bool(np.abs(one - other).max() > _PARALLEL)
+    return is_turned and bool(np.abs(other @ one.T @ arms[0] - arms[1]).max() < PLACE)
 
 
 def _compute_image(model: Model, pair: MirrorPair, joint: Joint, twin: Joint) -> Array:
@@ -156,13 +159,14 @@ def _name_slip(typed: Array, expected: Array) -> str | None:
     """Name the slip that makes ``typed`` (3,) of ``expected``; None if there is no such slip."""
     length = float(np.linalg.norm(expected))
     near = min(PLACE, _SAME * length)
-    least = max(_LEAST_SHARE * length, _LEAST)
+    least = _LEAST_SHARE * length
     off = np.abs(typed - expected) > near
-    if int(off.sum()) == 1 and abs(expected[off][0]) > least and abs(typed[off][0] + expected[off][0]) <= near:
+    largest = float(np.abs(expected[off]).max(initial=0.0))
+    if int(off.sum()) == 1 and largest > max(least, _LEAST) and abs(typed[off][0] + expected[off][0]) <= near:
         return "sign"
     for power in _POWERS:
         slipped = np.where(off, expected * power, expected)
-        if np.abs(expected[off]).max(initial=0.0) > least and np.abs(typed - slipped).max() <= power * near:
+        if largest > least and power * largest > _LEAST and np.abs(typed - slipped).max() <= power * near:
             return "decimal"
     return None
 
@@ -186,6 +190,24 @@ def iter_coincident_twins(model: Model) -> Iterator[tuple[Joint, Joint]]:
             apart = frames[one.child] - frames[other.child]
             if np.abs(apart[:3, 3]).max() < 1e-6 and _is_one_body(model, one.child, other.child):
                 yield one, other
+
+
+def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint]]:
+    """Yield left and right joints on one link whose origins differ in the signs of two coordinates, and in nothing else: a mirror
+    flips one coordinate, and half a turn flips two and turns the frame.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    for names in list_named_pairs(model):
+        one, other = (model.tree.parent_joint.get(name) for name in names)
+        if one is None or other is None or not one.is_movable or (one.parent, one.type) != (other.parent, other.type):
+            continue
+        first, second = (np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in (one, other))
+        flipped = (np.abs(first) > _LEAST) & (first * second < 0.0)
+        is_same = bool(np.abs(np.abs(first) - np.abs(second)).max() <= PLACE)
+        turned = np.abs(model.frames[one.child][:3, :3] - model.frames[other.child][:3, :3]).max()
+        if is_same and int(flipped.sum()) == 2 and turned < _PARALLEL:
+            yield one, other
 
 
 def _strip_place(name: str) -> tuple[str, ...]:
@@ -244,11 +266,32 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
             and _name_slip(origins[index], origins[index - 1]) == "sign"
             and not is_taken_back(model, group[index], group[index - 1], by_sign=True)
         ):
-            yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
+            pair = next(
+                (p for p in mirror_pairs(model) if p.is_in_place and group[index].child in {p.one, p.other}), None
+            )
+            if pair is None:
+                yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
+            else:
+                yield from _find_unmirrored(model, group, index, pair)
         axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in group]
         index = _find_odd(axes)
         if index is not None and _is_reversed(model, group, index, axes):
             yield OddSign(group[index], (*group[:index], *group[index + 1 :]), True)
+
+
+def _find_unmirrored(model: Model, group: Sequence[Joint], index: int, pair: MirrorPair) -> Iterator[OddSign]:
+    """Yield the joint that made three and one of two and two: the only one with a parent on the side of the odd one, which is the
+    mirror image of its twin in a ``pair``."""
+    odd = group[index]
+
+    def is_left(joint: Joint) -> bool:
+        return float(pair.plane.normal @ model.frames[joint.parent][:3, 3]) > pair.plane.offset
+
+    beside = [joint for joint in group if joint is not odd and is_left(joint) == is_left(odd)]
+    if len(beside) == 1 and len(group) == _MOST_OF:
+        turned = np.abs(model.frames[odd.parent][:3, :3] - model.frames[beside[0].parent][:3, :3]).max()
+        if turned < _PARALLEL and beside[0].child not in {pair.one, pair.other}:
+            yield OddSign(beside[0], (odd,), False)
 
 
 def is_taken_back(model: Model, odd: Joint, like: Joint, *, by_sign: bool = False) -> bool:

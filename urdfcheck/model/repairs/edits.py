@@ -93,9 +93,11 @@ def swap_values(one: Attribute | None, other: Attribute | None) -> list[Edit]:
 
 
 def _join_all(edits: Iterable[list[Edit]]) -> list[Edit]:
-    """Return all edits that change something; nothing where one of the changes has no edit."""
+    """Return all edits that change something, each once: a macro makes several parts of one text; nothing where one of the
+    changes has no edit."""
     each = list(edits)
-    return [edit for some in each for edit in some if edit.expected != edit.replacement] if all(each) else []
+    changing = (edit for some in each for edit in some if edit.expected != edit.replacement)
+    return list(dict.fromkeys(changing)) if all(each) else []
 
 
 def edit_content(element: Element, text: str, files: Mapping[str, SourceFile]) -> list[Edit]:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 # Predicted frames are only as exact as the rpy of the siblings; 1.57 is the coarsest that is common.
 ANGLE_TOLERANCE = 2e-3
 ROUND_STEP = math.pi / 12
+# Angles that were computed from the same digits.
+_EXACT = 1e-6
 
 
 def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[float]:
@@ -25,7 +27,10 @@ def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[flo
 
     Near a pitch of 90° many angles are one rotation: those with the fewest that are not round are what the author meant.
     """
-    rpy = [_snap_angle(angle) for angle in matrix_to_rpy(rotation)]
+    true = matrix_to_rpy(rotation)
+    rpy = [_snap_angle(angle) for angle in true]
+    if typed is not None:
+        rpy = [_keep_typed(*three) for three in zip(true, rpy, typed, strict=True)]
     if typed is None or sum(abs(a - b) > ANGLE_TOLERANCE for a, b in zip(rpy, typed, strict=True)) < 2:
         return rpy
     best, least = rpy, (len(rpy) + 1, ANGLE_TOLERANCE)
@@ -45,9 +50,22 @@ def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[flo
     return best
 
 
+def _keep_typed(true: float, rounded: float, typed: float) -> float:
+    """Return what the author typed where it is the ``true`` angle, else the ``rounded`` one; half a turn with the sign that was
+    typed."""
+    if abs(true - typed) < _EXACT:
+        return float(typed)
+    return math.copysign(rounded, typed) if math.pi - abs(rounded) < ANGLE_TOLERANCE else rounded
+
+
 def _snap_angle(angle: float) -> float:
     """Round a predicted angle to a near multiple of 15°, else to 1e-6 rad."""
     return round(angle / ROUND_STEP) * ROUND_STEP if _is_round(angle) else round(angle, 6)
+
+
+def has_round_angles(rpy: Sequence[float]) -> bool:
+    """Whether all angles are near multiples of 15°."""
+    return all(map(_is_round, rpy))
 
 
 def _is_round(angle: float) -> bool:

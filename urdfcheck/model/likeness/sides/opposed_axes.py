@@ -32,6 +32,8 @@ _ONE_SIDED = 2.0
 _LEAST_SPACE, _ALONG = 1e-3, 0.9
 _GRIPPER = re.compile(r"finger|jaw|grip|claw|pinc|tong|effector|(?<![a-z])ee(?![a-z])", re.IGNORECASE)
 
+Kind = Literal["opposed", "steering", "together", "crosswise"]
+
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class OpposedAxes:
@@ -40,9 +42,9 @@ class OpposedAxes:
     joint: Joint
     """The one whose axis has the negative number, where only one has."""
     twin: Joint
-    kind: Literal["opposed", "steering", "together"]
+    kind: Kind
     """``opposed``: left and right bend to opposite sides, unlike those of ``others``. ``steering``: so do steered wheels.
-    ``together``: the two parts of a gripper slide the same way."""
+    ``together``: the two parts of a gripper slide the same way. ``crosswise``: they slide along two lines."""
     others: tuple[Joint, ...] = ()
 
 
@@ -53,7 +55,7 @@ def iter_opposed_axes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[Opp
     """
     yield from _find_bending_apart(model, pairs)
     yield from _find_steering_apart(model)
-    yield from _find_sliding_together(model)
+    yield from _find_sliding_apart(model)
 
 
 def _find_bending_apart(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[OpposedAxes]:
@@ -105,18 +107,22 @@ def _have_one_range(one: Joint, other: Joint) -> bool:
     return b > a and max(abs(a + b), abs(a - c), abs(b - d)) <= _SAME * (b - a)
 
 
-def _find_sliding_together(model: Model) -> Iterator[OpposedAxes]:
-    """Yield two fingers of a gripper that slide to the same side."""
+def _find_sliding_apart(model: Model) -> Iterator[OpposedAxes]:
+    """Yield two fingers of a gripper that slide to the same side, or along two lines."""
     slides = [joint for joint in model.joints if joint.type == "prismatic" and joint.name in model.axes]
     for one, other in combinations(slides, 2):
         if one.parent != other.parent or not all(_GRIPPER.search(f"{j.name} {j.child}") for j in (one, other)):
             continue
+        siblings = [joint for joint in slides if joint.parent == one.parent]
+        if len(siblings) != 2 or is_alike(model, one.child, other.child) is False:
+            continue
+        if abs(float(model.axes[one.name] @ model.axes[other.name])) < _ACROSS:
+            yield _order(one, other, "crosswise")
         ways = _compute_ways(model, one, other)
         if ways is None or float(ways[0] @ ways[1]) < (1 - _PARALLEL) * float(np.linalg.norm(ways[0]) ** 2):
             continue
-        siblings = [joint for joint in slides if joint.parent == one.parent]
         places = [compute_centroid(model, joint.child) for joint in (one, other)]
-        if len(siblings) != 2 or places[0] is None or places[1] is None or not is_alike(model, one.child, other.child):
+        if places[0] is None or places[1] is None:
             continue
         apart = places[1] - places[0]
         space = float(np.linalg.norm(apart))
@@ -158,9 +164,7 @@ def _get_range(joint: Joint) -> tuple[float, float]:
     return math.nan if lower is None else lower, math.nan if upper is None else upper
 
 
-def _order(
-    one: Joint, other: Joint, kind: Literal["opposed", "steering", "together"], others: tuple[Joint, ...] = ()
-) -> OpposedAxes:
+def _order(one: Joint, other: Joint, kind: Kind, others: tuple[Joint, ...] = ()) -> OpposedAxes:
     """Put the joint with the negative axis first, else the second one."""
     is_first = sum(one.axis or ()) < 0 <= sum(other.axis or ())
     joint, twin = (one, other) if is_first else (other, one)
