@@ -1,4 +1,4 @@
-"""The one pair of left and right joints whose frames are rotated relative to each other, while those of all other pairs are not."""
+"""The one pair of left and right joints whose frames are rotated relative to each other, while those of no other pair are."""
 
 from __future__ import annotations
 
