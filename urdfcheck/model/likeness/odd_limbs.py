@@ -120,7 +120,7 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
 
 
 def _find_odd_spoke(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbers]:
-    """Yield the joint that is beside the point where all others of a hub are, or is turned about another axis than they are.
+    """Yield the joint that is beside the point where all others of a hub are, or is rotated about another axis than they are.
 
     Arms that a multicopter has around its middle differ in their yaw only.
     """

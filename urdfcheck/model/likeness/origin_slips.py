@@ -133,7 +133,7 @@ def _has_witnesses(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorP
 
 def _is_placed_by_turn(model: Model, pair: MirrorPair, joints: tuple[Joint, Joint]) -> bool:
     """Whether the rotation that takes the frame of one link of a pair to that of the other takes its place on its parent there,
-    too: the origin is no mirror image, but that of a part that is rotated."""
+    too: the part is rotated to the other side, not mirrored."""
     one, other = (model.frames[name][:3, :3] for name in (pair.one, pair.other))
     arms = [model.frames[joint.parent][:3, :3] @ (joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in joints]
     is_turned = bool(np.abs(one - other).max() > _PARALLEL)

@@ -1,4 +1,4 @@
-"""The one pair of left and right joints whose frames are turned against each other, while those of all other pairs are not."""
+"""The one pair of left and right joints whose frames are rotated relative to each other, while those of no other pair are."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _LEAST = math.radians(1)
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class LoneTurn:
-    """A joint that is turned against the mirror image of its twin, in the same place."""
+    """A joint that is rotated relative to the mirror image of its twin, in the same place."""
 
     joint: Joint
     twin: Joint
@@ -46,7 +46,7 @@ class LoneTurn:
 
 
 def iter_lone_turns(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[LoneTurn]:
-    """Yield the pair of left and right joints whose frames are turned against each other, if it is the only one.
+    """Yield the pair of left and right joints whose frames are rotated relative to each other, if it is the only one.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
