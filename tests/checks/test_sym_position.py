@@ -143,8 +143,8 @@ def test_the_mirror_image_of_a_misplaced_wheel_is_not_blamed(tmp_path: Path) -> 
         for side, y in (("left", 0.03), ("right", -0.03))
     )
     text = car(rear_left="-0.072 0.052 0").replace("</robot>", arms + "</robot>")
-    (innocent,) = find(tmp_path / "a", text, "SYM004")
-    assert innocent.location.subject == "joint[rear_right]/origin@xyz"
+    (odd,) = find(tmp_path / "a", text, "SYM004")
+    assert (odd.message_id, odd.location.subject) == ("odd", "joint[rear_left]/origin@xyz")
     (finding,) = check_text(tmp_path / "b", text, codes={"SYM002", "SYM004"}).findings
     assert (finding.code, finding.location.subject) == ("SYM002", "joint[rear_left]/origin@xyz")
     assert finding.data["hides"] == ["SYM004"]

@@ -53,7 +53,7 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     """Find how a robot on two or more driven wheels and what else carries it rests, with rigid parts and joints at zero.
 
     None where that is not decided: a wheel or a caster is suspended, a wheel carries rollers that turn by themselves, has its
-    shape beside its axle or is the hub of a larger part, wheels of the robot differ among themselves (SYM006, SYM008), or it does
+    shape beside its axle, all are hubs of larger parts, wheels of the robot differ among themselves (SYM006, SYM008), or it does
     not stand on wheels and casters alone.
 
     :param spread: part of the least radius of a driven wheel, and ``least`` (m), below which heights do not count.
@@ -104,7 +104,7 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     upright = _measure_heights(model, points[:, 2], owners)
     if any(abs(upright[wheel.joint.child] - float(wheel.contact[2])) > tolerance for wheel in driven):
         return None
-    if any(_stands_on_fixed_part(model, name, upright, tolerance) for name in wheels):
+    if all(_stands_on_fixed_part(model, wheel.joint.child, upright, tolerance) for wheel in driven):
         return None
     return RestPose(
         driven=driven,
