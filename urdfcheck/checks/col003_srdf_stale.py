@@ -19,6 +19,14 @@ from urdfcheck.source.text.xml import Attribute
 REASONS = ("Never", "Default", "Always", "Adjacent")
 
 
+# A pair that collides nearly everywhere was hardly overlooked: somebody disabled it so that the planner finds any way at all.
+_MEANT = (
+    'write reason="User" if the collision is to be ignored on purpose; otherwise correct the collision shapes: without the line '
+    "the planner avoids most poses"
+)
+_STALE = "delete the line, or regenerate the block (urdfcheck srdf, or Setup Assistant with dense sampling)"
+
+
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for srdf in semantic_descriptions(model):
         yield from _check_unknown_links(model, rule, srdf)
@@ -122,6 +130,7 @@ def _build_hidden_finding(
         second=worst.links[1],
         hits=pair.hit_count,
         samples=f"{len(pair.hits):,}",
+        repair=_MEANT if 2 * pair.hit_count >= len(pair.hits) else _STALE,
         more=_format_more_pairs(more),
         pose=pose,
         at_pose=join_names(f"{name} = {value:.3g}" for name, value in between.items()),

@@ -36,6 +36,8 @@ _STRAY_AREA = 0.2
 _ALIKE = 1.5
 # A shape is of the part with which it shares this much of the smaller box.
 _OWN = 0.5
+# A shape is about a joint if its middle is as near as this share of its diagonal.
+_ABOUT = 0.1
 # Boxes with edges that agree to this share are about one shape.
 _SAME_SHAPE = 0.1
 # A scale changes all edges of a box: those that agree to this factor had none.
@@ -151,7 +153,7 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
         if not suspects or (len(links) > 1 and _compare_links(model, links, classify_pair) is None):
             continue
         for link, message, pair in suspects:
-            if message == "apart" and _is_covered(model, body, link, pair, covered):
+            if message == "apart" and (_is_covered(model, body, link, pair, covered) or _holds_next_joint(model, link)):
                 continue
             stray = _find_stray_pieces(model, link, pair, ratio) if message == "size" else None
             if stray is not None:
@@ -187,6 +189,23 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
             continue
         stand_in = _BoxPair(pair.visual_box, box)
         if stand_in.overlap >= covered and 1 / _ALIKE <= stand_in.ratio <= _ALIKE:
+            return True
+    return False
+
+
+def _holds_next_joint(model: Model, link: Link) -> bool:
+    """Whether the collision geometry of a link is about a joint in front of it, where the next link is drawn."""
+    shapes = [(shape, np.eye(4)) for shape in link.collisions if not is_dummy_shape(shape)]
+    box = compute_bounding_box(model, shapes)
+    home = np.linalg.inv(model.frames[link.name])
+    for joint in model.tree.child_joints[link.name]:
+        place = home @ model.frames[joint.child]
+        visuals = [(s, place) for s in model.link_by_name[joint.child].visuals if not is_dummy_shape(s)]
+        drawn = compute_bounding_box(model, visuals)
+        if not joint.is_movable or box is None or drawn is None or not _measure_diagonal(drawn):
+            continue
+        distance = float(np.linalg.norm(box.mean(axis=0) - place[:3, 3]))
+        if distance <= _ABOUT * _measure_diagonal(box) and _BoxPair(drawn, box).overlap >= _OWN:
             return True
     return False
 
