@@ -45,9 +45,10 @@ from urdfcheck.run.shown_paths import PathShortener
 from urdfcheck.run.source_texts import RULE as TEXTS_RULE
 from urdfcheck.run.source_texts import limit_texts
 from urdfcheck.run.units.unchecked import explain_unchecked, locate_unit, mark_cause, report_stopped_unit
-from urdfcheck.source.load import Source, load_source
+from urdfcheck.source.load import Source, load_source, read_xacro_source
 from urdfcheck.source.model_role import MODEL, collect_robot_files, find_model_role
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
+from urdfcheck.source.package.similar_files import find_file_elsewhere
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.resources import find_uninstalled_files
 from urdfcheck.source.text.suppression_comments import find_ignore_comments
@@ -505,6 +506,7 @@ class _UnitAudit:
             failures=tuple(self.failures),
             comments=usages,
             files=() if self.source is None else tuple(self.source.files),
+            xacro_sources=self.find_xacro_sources({span.file for f in settled.findings if (span := f.location.span)}),
             srdf_files=self.srdf_files,
             expanded_files=frozenset() if self.source is None else frozenset(self.source.trees),
             robot_files=frozenset() if self.source is None else collect_robot_files(self.source),
@@ -512,6 +514,15 @@ class _UnitAudit:
             other_environments=tuple(self.other_environments),
             undeclared=None if self.source is None else _find_undeclared_arguments(self.source),
         )
+
+    def find_xacro_sources(self, names: Iterable[str]) -> dict[str, str]:
+        """Return the paths from those of these files of the model that xacro wrote to their sources, as far as they are found."""
+        source = self.source
+        if source is None:
+            return {}
+        made = {name: read_xacro_source(file.text) for name, file in source.files.items() if name in names}
+        found = {n: find_file_elsewhere(path, Path(n), source.finder) for n, path in made.items() if path is not None}
+        return {n: Path(os.path.relpath(p, Path(n).parent)).as_posix() for n, p in found.items() if p is not None}
 
     def read_named_files(self) -> set[str]:
         """Return the names of the files that findings point into, and read those that no check has read."""

@@ -5,15 +5,16 @@ from __future__ import annotations
 import difflib
 import os
 import re
-from collections.abc import Iterable, Mapping
-from itertools import islice
-from pathlib import Path
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import islice, takewhile
+from pathlib import Path, PureWindowsPath
 
 from urdfcheck.core.text import SLIP_LIKENESS, split_name_words
 from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.package.setup_py_installs import read_package_data
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.python import parse_python
 from urdfcheck.system.files import read_regular, walk
 
@@ -123,6 +124,28 @@ def read_defined_macros(files: Iterable[Path], finder: PackageFinder) -> dict[st
             continue
         macros[path.name] = set(_MACRO.findall(text))
     return macros
+
+
+def find_file_elsewhere(written: str, user: Path, finder: PackageFinder) -> Path | None:
+    """Return the file that a path of another machine means: one of its name in the package of ``user``, else in the project.
+
+    ``user``: the file that has the path. Of several it is the one in folders of the same names; None if several are as like.
+    """
+    there, own = PureWindowsPath(written), user.absolute()
+    package = finder.find_package_of(own)
+    for root in ([] if package is None else [package.path]) + [find_project_folder(user)]:
+        named = [path for path in index_files([root]).get(there.name.lower(), []) if path.name == there.name]
+        likeness = {p: _count_like_parts(p.parts, there.parts) for p in named if p != own and finder.can_open(p)}
+        best = [path for path, number in likeness.items() if number == max(likeness.values())]
+        if best:
+            return best[0] if len(best) == 1 else None
+    return None
+
+
+def _count_like_parts(one: Sequence[str], other: Sequence[str]) -> int:
+    """Count the last parts that two paths share."""
+    pairs = zip(reversed(one), reversed(other), strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
 
 def describe_uninstalled_file(file: Path) -> str:
