@@ -5,11 +5,12 @@ from __future__ import annotations
 import difflib
 import os
 import re
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice, takewhile
-from pathlib import Path, PureWindowsPath
+from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from urdfcheck.core.text import SLIP_LIKENESS, split_name_words
+from urdfcheck.core.text import SLIP_LIKENESS, join_names, split_name_words
 from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
@@ -32,6 +33,8 @@ FilesByName = Mapping[str, list[Path]]
 # A macro's definition as typed, also without the prefix; so many files of a folder are read, and so much of each.
 _MACRO = re.compile(r"<(?:xacro:)?macro\s[^<>]*?\bname\s*=\s*[\"'](?:xacro:)?(\w+)[\"']")
 _MOST_MACRO_FILES, _MOST_MACRO_BYTES = 200, 1_000_000
+# The folder of a submodule in .gitmodules, of which so much is read.
+_SUBMODULE, _MOST_GIT_BYTES = re.compile(r"(?m)^[ \t]*path[ \t]*=[ \t]*(\S.*?)[ \t\r]*$"), 1_000_000
 
 
 def index_files(roots: Iterable[Path]) -> FilesByName:
@@ -146,6 +149,46 @@ def _count_like_parts(one: Sequence[str], other: Sequence[str]) -> int:
     """Count the last parts that two paths share."""
     pairs = zip(reversed(one), reversed(other), strict=False)
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+
+
+def propose_checkout(package: str, finder: PackageFinder) -> tuple[str, bool]:
+    """Return how a package is found that may be in a submodule of git which is not checked out, and whether it is that submodule.
+
+    Nothing if all submodules are checked out.
+    """
+    missing = _list_missing_submodules(finder)
+    own = next((path for path in missing if PurePosixPath(path).name == package), None)
+    if own is not None:
+        return f"check out its submodule: `git submodule update --init {shlex.quote(own)}`", True
+    if missing:
+        return (
+            f"if it is in a submodule ({join_names(missing, 3)}), check that out: `git submodule update --init`",
+            False,
+        )
+    return "", False
+
+
+def _list_missing_submodules(finder: PackageFinder) -> list[str]:
+    """Return the submodules of the repository around the start whose folders are missing or empty, as .gitmodules has them."""
+    for folder in finder.list_parent_folders():
+        names = folder / ".gitmodules"
+        if not finder.can_open(folder / "package.xml") or names.is_symlink():  # a hidden file itself is never in reach
+            continue
+        try:
+            paths = _SUBMODULE.findall(read_regular(names, _MOST_GIT_BYTES).decode("utf-8", "replace"))
+        except OSError:
+            continue
+        return [path for path in paths if finder.can_open(folder / path) and _is_empty(folder / path)]
+    return []
+
+
+def _is_empty(folder: Path) -> bool:
+    try:
+        return not os.listdir(folder)
+    except FileNotFoundError:
+        return True
+    except OSError:
+        return False
 
 
 def describe_uninstalled_file(file: Path) -> str:
