@@ -81,7 +81,7 @@ def _describe_python_repair(package: Package, folders: Iterable[str], names: Map
 
 
 def _name_glob(names: Mapping[str, str]) -> tuple[str, str]:
-    """Return how setup.py calls glob, and what to say of an import that it lacks."""
+    """Return how setup.py calls glob, and the end of a repair for which it lacks the import."""
     for name, meant in names.items():
         if meant in {"glob", "glob.glob"}:
             return (name if meant == "glob.glob" else f"{name}.glob"), ""
